@@ -1,0 +1,32 @@
+"""Shared fixtures: the thesis column, and the switch for long studies."""
+
+from __future__ import annotations
+
+import pytest
+
+from workbench.datafiles import data_directory
+from workbench.scenarios import ColumnImpact, load_scenario
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--run-slow", action="store_true", help="run the long studies too")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--run-slow"):
+        return
+    for item in items:
+        if "slow" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="long study: run with --run-slow"))
+
+
+@pytest.fixture(scope="session")
+def thesis_impact() -> ColumnImpact:
+    """HEB 220 hit 0.8 m above its base at 15 m/s (Heng 2017, section 5.2)."""
+    return load_scenario(data_directory() / "published" / "heng2017_impact_column.toml")
+
+
+@pytest.fixture(scope="session")
+def clamped_impact() -> ColumnImpact:
+    """HEB 220 clamped at both ends, hit at mid-height at 25 m/s (Heng 2017, section 5.1)."""
+    return load_scenario(data_directory() / "published" / "heng2017_clamped_column.toml")

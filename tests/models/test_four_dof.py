@@ -1,0 +1,233 @@
+"""Four-DOF column: closed forms, kernels against finite differences, ledger, orders, bad input."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from workbench.models.four_dof import FourDof, _kernels
+from workbench.responses import Outcome, outcome_of, warnings_of
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.sections import find
+
+ELASTIC = {"plastic_moment": 9e8, "squash_load": 9e9}
+
+
+def elastic_column(**changes) -> Column:
+    values = {
+        "section": find("HEB 220"),
+        "length_below": 2.0,
+        "length_above": 2.0,
+        "area": 91e-4,
+        "second_moment": 8091e-8,
+        **ELASTIC,
+    }
+    return Column(**{**values, **changes})
+
+
+@pytest.mark.parametrize(
+    ("base", "head", "factor"),
+    [
+        # beam closed forms for a midspan load, in EI/L^3
+        ("clamped", "guided", 192.0),
+        ("pinned", "pinned", 48.0),
+    ],
+)
+def test_elastic_stiffness_at_midspan(base: str, head: str, factor: float) -> None:
+    column = elastic_column(base=base, head=head)
+    response = FourDof().simulate(ColumnPushover("elastic", column, 1e-5))
+    expected = factor * 210e9 * 8091e-8 / 4.0**3
+    measured = float(response["force"][-1] / response["displacement"][-1])
+    assert measured == pytest.approx(expected, rel=1e-6)
+
+
+def test_one_pinned_end_gives_the_series_of_its_hinges() -> None:
+    # bar a: one hinge 3EI/l at the hit point; bar b: 6EI/l at both ends. Moment balance at the
+    # hit point and rigid-bar kinematics give k = sum of end stiffnesses / l^2 + middle in series
+    column = elastic_column(base="pinned", length_below=1.0, length_above=3.0)
+    stiffness = 210e9 * 8091e-8
+    low, high, top = 3 * stiffness / 1.0, 6 * stiffness / 3.0, 6 * stiffness / 3.0
+    kappa = 1.0 / 1.0 + 1.0 / 3.0
+    expected = kappa**2 / (1.0 / low + 1.0 / high) + top / 3.0**2
+    response = FourDof().simulate(ColumnPushover("elastic", column, 1e-5))
+    measured = float(response["force"][-1] / response["displacement"][-1])
+    assert measured == pytest.approx(expected, rel=1e-6)
+
+
+def test_elastic_impact_matches_the_oscillator() -> None:
+    # spec of the closed form: m_c sticks to m_1, amplitude V / omega
+    impact = ColumnImpact("soft", elastic_column(), Striker(1500.0, 0.1), 0.03)
+    mass, struck = 1500.0, 7850 * 91e-4 * 4.0 / 3.0
+    omega = np.sqrt(192.0 * 210e9 * 8091e-8 / 4.0**3 / (mass + struck))
+    exact = 0.1 * mass / (mass + struck) / omega
+    errors = []
+    for step in (4e-4, 2e-4, 1e-4):
+        response = FourDof(time_step=step).simulate(impact)
+        errors.append(exact - float(response["displacement"].max()))
+    assert np.abs(errors[-1]) < 1e-3 * exact
+    assert exact == pytest.approx(5.260239e-4, rel=1e-3)
+
+
+def test_time_of_peak_and_peak_converge_at_least_first_order(thesis_impact) -> None:
+    fine = FourDof(time_step=2.5e-6).simulate(thesis_impact)["peak_displacement"]
+    steps = np.array([4e-4, 2e-4, 1e-4])
+    errors = [
+        abs(float(FourDof(time_step=s).simulate(thesis_impact)["peak_displacement"] - fine))
+        for s in steps
+    ]
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert slope > 0.9
+    assert errors[-1] < 3e-4 * float(fine)
+
+
+@pytest.mark.parametrize("small", [False, True])
+def test_bar_tangent_equals_finite_differences(small: bool) -> None:
+    rng = np.random.default_rng(7)
+    bounds = np.array([[3.1e6, 3.1e6], [2.8e5, 2.8e5], [2.8e5, 2.8e5]])
+    stiffness, exponents = np.array([2.4e9, 1.27e8, 1.27e8]), np.array([1.0, 1.3])
+    work, stress, force, tangent = np.zeros((18, 3)), np.zeros(3), np.zeros(3), np.zeros((3, 3))
+    checked = 0
+    for _ in range(60):
+        at = np.array([0.1, 0.8, 0.0]) + rng.normal(size=3) * [0.05, 5e-3, 0.1]
+        plastic = rng.normal(size=3) * [1e-2, 0.1, 0.1]
+
+        def forces(q: np.ndarray, plastic: np.ndarray = plastic) -> np.ndarray:
+            out, matrix = np.zeros(3), np.zeros((3, 3))
+            _kernels.bar(
+                *q, 0.8, stiffness, bounds, exponents, small, plastic, work, stress, out, matrix
+            )
+            return out
+
+        _kernels.bar(
+            *at, 0.8, stiffness, bounds, exponents, small, plastic, work, stress, force, tangent
+        )
+        step = 1e-8
+        columns = [(forces(at + step * e) - forces(at - step * e)) / (2 * step) for e in np.eye(3)]
+        half = [(forces(at + 5e-9 * e) - forces(at - 5e-9 * e)) / 1e-8 for e in np.eye(3)]
+        numeric = np.array(columns).T
+        if np.max(np.abs(numeric - np.array(half).T)) > 2e-6 * stiffness[0]:
+            continue  # a kink lies within the step
+        np.testing.assert_allclose(tangent, numeric, atol=1e-5 * stiffness[0])
+        checked += 1
+    assert checked > 40
+
+
+def test_static_energy_balance_is_that_of_the_trapezoidal_rule(thesis_impact) -> None:
+    push = ColumnPushover("push", thesis_impact.column, 0.5)
+    response = FourDof().simulate(push)
+    error = np.abs(response["balance_error"]).max() / response["input_energy"]
+    assert float(error) < 4e-5
+
+
+def test_moreau_and_midpoint_agree(thesis_impact) -> None:
+    peaks = [
+        float(FourDof(integrator=name, time_step=1e-5).simulate(thesis_impact)["peak_displacement"])
+        for name in ("midpoint", "moreau", "gear-gupta-leimkuhler")
+    ]
+    np.testing.assert_allclose(peaks, peaks[0], rtol=3e-4)
+
+
+def test_moreau_ledger_error_falls_with_the_step(thesis_impact) -> None:
+    errors = []
+    for step in (4e-5, 2e-5, 1e-5):
+        response = FourDof(integrator="moreau", time_step=step).simulate(thesis_impact)
+        errors.append(float(np.abs(response["balance_error"]).max() / response["input_energy"]))
+    slope = np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(errors), 1)[0]
+    assert slope == pytest.approx(1.0, abs=0.1)
+    assert errors[-1] < 1e-3
+
+
+def test_explicit_scheme_refuses_steps_above_its_limit(thesis_impact) -> None:
+    response = FourDof(integrator="moreau", time_step=4e-4).simulate(thesis_impact)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "stability limit" in response.attrs["message"]
+
+
+@st.composite
+def impacts(draw: st.DrawFn) -> ColumnImpact:
+    """Random columns and strikers over the documented domain."""
+    names = ("IPE 200", "HEA 160", "HEB 220", "HEB 400", "HEM 260", "IPE 500")
+    section = find(draw(st.sampled_from(names)))
+    length = draw(st.floats(2.0, 10.0))
+    ratio = draw(st.floats(0.1, 0.9))
+    column = Column(
+        section,
+        length * ratio,
+        length * (1.0 - ratio),
+        base=draw(st.sampled_from(["clamped", "pinned"])),
+        head=draw(st.sampled_from(["guided", "pinned", "fixed"])),
+        fillets=draw(st.booleans()),
+        restraint_stiffness=draw(st.sampled_from([0.0, 1e6, 1e7, 1e9])),
+        head_mass=draw(st.sampled_from([0.0, 100.0, 5e3, 1e5])),
+    )
+    load = draw(st.floats(-0.2, 0.6)) * column.properties.squash_load
+    striker = Striker(
+        10.0 ** draw(st.floats(1.0, 4.0)),
+        draw(st.floats(0.5, 40.0)),
+        draw(st.sampled_from([0.0, 0.3, 1.0])),
+    )
+    return ColumnImpact("random", replace(column, axial_load=load), striker, 0.06)
+
+
+@settings(
+    max_examples=250, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+@given(impacts())
+def test_random_scenarios_conserve_energy_or_end_in_a_typed_outcome(impact: ColumnImpact) -> None:
+    response = FourDof().simulate(impact)
+    outcome = outcome_of(response)
+    if outcome is not Outcome.OK:
+        assert outcome in (Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED)
+        assert len(response.attrs["message"]) > 40
+        assert not response.data_vars
+        return
+    error = float(np.abs(response["balance_error"]).max()) / impact.input_energy
+    assert error < 1e-6
+    assert np.all(np.diff(response["dissipated"]) >= -1e-9 * impact.input_energy)
+    # Newton's law U1 + eps U0 >= 0 may return a little in a step that starts separating
+    assert np.all(np.diff(response["contact_loss"]) >= -1e-4 * impact.input_energy)
+    assert np.all(response["percussion"] >= 0.0)
+    if "peak_displacement" not in response:
+        assert "no-peak" in [finding.subject for finding in warnings_of(response)]
+
+
+def test_a_pinned_base_is_softer_and_a_spring_stiffer(thesis_impact) -> None:
+    peak = {}
+    for name, changes in {
+        "as is": {},
+        "pinned": {"base": "pinned"},
+        "free head": {"restraint_stiffness": 0.0},
+        "fixed head": {"head": "fixed"},
+    }.items():
+        column = replace(thesis_impact.column, **changes)
+        response = FourDof().simulate(replace(thesis_impact, column=column, duration=0.2))
+        peak[name] = float(response["peak_displacement"])
+    assert peak["pinned"] > peak["as is"]
+    assert peak["free head"] > peak["as is"] > peak["fixed head"]
+
+
+def test_buckling_load_is_refused_and_shear_is_warned_of(thesis_impact) -> None:
+    slender = Column(find("IPE 80"), 3.0, 3.0, base="pinned", head="pinned", axial_load=1e5)
+    response = FourDof().simulate(ColumnImpact("slender", slender, Striker(10.0, 1.0)))
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "Euler load" in response.attrs["message"]
+    thesis = FourDof().simulate(thesis_impact)
+    assert "shear" in [finding.subject for finding in warnings_of(thesis)]
+    assert float(thesis["shear_utilisation"].sel(segment="below")) > 1.7
+
+
+def test_a_short_record_has_no_peak_and_says_so(thesis_impact) -> None:
+    response = FourDof().simulate(replace(thesis_impact, duration=0.005))
+    assert outcome_of(response) is Outcome.OK
+    assert "peak_displacement" not in response
+    assert "no-peak" in [finding.subject for finding in warnings_of(response)]
+
+
+def test_collapse_is_out_of_domain(thesis_impact) -> None:
+    response = FourDof().simulate(replace(thesis_impact.at_velocity(80.0), duration=0.2))
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "collapse" in response.attrs["message"]

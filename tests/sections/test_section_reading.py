@@ -1,0 +1,134 @@
+"""Sections from names and tables, back to TOML, and every way to get them wrong."""
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.sections import (
+    Section,
+    circular_tube,
+    find,
+    i_section,
+    names,
+    plate,
+    rectangle,
+    rectangular_tube,
+    section_from,
+    square,
+    square_tube,
+)
+
+
+@pytest.mark.parametrize(
+    "name", ["HEB 220", "HEB220", "heb 220", " Heb-220 ", "HE 220 B", "he220b", "HEB_220"]
+)
+def test_names_are_read_tolerantly(name: str) -> None:
+    assert find(name) == section_from(name, "column.section") == find("HEB 220")
+    assert find(name).name == "HEB 220"
+
+
+@pytest.mark.parametrize(
+    ("table", "section"),
+    [
+        (
+            {"height": 0.22, "width": 0.22, "web": 0.0095, "flange": 0.016, "fillet": 0.018},
+            i_section(0.22, 0.22, 0.0095, 0.016, 0.018),
+        ),
+        (
+            {"height": 0.22, "width": 0.22, "web": 0.0095, "flange": 0.016},
+            i_section(0.22, 0.22, 0.0095, 0.016),
+        ),
+        ({"side": 0.2}, square(0.2)),
+        ({"side": 1}, square(1.0)),
+        ({"height": 0.3, "width": 0.2}, rectangle(0.3, 0.2)),
+        ({"width": 0.2, "thickness": 0.01}, plate(0.2, 0.01)),
+        ({"height": 0.3, "width": 0.2, "wall": 0.01}, rectangular_tube(0.3, 0.2, 0.01)),
+        ({"side": 0.2, "wall": 0.01}, square_tube(0.2, 0.01)),
+        ({"diameter": 0.2, "wall": 0.01}, circular_tube(0.2, 0.01)),
+    ],
+)
+def test_tables(table: dict[str, float], section: Section) -> None:
+    read = section_from(table, "column.section")
+    assert read == section
+    assert read.name == section.name
+
+
+def test_a_plate_bends_out_of_its_plane() -> None:
+    assert plate(0.2, 0.01).height == 0.01
+    assert plate(0.2, 0.01).width == 0.2
+
+
+def test_a_section_passes_through() -> None:
+    section = square(0.2)
+    assert section_from(section, "column.section") is section
+
+
+def test_catalogue_sections_are_written_by_name() -> None:
+    assert [find(name).to_toml() for name in names()] == list(names())
+
+
+def test_a_borrowed_name_is_not_trusted() -> None:
+    impostor = Section("HEB 220", square(0.2).shape)
+    assert impostor.to_toml() == {"height": 0.2, "width": 0.2}
+    bare = find("HEB 220").without_fillets()
+    assert section_from(bare.to_toml(), "section") == bare
+
+
+I_TABLE = {"height": 0.2, "width": 0.2, "web": 0.01, "flange": 0.01}
+METRES = "lengths are in metres, not millimetres"
+
+
+@pytest.mark.parametrize(
+    ("value", "field", "message"),
+    [
+        ("HEB 230", "column.section", "did you mean HEB 220 or HEB 240?"),
+        ("heb230", "column.section", "did you mean HEB 220 or HEB 240?"),
+        ("HEX 220", "column.section", "HEB 220"),
+        ("IPN 200", "column.section", "did you mean IPE 200"),
+        ("IPE 220 A", "column.section", "did you mean IPE 220"),
+        ("HEB 22.0", "column.section", "must be a profile of the catalogue"),
+        ("gibberish", "column.section", "IPE 80 to 600"),
+        ("", "column.section", "or give its dimensions"),
+        (220, "column.section", "must be a profile name or a table"),
+        (None, "column.section", "must be a profile name or a table"),
+        ([0.2], "column.section", "must be a profile name or a table"),
+        ({}, "column.section", "must have the keys"),
+        ({"height": 0.2}, "column.section", "must have the keys"),
+        ({**I_TABLE, "wall": 0.01}, "column.section", "must have the keys"),
+        ({"heigth": 0.2, "width": 0.2}, "column.section.heigth", "did you mean height?"),
+        ({1: 0.2}, "column.section.1", "unknown key"),
+        ({"side": 200}, "column.section.side", METRES),
+        ({"side": 0.001}, "column.section.side", METRES),
+        ({"side": -0.2}, "column.section.side", METRES),
+        ({"side": "200 mm"}, "column.section.side", "without quotes"),
+        ({"side": True}, "column.section.side", "must be a number"),
+        ({"side": float("nan")}, "column.section.side", "finite"),
+        ({**I_TABLE, "height": 220.0}, "column.section.height", METRES),
+        ({**I_TABLE, "flange": 16.0}, "column.section.flange", METRES),
+        ({**I_TABLE, "fillet": 18.0}, "column.section.fillet", METRES),
+        ({**I_TABLE, "flange": 0.1}, "column.section.flange", "half the height"),
+        ({**I_TABLE, "web": 0.2}, "column.section.web", "below the width"),
+        ({**I_TABLE, "fillet": 0.0951}, "column.section.fillet", "fit between web and flange"),
+        ({**I_TABLE, "fillet": 1e-6}, "column.section.fillet", "must be 0, or at least"),
+        ({"diameter": 0.2, "wall": 0.1}, "column.section.wall", "half the diameter"),
+        ({"side": 0.2, "wall": 0.1}, "column.section.wall", "half the smaller side"),
+        ({"height": 0.3, "width": 0.02, "wall": 0.01}, "column.section.wall", "smaller side"),
+        ({"width": 0.2, "thickness": 10}, "column.section.thickness", METRES),
+    ],
+)
+def test_bad_values_name_the_key_and_say_what_is_allowed(
+    value: object, field: str, message: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        section_from(value, "column.section")
+    assert caught.value.field == field
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_constructors_in_python_check_too() -> None:
+    with pytest.raises(InputError, match=r"section\.height.*millimetres"):
+        i_section(220, 220, 9.5, 16)
+    with pytest.raises(InputError, match=r"section\.wall"):
+        circular_tube(0.2, 0.15)
+    with pytest.raises(InputError, match="must be a profile"):
+        find(220)  # type: ignore[arg-type]

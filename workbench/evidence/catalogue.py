@@ -1,0 +1,111 @@
+"""The data catalogue: what each table holds, where it is from, what it may be used for."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+import pandas as pd
+
+from workbench.datafiles import data_directory
+from workbench.errors import InputError
+
+ROLES = ("calibrate", "validate", "verify")
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """One table of the catalogue.
+
+    `file` is relative to the data directory; `role` says what the rows may be used for;
+    `uncertainty` says how well they are known; `columns` names every column with its meaning;
+    `scenario` and `axis` (optional) give the scenario file that published rows belong to and
+    the key that a column of the table varies.
+    """
+
+    name: str
+    title: str
+    file: str
+    source: str
+    licence: str
+    role: str
+    uncertainty: str
+    units: str = "SI, as the column names say"
+    key: str = ""
+    scenario: str = ""
+    axis: str = ""
+    axis_column: str = ""
+    columns: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def path(self) -> Path:
+        """Where the table is."""
+        return data_directory() / self.file
+
+
+def datasets() -> list[Dataset]:
+    """All datasets of the catalogue. Raises `InputError` if the catalogue itself is broken."""
+    path = data_directory() / "catalogue.toml"
+    try:
+        entries = tomllib.loads(path.read_text(encoding="utf-8"))["dataset"]
+    except (OSError, tomllib.TOMLDecodeError, KeyError) as error:
+        raise InputError("data catalogue", path.name, f"cannot be read: {error}") from error
+    known = {f.name for f in fields(Dataset)}
+    result = []
+    for entry in entries:
+        try:
+            result.append(Dataset(**entry))
+        except TypeError as error:
+            wrong = ", ".join(sorted(set(entry) - known)) or str(error)
+            raise InputError(
+                "data catalogue", entry.get("name", "?"), f"has a bad entry: {wrong}"
+            ) from error
+    return result
+
+
+def dataset(name: str) -> Dataset:
+    """The dataset of this name. Raises `InputError` with the nearest names."""
+    entries = {entry.name: entry for entry in datasets()}
+    if name not in entries:
+        near = difflib.get_close_matches(name, entries, 1)
+        advice = f"did you mean {near[0]}?" if near else ""
+        raise InputError("dataset", name, "must be one of " + ", ".join(entries), advice)
+    return entries[name]
+
+
+def load(name: str) -> pd.DataFrame:
+    """The rows of a dataset."""
+    return pd.read_csv(dataset(name).path)
+
+
+def check() -> list[str]:
+    """Problems of the whole catalogue, one sentence each; empty when all is well."""
+    problems = []
+    seen: set[str] = set()
+    for entry in datasets():
+        where = f"dataset {entry.name}"
+        if entry.name in seen:
+            problems.append(f"{where}: the name stands twice")
+        seen.add(entry.name)
+        if entry.role not in ROLES:
+            problems.append(f"{where}: role {entry.role!r} is not one of {', '.join(ROLES)}")
+        problems.extend(
+            f"{where}: {required} is missing"
+            for required in ("title", "source", "licence", "uncertainty")
+            if not getattr(entry, required).strip()
+        )
+        if not entry.path.is_file():
+            problems.append(f"{where}: file {entry.file} is missing")
+            continue
+        table = pd.read_csv(entry.path)
+        undescribed = set(table.columns) - set(entry.columns)
+        missing = set(entry.columns) - set(table.columns)
+        problems.extend(f"{where}: column {c} is not described" for c in sorted(undescribed))
+        problems.extend(f"{where}: column {c} is missing in the file" for c in sorted(missing))
+        if table.empty:
+            problems.append(f"{where}: the table has no rows")
+        if entry.scenario and not (data_directory() / entry.scenario).is_file():
+            problems.append(f"{where}: scenario file {entry.scenario} is missing")
+    return problems

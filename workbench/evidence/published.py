@@ -1,0 +1,106 @@
+"""Published numbers as a model: they answer exactly the scenario they were published for."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import ClassVar
+
+import pandas as pd
+
+from workbench.datafiles import data_directory
+from workbench.errors import InputError, OutOfDomainError
+from workbench.evidence.catalogue import dataset, load
+from workbench.fields import Text, check_fields, checked
+from workbench.models.base import respond
+from workbench.responses import SCALARS, Finding, Response, build_response
+from workbench.scenarios import ColumnImpact, Scenario, load_scenario
+
+
+@dataclass(frozen=True)
+class Published:
+    """One published series. Options: `dataset`, a catalogue name; `series`, a row label of it.
+
+    The response holds the published scalars only, and as attribute `data_uncertainty` how well
+    they can be read (JSON: quantity to half-width in SI).
+    """
+
+    dataset: str = checked(Text(), "heng2017-figure-5-9")
+    series: str = checked(Text(), "4-DOF nonlinear yield surface")
+
+    name: ClassVar[str] = "published"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Numbers as printed or as read from the figure; they answer only their own scenario.",
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+        known = sorted(set(load(self.dataset)["series"]))
+        if self.series not in known:
+            raise InputError("option.series", self.series, "must be one of " + "; ".join(known))
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography key of the dataset."""
+        return (dataset(self.dataset).key,)
+
+    @property
+    def data_digest(self) -> str:
+        """Hash of the table, so that a stored cell is renewed when the data change."""
+        return hashlib.sha256(dataset(self.dataset).path.read_bytes()).hexdigest()[:16]
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """Refuse every scenario that the series was not published for."""
+        if self._row(scenario) is None:
+            entry = dataset(self.dataset)
+            text = (
+                f"{entry.title}, series {self.series!r}, holds no number for this scenario: "
+                f"it was published for {entry.scenario} at given values of {entry.axis}"
+            )
+            return [Finding("published", text, refusal=True)]
+        return []
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """The published scalars of this scenario."""
+        return respond(self, scenario, self._solve)
+
+    def _row(self, scenario: Scenario) -> pd.Series | None:
+        entry = dataset(self.dataset)
+        rows = load(self.dataset)
+        rows = rows[rows["series"] == self.series]
+        if not isinstance(scenario, ColumnImpact):
+            return None
+        for index, value in rows[entry.axis_column].items():
+            published = _published_scenario(entry.name, float(value))
+            # how long a response is followed is not part of what was published
+            alike = replace(published, name=scenario.name, duration=scenario.duration)
+            if alike == scenario:
+                return rows.loc[index]  # type: ignore[index]
+        return None
+
+    def _solve(self, scenario: Scenario) -> Response:
+        row = self._row(scenario)
+        if row is None:
+            raise OutOfDomainError("nothing was published for this scenario")
+        values, widths = {}, {}
+        for quantity in SCALARS:
+            columns = [c for c in row.index if str(c).startswith(f"{quantity}_")]
+            for column in columns:
+                target = widths if "_uncertainty_" in str(column) else values
+                target[quantity] = float(row[column])
+        response = build_response(values)
+        response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        return response
+
+
+@cache
+def _published_scenario(name: str, value: float) -> ColumnImpact:
+    entry = dataset(name)
+    scenario = load_scenario(data_directory() / entry.scenario, [f"{entry.axis}={value!r}"])
+    if not isinstance(scenario, ColumnImpact):
+        raise InputError("data catalogue", name, "its scenario must be a column-impact")
+    return scenario

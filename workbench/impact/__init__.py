@@ -1,0 +1,5 @@
+"""Unilateral contact with Newton restitution, shared by all impact models."""
+
+from workbench.impact.collision import Collision, collide
+
+__all__ = ["Collision", "collide"]

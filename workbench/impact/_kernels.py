@@ -1,0 +1,32 @@
+"""The unilateral contact law at velocity level, as the time steps of all models use it.
+
+Moreau 1988; Heng 2017, eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the percussion P of
+a step obeys 0 <= P perp xi = gamma_1 + eps gamma_0 >= 0 while the contact is closed.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy")
+def touches(gap, gamma, dt):
+    """Whether the gap forecast for the middle of the step is closed."""
+    return gap + 0.5 * dt * gamma <= 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def explicit_percussion(gamma_free, gamma_start, restitution, mass, striker_mass):
+    """Percussion from the gap velocity without contact; one contact needs no iteration.
+
+    The factor r of Heng 2017, eq. 3.28, must be (w' M^-1 w)^-1, in kg, as here; eq. 3.29 prints
+    its inverse.
+    """
+    xi = gamma_free + restitution * gamma_start
+    return max(-xi, 0.0) / (1.0 / mass + 1.0 / striker_mass)
+
+
+@njit(cache=True, error_model="numpy")
+def contact_loss(percussion, gamma_start, gamma_end):
+    """Energy lost in the contact during the step: minus the work of P on the mean gap velocity."""
+    return -0.5 * percussion * (gamma_start + gamma_end)

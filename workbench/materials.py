@@ -1,0 +1,35 @@
+"""Structural steel as the models use it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from workbench.fields import Number, check_fields, checked
+
+
+@dataclass(frozen=True, slots=True)
+class Steel:
+    """Elastic-perfectly plastic structural steel.
+
+    Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3. Raises
+    `InputError` for values that no structural steel has (wrong units are the usual cause).
+    """
+
+    elastic_modulus: float = checked(
+        Number(1e10, 1e12, "Pa", advice="moduli are in Pa: 210 GPa is 210e9"), 210e9
+    )
+    yield_stress: float = checked(
+        Number(1e7, 3e9, "Pa", advice="stresses are in Pa: 355 MPa is 355e6"), 355e6
+    )
+    density: float = checked(
+        Number(1e3, 3e4, "kg/m3", advice="densities are in kg/m3: steel has 7850"), 7850.0
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self, "steel")
+
+    @property
+    def shear_yield_stress(self) -> float:
+        """Von Mises yield stress in pure shear, fy / sqrt(3), in Pa (EN 1993-1-1, 6.2.6)."""
+        return self.yield_stress / sqrt(3.0)

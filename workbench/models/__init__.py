@@ -1,0 +1,1 @@
+"""Reduced models, one file each, and the contract that every model keeps."""

@@ -1,0 +1,102 @@
+"""The contract of a model, and the one path by which every model answers a scenario."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+from workbench.errors import InputError, OutOfDomainError, SolverError
+from workbench.fields import check_keys
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    add_warnings,
+    check_response,
+    failed_response,
+    provenance,
+)
+from workbench.scenarios import Scenario, scenario_hash, to_toml
+
+
+@runtime_checkable
+class Model(Protocol):
+    """Answers a scenario with a response; a frozen dataclass whose fields are its options.
+
+    `name` and `version` (raised when its numbers change) identify it; `answers` lists the
+    scenario kinds; `assumptions` are sentences for the report; `sources` are bibliography keys.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    answers: ClassVar[tuple[str, ...]]
+    assumptions: ClassVar[tuple[str, ...]]
+    sources: ClassVar[tuple[str, ...]]
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """Where the scenario lies outside the model's assumptions."""
+        ...
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer the scenario; a failure is a response with its outcome."""
+        ...
+
+
+def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Response:
+    """Run `solve` inside the contract: domain check, typed outcomes, provenance, wall time.
+
+    A model's `simulate` calls this with its own solution method. Refusals, failed convergence
+    and states outside the domain come back as responses with that outcome, not as exceptions.
+    """
+    started = time.perf_counter()
+    if scenario.KIND not in model.answers:
+        response = failed_response(
+            Outcome.OUT_OF_DOMAIN,
+            f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}",
+        )
+        return _signed(response, model, scenario, started)
+    findings = model.domain(scenario)
+    refusals = [finding.text for finding in findings if finding.refusal]
+    if refusals:
+        response = failed_response(Outcome.OUT_OF_DOMAIN, "; ".join(refusals))
+    else:
+        try:
+            response = solve(scenario)
+            check_response(response)
+        except SolverError as error:
+            response = failed_response(Outcome.NOT_CONVERGED, f"{scenario.name}: {error}")
+        except OutOfDomainError as error:
+            response = failed_response(Outcome.OUT_OF_DOMAIN, f"{scenario.name}: {error}")
+    add_warnings(response, [finding for finding in findings if not finding.refusal])
+    return _signed(response, model, scenario, started)
+
+
+def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:
+    response.attrs.update(
+        model=model.name,
+        model_version=model.version,
+        options=json.dumps(options_of(model), sort_keys=True),
+        scenario=to_toml(scenario),
+        scenario_hash=scenario_hash(scenario),
+        provenance=json.dumps(provenance(), sort_keys=True),
+        wall_time=time.perf_counter() - started,
+    )
+    return response
+
+
+def options_of(model: Model) -> dict[str, Any]:
+    """The options of a model and their values."""
+    return {f.name: getattr(model, f.name) for f in dataclasses.fields(model)}  # type: ignore[arg-type]
+
+
+def with_options(kind: type[Any], options: Mapping[str, Any]) -> Any:
+    """A model of this kind with options checked by name and value. Raises `InputError`."""
+    known = [f.name for f in dataclasses.fields(kind)]
+    check_keys(list(options), known, "option")
+    try:
+        return kind(**options)
+    except TypeError as error:
+        raise InputError("option", dict(options), str(error)) from error

@@ -1,0 +1,62 @@
+"""Where member models stop applying: stability of the column and plastic shear demand."""
+
+from __future__ import annotations
+
+from math import pi
+
+from workbench.responses import Finding
+from workbench.scenarios import ColumnImpact, ColumnPushover
+
+_EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
+
+
+def euler_load(column_scenario: ColumnImpact | ColumnPushover) -> float:
+    """Elastic critical load of the whole column in the plane of the impact, in N."""
+    column = column_scenario.column
+    bending = column.steel.elastic_modulus * column.properties.second_moment
+    buckling_length = column.effective_length_factor() * column.length
+    return pi**2 * bending / buckling_length**2
+
+
+def shear_demand(scenario: ColumnImpact | ColumnPushover) -> dict[str, float]:
+    """Shear force of the bending mechanism over the plastic shear resistance, per segment.
+
+    A segment with plastic hinges at both ends carries V = 2 M / length, with one at the hit
+    point only (pinned end) V = M / length; M is the plastic moment without axial force.
+    """
+    column = scenario.column
+    properties = column.properties
+    below = (2.0 if column.base == "clamped" else 1.0) / column.length_below
+    above = (1.0 if column.head == "pinned" else 2.0) / column.length_above
+    ratio = properties.plastic_moment / properties.shear_resistance
+    return {"below": below * ratio, "above": above * ratio}
+
+
+def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
+    """Domain findings that all member models without shear deformation share.
+
+    Refusal: axial load above the Euler load. Warnings: axial load above half of it; a segment
+    whose bending mechanism needs more than its plastic shear resistance.
+    """
+    findings = []
+    load, critical = scenario.column.axial_load, euler_load(scenario)
+    if load >= critical:
+        text = (
+            f"axial load {load / 1e3:.4g} kN reaches the Euler load {critical / 1e3:.4g} kN "
+            "of the column: it buckles before it is hit"
+        )
+        findings.append(Finding("buckling", text, refusal=True))
+    elif load > _EULER_WARNING * critical:
+        text = (
+            f"axial load is {load / critical:.2f} of the Euler load: second-order bending "
+            "between the hinges, which rigid-bar models lack, matters"
+        )
+        findings.append(Finding("buckling", text))
+    for segment, ratio in shear_demand(scenario).items():
+        if ratio > 1.0:
+            text = (
+                f"the segment {segment} the hit point needs V/Vpl = {ratio:.2f}: its web yields "
+                "in shear, so every model without shear yielding overestimates the resistance"
+            )
+            findings.append(Finding("shear", text))
+    return findings

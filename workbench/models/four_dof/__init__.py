@@ -1,0 +1,5 @@
+"""Four-degree-of-freedom column (Heng 2017, section 5.1; Paper I of the thesis)."""
+
+from workbench.models.four_dof.model import FourDof
+
+__all__ = ["FourDof"]

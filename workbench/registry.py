@@ -1,0 +1,101 @@
+"""Models by name: what the installed distributions offer under ``workbench.models``."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from workbench.errors import InputError
+from workbench.models.base import Model, with_options
+
+GROUP = "workbench.models"
+
+_DECLARED = ("name", "version", "answers", "assumptions", "sources", "domain", "simulate")
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """One registered model: its `name`, its class `kind`, or the `problem` that hides it.
+
+    Exactly one of `kind` and `problem` is set; `distribution` says who provides it.
+    """
+
+    name: str
+    distribution: str
+    kind: type[Any] | None
+    problem: str = ""
+
+
+def model_names() -> list[str]:
+    """Names of all registered models, sorted; nothing is imported."""
+    return sorted({point.name for point in _points()})
+
+
+def offers() -> list[Offer]:
+    """Every registered model, imported; one that cannot be used carries its problem."""
+    found = []
+    for name in model_names():
+        points = [point for point in _points() if point.name == name]
+        provider = ", ".join(sorted({_distribution(point) for point in points}))
+        kind, problem = _load(name, points)
+        found.append(Offer(name, provider, kind, problem))
+    return found
+
+
+def model_kind(name: str) -> type[Any]:
+    """The class of the model `name`.
+
+    Raises `InputError` for an unknown name (with the nearest known one) and for a model that is
+    registered but cannot be imported or does not keep the contract.
+    """
+    points = [point for point in _points() if point.name == name]
+    if not points:
+        known = model_names()
+        near = difflib.get_close_matches(name, known, 1)
+        advice = f"did you mean {near[0]}?" if near else "see `workbench models`"
+        raise InputError("model", name, "must be one of " + ", ".join(known), advice)
+    kind, problem = _load(name, points)
+    if kind is None:
+        raise InputError("model", name, f"cannot be used: {problem}", "see `workbench doctor`")
+    return kind
+
+
+def make_model(name: str, options: Mapping[str, Any] | None = None) -> Model:
+    """A model with its options set.
+
+    Raises `InputError` for an unknown name, an unknown option or a value it does not allow.
+    """
+    model: Model = with_options(model_kind(name), options or {})
+    return model
+
+
+def _points() -> list[EntryPoint]:
+    # A distribution may be seen twice (an editable install on the path and its metadata).
+    unique = {(point.name, point.value): point for point in entry_points(group=GROUP)}
+    return list(unique.values())
+
+
+def _distribution(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else "unknown"
+
+
+def _load(name: str, points: list[EntryPoint]) -> tuple[type[Any] | None, str]:
+    if len(points) > 1:
+        targets = " and ".join(sorted(point.value for point in points))
+        return None, f"several distributions provide it: {targets}"
+    try:
+        kind = points[0].load()
+    except Exception as error:  # a third-party import may fail in any way
+        return None, f"{type(error).__name__} on import: {error}"
+    missing = [item for item in _DECLARED if not hasattr(kind, item)]
+    if not isinstance(kind, type) or not dataclasses.is_dataclass(kind):
+        return None, f"{points[0].value} is not a dataclass"
+    if missing:
+        return None, f"{points[0].value} declares no {', '.join(missing)}"
+    if kind.name != name:  # type: ignore[attr-defined]
+        return None, f"{points[0].value} calls itself {kind.name!r}"  # type: ignore[attr-defined]
+    return kind, ""

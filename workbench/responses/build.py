@@ -1,0 +1,160 @@
+"""Building, checking and reducing responses (`xarray.Dataset` with the standard variables)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.errors import WorkbenchError
+from workbench.responses.outcome import Finding, Outcome
+from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
+
+Response = xr.Dataset
+FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
+
+
+def build_response(
+    values: Mapping[str, ArrayLike | None],
+    *,
+    time: ArrayLike | None = None,
+    steps: int | None = None,
+    hinges: Sequence[str] = (),
+    segments: Sequence[str] = (),
+    warnings: Sequence[Finding] = (),
+) -> Response:
+    """Make a response from plain arrays, with dimensions, units and names from the table.
+
+    Arguments: `values`, variable name to array in the order of its dimensions (entries that
+    are None are left out: a quantity that a model cannot know is absent); `time` in s for
+    histories in time, or `steps`, the number of load steps; names of `hinges` and `segments`;
+    `warnings` met while solving. Raises KeyError for a variable that is not in the table.
+    """
+    history = "time" if time is not None else "step"
+    coordinates: dict[str, Any] = {}
+    if time is not None:
+        coordinates["time"] = np.asarray(time, dtype=float)
+    elif steps is not None:
+        coordinates["step"] = np.arange(steps)
+    if hinges:
+        coordinates["hinge"] = list(hinges)
+    if segments:
+        coordinates["segment"] = list(segments)
+    data = {}
+    for name, value in values.items():
+        if value is None:
+            continue
+        variable = VARIABLES[name]
+        dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
+        attributes = {"units": variable.units, "long_name": variable.long_name}
+        data[name] = (dims, np.asarray(value, dtype=float), attributes)
+    response = xr.Dataset(data, coordinates)
+    for name in response.coords:
+        coordinate = COORDINATES[str(name)]
+        response[name].attrs.update(units=coordinate.units, long_name=coordinate.long_name)
+    response.attrs["outcome"] = Outcome.OK.value
+    response.attrs["message"] = ""
+    response.attrs["warnings"] = json.dumps([[f.subject, f.text] for f in warnings])
+    return response
+
+
+def failed_response(outcome: Outcome, message: str) -> Response:
+    """A response without variables that says how the attempt ended and what to do."""
+    response = xr.Dataset()
+    response.attrs["outcome"] = outcome.value
+    response.attrs["message"] = f"{message}. {outcome.advice}" if message else outcome.advice
+    response.attrs["warnings"] = "[]"
+    return response
+
+
+def outcome_of(response: Response) -> Outcome:
+    """How the attempt ended."""
+    return Outcome(response.attrs["outcome"])
+
+
+def warnings_of(response: Response) -> list[Finding]:
+    """The warnings that a response carries."""
+    return [Finding(subject, text) for subject, text in json.loads(response.attrs["warnings"])]
+
+
+def add_warnings(response: Response, findings: Sequence[Finding]) -> None:
+    """Put further warnings in front of those that a response carries."""
+    pairs = [[f.subject, f.text] for f in findings] + json.loads(response.attrs["warnings"])
+    response.attrs["warnings"] = json.dumps(pairs)
+
+
+def check_response(response: Response) -> None:
+    """Hold a response to the contract: known names, units, shapes, finite numbers.
+
+    Raises `WorkbenchError` naming the variable.
+    """
+    for name, array in response.data_vars.items():
+        if name not in VARIABLES:
+            raise WorkbenchError(f"response variable {name!r} is not a standard one")
+        if not {"units", "long_name"} <= set(array.attrs):
+            raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
+        if not np.all(np.isfinite(array.values)):
+            raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
+    if "time" in response.coords and np.any(np.diff(response["time"].values) <= 0.0):
+        raise WorkbenchError("response time does not increase")
+
+
+def peak_of(time: NDArray[np.float64], displacement: NDArray[np.float64]) -> dict[str, float]:
+    """Peak and its time from a history by the parabola through its three highest points.
+
+    Empty if the displacement still grows at the end of the record: then there is no peak.
+    """
+    top = int(np.argmax(displacement))
+    if top == len(displacement) - 1:
+        return {}
+    if top == 0:
+        return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
+    t, d = time[top - 1 : top + 2] - time[top], displacement[top - 1 : top + 2]
+    curvature, slope, _ = np.polyfit(t / t[-1], d - d[1], 2)
+    shift = 0.0 if curvature >= 0.0 else float(np.clip(-slope / (2.0 * curvature), -1.0, 1.0))
+    return {
+        "peak_displacement": float(d[1] + slope * shift + curvature * shift**2),
+        "time_of_peak": float(time[top] + shift * t[-1]),
+    }
+
+
+def residual_of(time: NDArray[np.float64], displacement: NDArray[np.float64]) -> float | None:
+    """Permanent displacement: mean over the whole cycles of free vibration after the peak.
+
+    A cycle runs between two upward crossings of the mid-level of the record after its first
+    minimum behind the peak. None if the record holds no whole cycle: run longer.
+    """
+    top = int(np.argmax(displacement))
+    after = displacement[top:]
+    rising = np.flatnonzero(np.diff(after) > 0.0)
+    if len(rising) == 0:
+        return None
+    start = top + int(rising[0])
+    t, d = time[start:], displacement[start:]
+    level = 0.5 * (d.max() + d.min())
+    crossings = np.flatnonzero((d[:-1] < level) & (d[1:] >= level))
+    if len(crossings) < 2:
+        return None
+    whole = slice(int(crossings[0]), int(crossings[-1]) + 1)
+    span = t[whole][-1] - t[whole][0]
+    return float(np.trapezoid(d[whole], t[whole]) / span)
+
+
+def peak_contact_force(time: NDArray[np.float64], percussion: NDArray[np.float64]) -> float:
+    """Largest contact force in N: percussions summed over a sliding window of 1 ms.
+
+    Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
+    """
+    impulse = np.concatenate([[0.0], np.cumsum(percussion)])
+    at = np.concatenate([[time[0] - 1e-12], time])
+    before = np.interp(time - FORCE_WINDOW, at, impulse)
+    return float(np.max(impulse[1:] - before) / FORCE_WINDOW)
+
+
+def scalars_of(response: Response) -> dict[str, float]:
+    """The scalar quantities that a response has."""
+    return {name: float(response[name]) for name in SCALARS if name in response}

@@ -1,0 +1,50 @@
+"""Where a number came from: versions, lock file, source state, kind of machine (no names)."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import subprocess
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+_LIBRARIES = ("numpy", "scipy", "xarray", "numba", "netCDF4")
+_ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def provenance() -> dict[str, str]:
+    """Versions, hash of the lock file, git commit, processor; never a host name or a path."""
+    record = {"workbench": metadata.version("workbench"), "python": platform.python_version()}
+    for library in _LIBRARIES:
+        record[library] = metadata.version(library)
+    record["machine"] = f"{platform.system()} {platform.machine()}, {_processor()}"
+    lock = _ROOT / "requirements.lock"
+    if lock.is_file():
+        record["requirements_lock"] = hashlib.sha256(lock.read_bytes()).hexdigest()[:16]
+    commit = _git("rev-parse", "HEAD")
+    if commit and (_ROOT / ".git").exists():
+        dirty = bool(_git("status", "--porcelain", "--", "workbench", "data", "studies"))
+        record["commit"] = commit[:12] + ("+changes" if dirty else "")
+    return record
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown processor"
+
+
+def _git(*arguments: str) -> str:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(_ROOT), *arguments], capture_output=True, text=True, timeout=10
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

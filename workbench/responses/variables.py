@@ -1,0 +1,59 @@
+"""The standard variables of a response: names, dimensions, units, meaning, in one table."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Variable(NamedTuple):
+    """Dimensions, SI unit and plain name of a response variable."""
+
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+COORDINATES: dict[str, Variable] = {
+    "time": Variable(("time",), "s", "time after first contact"),
+    "step": Variable(("step",), "1", "load step"),
+    "hinge": Variable(("hinge",), "1", "plastic hinge (or section watched for plasticity)"),
+    "segment": Variable(("segment",), "1", "member segment"),
+}
+
+# Histories stand over `time` in an impact and over `step` in a pushover.
+HISTORY = "history"
+
+VARIABLES: dict[str, Variable] = {
+    "displacement": Variable((HISTORY,), "m", "displacement of the hit point along the strike"),
+    "velocity": Variable((HISTORY,), "m/s", "velocity of the hit point along the strike"),
+    "force": Variable((HISTORY,), "N", "force on the hit point along the strike"),
+    "percussion": Variable((HISTORY,), "N s", "contact impulse of the time step"),
+    "striker_velocity": Variable((HISTORY,), "m/s", "velocity of the striker"),
+    "shortening": Variable((HISTORY,), "m", "shortening of the column at its head"),
+    "axial_force": Variable(("hinge", HISTORY), "N", "axial force, tension positive"),
+    "moment": Variable(("hinge", HISTORY), "N m", "bending moment"),
+    "plastic_rotation": Variable(("hinge", HISTORY), "rad", "plastic rotation"),
+    "kinetic": Variable((HISTORY,), "J", "kinetic energy of column and striker"),
+    "elastic": Variable((HISTORY,), "J", "stored elastic energy, restraint spring included"),
+    "dissipated": Variable((HISTORY,), "J", "plastic (and algorithmic) dissipation so far"),
+    "external_work": Variable((HISTORY,), "J", "work of dead loads and imposed forces so far"),
+    "contact_loss": Variable((HISTORY,), "J", "energy lost in contact so far"),
+    "balance_error": Variable((HISTORY,), "J", "energy input less stored, lost and dissipated"),
+    "shear_utilisation": Variable(("segment",), "1", "largest shear force over V_pl"),
+    "peak_displacement": Variable((), "m", "largest displacement of the hit point"),
+    "time_of_peak": Variable((), "s", "time of the largest displacement"),
+    "residual_displacement": Variable((), "m", "permanent displacement of the hit point"),
+    "peak_force": Variable((), "N", "largest contact force, mean over 1 ms"),
+    "impulse": Variable((), "N s", "total impulse of the contact"),
+    "input_energy": Variable((), "J", "energy brought in: striker, or work of the push"),
+}
+
+SCALARS = tuple(name for name, variable in VARIABLES.items() if not variable.dims)
+ENERGIES = (
+    "kinetic",
+    "elastic",
+    "dissipated",
+    "external_work",
+    "contact_loss",
+    "balance_error",
+)

@@ -1,0 +1,205 @@
+"""The impacted column: geometry, supports, striker, and the two things that can happen to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+from workbench.errors import InputError
+from workbench.fields import Choice, Flag, Number, Text, check_fields, checked
+from workbench.materials import Steel
+from workbench.sections import Section
+
+LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
+
+
+@dataclass(frozen=True)
+class MemberProperties:
+    """What lumped models need of a member, section values with the scenario's overrides (SI).
+
+    `area` (m2) and `second_moment` (m4) are elastic; `plastic_moment` (N m), `squash_load` (N)
+    and `shear_resistance` (N) are strengths; `mass_per_length` in kg/m, `impact_mass` in kg.
+    """
+
+    area: float
+    second_moment: float
+    plastic_moment: float
+    squash_load: float
+    shear_resistance: float
+    mass_per_length: float
+    impact_mass: float
+
+
+@dataclass(frozen=True)
+class Column:
+    """A steel column with one point at which it is hit.
+
+    Arguments (SI): `section` and `steel`; `length_below` and `length_above` the hit point;
+    `base` clamped or pinned; `head` guided (rotation and sway held, free to shorten), pinned
+    (sway held, free to rotate and shorten) or fixed (as guided, and locked against shortening
+    once the axial load is on); `axial_load` on the head, compression positive;
+    `restraint_stiffness` of an axial spring at the head that is unstressed once the axial load is
+    on; `head_mass`; `fillets`: whether root fillets count in the strength of the section.
+    The elastic stiffness and the mass are those of the rolled profile, fillets included, in both
+    cases (as in Heng 2017, section 5.2). The other fields override what the section gives.
+    Raises `InputError`.
+    """
+
+    section: Section
+    length_below: float = checked(LENGTH)
+    length_above: float = checked(LENGTH)
+    steel: Steel = Steel()
+    fillets: bool = checked(Flag(), True)
+    base: str = checked(Choice(("clamped", "pinned")), "clamped")
+    head: str = checked(Choice(("guided", "pinned", "fixed")), "guided")
+    axial_load: float = checked(
+        Number(-1e9, 1e9, "N", advice="forces are in N, compression positive"), 0.0
+    )
+    restraint_stiffness: float = checked(Number(0.0, 1e14, "N/m"), 0.0)
+    head_mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
+    area: float | None = checked(
+        Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4"), optional=True
+    )
+    second_moment: float | None = checked(
+        Number(1e-12, 1.0, "m4", advice="second moments are in m4: 8091 cm4 is 8091e-8"),
+        optional=True,
+    )
+    plastic_moment: float | None = checked(Number(1.0, 1e9, "N m"), optional=True)
+    squash_load: float | None = checked(Number(1.0, 1e10, "N"), optional=True)
+    mass_per_length: float | None = checked(Number(0.01, 1e5, "kg/m"), optional=True)
+    impact_mass: float | None = checked(Number(1e-3, 1e7, "kg"), optional=True)
+
+    TABLE: ClassVar[str] = "column"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+        if not isinstance(self.section, Section):
+            raise InputError(
+                "column.section", self.section, "must be a Section", "use sections.find(name)"
+            )
+        squash = self.properties.squash_load
+        if abs(self.axial_load) >= squash:
+            raise InputError(
+                "column.axial_load",
+                self.axial_load,
+                f"must stay below the squash load {squash:.6g} N in tension and compression",
+                "reduce the load or take a stronger section",
+            )
+        slenderness = self.length / self.section.height
+        if slenderness < 2.0:
+            raise InputError(
+                "column.length_below",
+                self.length_below,
+                f"the column is {slenderness:.2g} section heights long; must be at least 2",
+                "a stockier member is not a beam",
+            )
+
+    @property
+    def length(self) -> float:
+        """Whole length, in m."""
+        return self.length_below + self.length_above
+
+    @cached_property
+    def strength_section(self) -> Section:
+        """The section whose fibers and envelope give the strength (`fillets` applied)."""
+        return self.section if self.fillets else self.section.without_fillets()
+
+    @cached_property
+    def properties(self) -> MemberProperties:
+        """Section values with the overrides of this column applied."""
+        strength, steel = self.strength_section, self.steel
+
+        def given(override: float | None, computed: float) -> float:
+            return computed if override is None else override
+
+        area = given(self.area, self.section.area)
+        mass = given(self.mass_per_length, steel.density * area)
+        return MemberProperties(
+            area=area,
+            second_moment=given(self.second_moment, self.section.second_moment),
+            plastic_moment=given(self.plastic_moment, strength.plastic_moment(steel)),
+            squash_load=given(self.squash_load, strength.squash_load(steel)),
+            shear_resistance=strength.shear_resistance(steel),
+            mass_per_length=mass,
+            impact_mass=given(self.impact_mass, mass * self.length / 3.0),
+        )
+
+    def effective_length_factor(self) -> float:
+        """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
+        clamps = (self.base == "clamped") + (self.head != "pinned")
+        return {2: 0.5, 1: 0.699156, 0: 1.0}[clamps]
+
+
+@dataclass(frozen=True)
+class Striker:
+    """A rigid mass that hits the column: `mass` in kg, `velocity` in m/s, Newton `restitution`."""
+
+    mass: float = checked(Number(0.0, 1e7, "kg", low_included=False))
+    velocity: float = checked(
+        Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
+    )
+    restitution: float = checked(Number(0.0, 1.0), 0.0)
+
+    TABLE: ClassVar[str] = "striker"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+
+
+@dataclass(frozen=True)
+class ColumnPushover:
+    """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
+
+    name: str = checked(Text())
+    column: Column
+    displacement: float = checked(
+        Number(0.0, 50.0, "m", low_included=False, advice="lengths are in metres"),
+        0.1,
+        path="pushover.displacement",
+    )
+
+    KIND: ClassVar[str] = "column-pushover"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "")
+        _displacement_fits(self)
+
+
+def _displacement_fits(scenario: ColumnPushover) -> None:
+    shorter = min(scenario.column.length_below, scenario.column.length_above)
+    if scenario.displacement > 2.0 * shorter:
+        raise InputError(
+            "pushover.displacement",
+            scenario.displacement,
+            f"must be at most twice the shorter segment, {2 * shorter:g} m",
+            "reduce the displacement",
+        )
+
+
+@dataclass(frozen=True)
+class ColumnImpact:
+    """A rigid striker hits the column at rest; followed for `duration` (s)."""
+
+    name: str = checked(Text())
+    column: Column
+    striker: Striker
+    duration: float = checked(
+        Number(0.0, 10.0, "s", low_included=False, advice="durations are in seconds"),
+        0.1,
+        path="time.duration",
+    )
+
+    KIND: ClassVar[str] = "column-impact"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "")
+
+    @property
+    def input_energy(self) -> float:
+        """Kinetic energy of the striker before the impact, in J."""
+        return 0.5 * self.striker.mass * self.striker.velocity**2
+
+    def at_velocity(self, velocity: float) -> ColumnImpact:
+        """The same impact at another velocity (m/s)."""
+        return replace(self, striker=replace(self.striker, velocity=velocity))

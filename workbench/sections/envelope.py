@@ -1,0 +1,71 @@
+"""Exact plastic interaction of axial force and moment, and its super-elliptic fit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.errors import SolverError
+from workbench.sections.bands import Floats, half_integrals
+from workbench.sections.shapes import Shape
+
+_LARGEST_EXPONENT = 20.0
+
+
+def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
+    """Axial force N/N_p and moment M/M_p of the fully plastic section, [points] each.
+
+    The neutral axis moves from the centroid (pure bending) to the edge (pure axial force); the
+    stress resultants are closed forms of its height. The points lie at equal angles
+    atan2(n, m), each found by bisection to machine precision.
+    """
+    half = shape.height / 2.0
+    whole_area, whole_first, _ = half_integrals(shape.bands, half)
+
+    def resultants(axis: Floats) -> tuple[Floats, Floats]:
+        area, first, _ = half_integrals(shape.bands, axis)
+        return area / whole_area, 1.0 - first / whole_first
+
+    angle = np.linspace(0.0, np.pi / 2.0, points)
+    below, above = np.zeros(points), np.full(points, half)
+    for _ in range(60):  # halves the height to the last bit
+        middle = (below + above) / 2.0
+        n, m = resultants(middle)
+        left = n * np.cos(angle) < m * np.sin(angle)
+        below, above = np.where(left, middle, below), np.where(left, above, middle)
+    n, m = resultants((below + above) / 2.0)
+    n[0], m[0], n[-1], m[-1] = 0.0, 1.0, 1.0, 0.0
+    return n, m
+
+
+def superellipse_radius(angle: Floats, alpha: float, beta: float) -> Floats:
+    """Radius of |m|^alpha + |n|^beta = 1 at the angles atan2(n, m) in [0, pi/2]."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    low, high = np.zeros_like(angle), np.full_like(angle, np.sqrt(2.0))
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        inside = (middle * cosine) ** alpha + (middle * sine) ** beta < 1.0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return (low + high) / 2.0
+
+
+def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
+    """Exponents (alpha of the moment, beta of the axial force) that fit the exact envelope.
+
+    Least squares of the radii at equally spaced angles of the (n, m) plane, both exponents kept
+    at 1 or above (below 1 the surface is not convex). Raises `SolverError`.
+    """
+    from scipy.optimize import least_squares
+
+    n, m = envelope(shape, points)
+    radius, angle = np.hypot(n, m), np.linspace(0.0, np.pi / 2.0, points)
+
+    def error(exponents: Floats) -> Floats:
+        return superellipse_radius(angle, exponents[0], exponents[1]) - radius
+
+    bounds = ([1.0, 1.0], [_LARGEST_EXPONENT, _LARGEST_EXPONENT])
+    found = least_squares(error, (1.2, 1.6), bounds=bounds, xtol=1e-12, ftol=1e-14, gtol=1e-12)
+    if not found.success:
+        raise SolverError("super-elliptic fit", float(found.optimality), "trust region")
+    # The solver stays a rounding error inside its bounds; a linear exponent means exactly 1.
+    alpha, beta = (1.0 if x < 1.0 + 1e-9 else float(x) for x in found.x)
+    return alpha, beta

@@ -1,0 +1,1 @@
+"""Planar structures: co-rotational elements, band assembly, drivers with commit and rollback."""

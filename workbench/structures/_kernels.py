@@ -1,0 +1,37 @@
+"""Band storage: products, and rows that are held."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@njit(cache=True, error_model="numpy")
+def band_product(band: Vector, width: int, x: Vector, result: Vector) -> None:
+    """Product of a matrix in flat band storage with x.
+
+    Arguments: `band`, column by column with 3 * width + 1 entries each, entry (i, j) in row
+    2 * width + i - j (the storage of LAPACK gbsv); half-bandwidth `width`; writes `result`.
+    """
+    n = x.shape[0]
+    rows = 3 * width + 1
+    result[:] = 0.0
+    for j in range(n):
+        offset = j * rows + 2 * width - j
+        for i in range(max(0, j - width), min(n, j + width + 1)):
+            result[i] += band[offset + i] * x[j]
+
+
+@njit(cache=True, error_model="numpy")
+def hold(band: Vector, width: int, held: Indices, n: int) -> None:
+    """Replace rows and columns of held dofs by those of the identity, in place."""
+    rows = 3 * width + 1
+    for h in held:
+        for j in range(max(0, h - width), min(n, h + width + 1)):
+            band[j * rows + 2 * width + h - j] = 0.0
+            band[h * rows + 2 * width + j - h] = 0.0
+        band[h * rows + 2 * width] = 1.0

@@ -1,0 +1,237 @@
+"""A planar structure: dof numbering, band storage, supports, springs, masses, loads, state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import lapack
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from workbench.structures import _kernels
+from workbench.structures.ledger import StepEnergies
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
+
+
+class ElementGroup(Protocol):
+    """What the assembly asks of the elements of one kind (see `FiberBeams`)."""
+
+    @property
+    def nodes(self) -> Indices:
+        """Node numbers (elements, 2)."""
+        ...
+
+    def place(self, dofs: Indices, chords: Array) -> None:
+        """Take dofs (elements, 6) and initial chords (elements, 2)."""
+        ...
+
+    def assemble(
+        self,
+        force: Array,
+        band: Array,
+        positions: Indices,
+        start: Array,
+        end: Array,
+        weight: float | None,
+    ) -> None:
+        """Add forces and tangent for a step from `start` to `end`; keep the trial state."""
+        ...
+
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step to the trial state."""
+        ...
+
+    def commit(self) -> None:
+        """Make the trial state the committed one."""
+        ...
+
+    def masses(self) -> tuple[Array, Array]:
+        """Mass and rotary inertia of each element."""
+        ...
+
+
+class PlanarAssembly:
+    """Nodes with (u, v, rotation), element groups, and everything attached to single dofs.
+
+    Arguments: `coordinates` (nodes, 2) in m; `groups`; `lumped`, mass at the nodes instead of
+    consistent with linear interpolation. Nodes are renumbered inside to keep the band narrow, so
+    dofs come from `dof(node, component)`. `displacement` and `velocity` are the committed state;
+    a trial state lives in the groups until `commit`.
+    """
+
+    def __init__(
+        self, coordinates: ArrayLike, groups: Sequence[ElementGroup], *, lumped: bool = False
+    ) -> None:
+        self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
+        self.groups = tuple(groups)
+        self._place_of_node = self._numbering()
+        self.size = 3 * len(self.coordinates)
+        self.width = 5
+        for group in self.groups:
+            self._place(group)
+        self._rows = 3 * self.width + 1
+        self._positions = [self._band_positions(self._dofs(group.nodes)) for group in self.groups]
+        self.band: Array = np.zeros(self._rows * self.size)
+        self.mass: Array = np.zeros_like(self.band)
+        self._add_masses(lumped)
+        self.displacement: Array = np.zeros(self.size)
+        self.velocity: Array = np.zeros(self.size)
+        self.load: Array = np.zeros(self.size)
+        self._held: Indices = np.zeros(0, dtype=np.int64)
+        self._springs: dict[int, tuple[float, float]] = {}
+        self.stored = 0.0
+
+    # -- numbering ---------------------------------------------------------------------------
+
+    def _numbering(self) -> Indices:
+        count = len(self.coordinates)
+        pairs = np.concatenate([group.nodes for group in self.groups])
+        spread = int(np.max(np.abs(pairs[:, 0] - pairs[:, 1])))
+        place = np.arange(count, dtype=np.int64)
+        if spread > 1:
+            ones = np.ones(len(pairs))
+            graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
+            order = reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True)
+            renumbered = np.empty(count, dtype=np.int64)
+            renumbered[order] = np.arange(count)
+            if np.max(np.abs(np.diff(renumbered[pairs], axis=1))) < spread:
+                place = renumbered
+        return place
+
+    def dof(self, node: int, component: str) -> int:
+        """Number of a dof; `component` is u, v or rotation."""
+        return int(3 * self._place_of_node[node] + COMPONENTS[component])
+
+    def dofs(self, nodes: Iterable[int], component: str) -> Indices:
+        """Numbers of the same dof of several nodes."""
+        return np.array([self.dof(node, component) for node in nodes], dtype=np.int64)
+
+    def _dofs(self, nodes: Indices) -> Indices:
+        first = 3 * self._place_of_node[nodes]
+        return np.asarray((first[:, :, None] + np.arange(3)).reshape(len(nodes), 6))
+
+    def _place(self, group: ElementGroup) -> None:
+        dofs = self._dofs(group.nodes)
+        self.width = max(self.width, int(np.max(dofs.max(axis=1) - dofs.min(axis=1))))
+        ends = self.coordinates[group.nodes]
+        group.place(dofs, ends[:, 1] - ends[:, 0])
+
+    def _band_positions(self, dofs: Indices) -> Indices:
+        rows, columns = dofs[:, :, None], dofs[:, None, :]
+        flat = columns * self._rows + 2 * self.width + rows - columns
+        return np.ascontiguousarray(flat.reshape(len(dofs), -1))
+
+    # -- what is attached to dofs ------------------------------------------------------------
+
+    def _diagonal(self, dof: int) -> int:
+        return dof * self._rows + 2 * self.width
+
+    def _add_masses(self, lumped: bool) -> None:
+        pattern = np.array([[0.5, 0.0], [0.0, 0.5]] if lumped else [[2.0, 1.0], [1.0, 2.0]])
+        if not lumped:
+            pattern /= 6.0
+        for group, positions in zip(self.groups, self._positions, strict=True):
+            inertia = np.stack([np.asarray(m) for m in group.masses()])[[0, 0, 1]]
+            for component in range(3):
+                for i in range(2):
+                    for j in range(2):
+                        place = positions[:, 6 * (3 * i + component) + 3 * j + component]
+                        np.add.at(self.mass, place, pattern[i, j] * inertia[component])
+
+    def add_mass(self, node: int, mass: float, rotary: float = 0.0) -> None:
+        """Add a point mass (kg), and a rotary inertia (kg m2), to a node."""
+        for component, value in (("u", mass), ("v", mass), ("rotation", rotary)):
+            self.mass[self._diagonal(self.dof(node, component))] += value
+
+    def add_spring(self, dof: int, stiffness: float) -> None:
+        """Put a spring (N/m or N m/rad) to the ground on a dof, unstressed as it is now."""
+        self._springs[dof] = (stiffness, float(self.displacement[dof]))
+
+    def hold(self, dofs: Iterable[int]) -> None:
+        """Hold dofs at their present displacement, in addition to those already held."""
+        self._held = np.union1d(self._held, np.fromiter(dofs, dtype=np.int64))
+        self.velocity[self._held] = 0.0
+
+    def release(self, dofs: Iterable[int]) -> None:
+        """Let held dofs go."""
+        self._held = np.setdiff1d(self._held, np.fromiter(dofs, dtype=np.int64))
+
+    @property
+    def held(self) -> Indices:
+        """The dofs that are held."""
+        return self._held
+
+    # -- forces, solution, commit ------------------------------------------------------------
+
+    def assemble(self, end: Array, weight: float | None, mass_factor: float = 0.0) -> Array:
+        """Internal forces (dofs,) of elements and springs; the tangent goes into `band`.
+
+        Arguments: displacements `end` at the end of the step; `weight` of the end state in the
+        energy-exact forces of a time step (springs take the mid-step), None for equilibrium at
+        the end; `mass_factor` times the mass matrix is added to the tangent.
+        """
+        force = np.zeros(self.size)
+        np.multiply(self.mass, mass_factor, out=self.band)
+        for group, positions in zip(self.groups, self._positions, strict=True):
+            group.assemble(force, self.band, positions, self.displacement, end, weight)
+        for dof, (stiffness, reference) in self._springs.items():
+            if weight is None:
+                force[dof] += stiffness * (end[dof] - reference)
+                self.band[self._diagonal(dof)] += stiffness
+            else:
+                mid = 0.5 * (end[dof] + self.displacement[dof])
+                force[dof] += stiffness * (mid - reference)
+                self.band[self._diagonal(dof)] += 0.5 * stiffness
+        return force
+
+    def add_to_diagonal(self, dof: int, value: float) -> None:
+        """Add to the diagonal of the tangent."""
+        self.band[self._diagonal(dof)] += value
+
+    def mass_times(self, x: Array) -> Array:
+        """Product of the mass matrix with x (dofs,)."""
+        result = np.empty(self.size)
+        _kernels.band_product(self.mass, self.width, x, result)
+        return result
+
+    def solve(self, right: Array, held: Indices | None = None) -> Array | None:
+        """Solve the tangent against `right` (dofs,) with `held` dofs at zero; None if singular.
+
+        The tangent in `band` is used up.
+        """
+        held = self._held if held is None else held
+        _kernels.hold(self.band, self.width, held, self.size)
+        x = right.copy()
+        x[held] = 0.0
+        matrix = self.band.reshape((self._rows, self.size), order="F")
+        _, _, x, info = lapack.dgbsv(
+            self.width, self.width, matrix, x, overwrite_ab=1, overwrite_b=1
+        )
+        return x if info == 0 and np.all(np.isfinite(x)) else None
+
+    def account(self, end: Array, weight: float) -> StepEnergies:
+        """Energies of the step to the trial state at displacements `end`; springs are stored."""
+        total = StepEnergies(0.0, 0.0, 0.0, 0.0)
+        for group in self.groups:
+            total = total + group.account(weight)
+        springs = sum(0.5 * k * (end[dof] - at) ** 2 for dof, (k, at) in self._springs.items())
+        return total._replace(stored=total.stored + springs)
+
+    def commit(self, end: Array, velocity: Array | None = None) -> None:
+        """Make the trial state at displacements `end` (and `velocity`) the committed one."""
+        for group in self.groups:
+            group.commit()
+        self.displacement = end.copy()
+        if velocity is not None:
+            self.velocity = velocity
+
+    def kinetic_energy(self, velocity: Array | None = None) -> float:
+        """Kinetic energy of the structure, in J."""
+        v = self.velocity if velocity is None else velocity
+        return 0.5 * float(v @ self.mass_times(v))

@@ -1,0 +1,177 @@
+"""Chord geometry, its gradients, and the map from local to global forces and tangents.
+
+Symbols: d chord vector, D initial chord, l length, e = d/l, n normal to e, alpha rotation of the
+chord; r = dl/dd and g = d(alpha)/dd, or their discrete counterparts over a step. Local
+deformations are (l - L, theta_1 - alpha, theta_2 - alpha), local forces (N, M_1, M_2).
+Source: Heng 2017, chapter 5; discrete gradients after Simo and Tarnow 1992 and Gonzalez 1996.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Indices = NDArray[np.int64]
+# r_x, r_y, g_x, g_y, then the derivatives of r and of g with respect to d at the end of the step
+Gradients = tuple[
+    float, float, float, float, float, float, float, float, float, float, float, float
+]
+
+SMALL_TURN = 1e-3  # rad; below it xi / sin(xi) is taken from its series
+
+
+@njit(cache=True, error_model="numpy")
+def chord_rotation(Dx: float, Dy: float, dx: float, dy: float, mean_rotation: float) -> float:
+    """Rotation of the chord (rad), unwrapped to the branch nearest to the mean end rotation.
+
+    The branch needs no history, so an element may turn any number of times.
+    """
+    raw = math.atan2(Dx * dy - Dy * dx, Dx * dx + Dy * dy)
+    turns = math.floor((mean_rotation - raw) / (2.0 * math.pi) + 0.5)
+    return raw + 2.0 * math.pi * turns
+
+
+@njit(cache=True, error_model="numpy")
+def end_gradients(dx: float, dy: float, length: float) -> Gradients:
+    """Gradients of chord length and rotation at a chord (dx, dy) of the given length (m)."""
+    c, s = dx / length, dy / length
+    inverse = 1.0 / length
+    # dr/dd = n n^T / l;  dg/dd = -(e n^T + n e^T) / l^2 with n = (-s, c)
+    shear = (s * s - c * c) * inverse * inverse
+    twist = 2.0 * c * s * inverse * inverse
+    return (
+        c,
+        s,
+        -s * inverse,
+        c * inverse,
+        s * s * inverse,
+        -c * s * inverse,
+        -c * s * inverse,
+        c * c * inverse,
+        twist,
+        shear,
+        shear,
+        -twist,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def step_gradients(
+    d0x: float, d0y: float, l0: float, d1x: float, d1y: float, l1: float, turn: float
+) -> Gradients:
+    """Discrete gradients over a step, exact: r.(d1 - d0) = l1 - l0, g.(d1 - d0) = turn.
+
+    Arguments: chords (m) and lengths (m) at both ends of the step, and the rotation `turn` of the
+    chord (rad). The derivatives are with respect to d1.
+    """
+    xi = 0.5 * turn
+    if abs(xi) < SMALL_TURN:
+        square = xi * xi
+        phi = 1.0 + square / 6.0 + 7.0 * square * square / 360.0
+        slope = xi / 3.0 + 7.0 * xi * square / 90.0
+        cos_xi, sin_xi = math.cos(xi), math.sin(xi)
+    else:
+        cos_xi, sin_xi = math.cos(xi), math.sin(xi)
+        phi = xi / sin_xi
+        slope = (sin_xi - xi * cos_xi) / (sin_xi * sin_xi)
+    mean = 0.5 * (l0 + l1)
+    rx, ry = 0.5 * (d0x + d1x) / mean, 0.5 * (d0y + d1y) / mean
+    # bisector direction: the first chord turned by half the turn
+    emx = (d0x * cos_xi - d0y * sin_xi) / l0
+    emy = (d0y * cos_xi + d0x * sin_xi) / l0
+    gx, gy = -phi / mean * emy, phi / mean * emx
+    e1x, e1y = d1x / l1, d1y / l1
+    half = 0.5 / mean
+    ax = (-emx * phi - emy * slope) / mean
+    ay = (-emy * phi + emx * slope) / mean
+    bx, by = -0.5 * e1y / l1, 0.5 * e1x / l1
+    return (
+        rx,
+        ry,
+        gx,
+        gy,
+        half * (1.0 - rx * e1x),
+        -half * rx * e1y,
+        -half * ry * e1x,
+        half * (1.0 - ry * e1y),
+        ax * bx - gx * half * e1x,
+        ax * by - gx * half * e1y,
+        ay * bx - gy * half * e1x,
+        ay * by - gy * half * e1y,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def add_force(
+    force: Vector, dofs: Indices, N: float, M1: float, M2: float, gradients: Gradients
+) -> None:
+    """Add the six global forces of an element with local forces (N, M1, M2) to `force`."""
+    rx, ry, gx, gy = gradients[0], gradients[1], gradients[2], gradients[3]
+    fx = N * rx - (M1 + M2) * gx
+    fy = N * ry - (M1 + M2) * gy
+    force[dofs[0]] -= fx
+    force[dofs[1]] -= fy
+    force[dofs[2]] += M1
+    force[dofs[3]] += fx
+    force[dofs[4]] += fy
+    force[dofs[5]] += M2
+
+
+@njit(cache=True, error_model="numpy")
+def add_tangent(
+    band: Vector,
+    positions: Indices,
+    k: Matrix,
+    N: float,
+    M1: float,
+    M2: float,
+    weight: float,
+    gradients: Gradients,
+    e1x: float,
+    e1y: float,
+    l1: float,
+    work: Matrix,
+) -> None:
+    """Add the 6 x 6 tangent of an element to band storage.
+
+    Arguments: `band`, flat band storage; `positions` (36,), where each entry goes; `k` (3, 3),
+    derivative of the local forces by the local deformations at the end of the step; (N, M1, M2),
+    the weighted local forces; `weight` of the end state in them; `gradients` used for the forces;
+    direction and length of the chord at the end of the step; `work`, scratch (10, 4).
+    """
+    rx, ry, gx, gy, rxx, rxy, ryx, ryy, gxx, gxy, gyx, gyy = gradients
+    # columns of the end gradient over (d_x, d_y, theta_1, theta_2); right = k B_1
+    nx, ny = -e1y / l1, e1x / l1
+    right = work[0:3]
+    for i in range(3):
+        pair = k[i, 1] + k[i, 2]
+        right[i, 0] = weight * (k[i, 0] * e1x - pair * nx)
+        right[i, 1] = weight * (k[i, 0] * e1y - pair * ny)
+        right[i, 2] = weight * k[i, 1]
+        right[i, 3] = weight * k[i, 2]
+    reduced = work[3:7]
+    for j in range(4):
+        pair = right[1, j] + right[2, j]
+        reduced[0, j] = rx * right[0, j] - gx * pair
+        reduced[1, j] = ry * right[0, j] - gy * pair
+        reduced[2, j] = right[1, j]
+        reduced[3, j] = right[2, j]
+    moment = M1 + M2
+    reduced[0, 0] += N * rxx - moment * gxx
+    reduced[0, 1] += N * rxy - moment * gxy
+    reduced[1, 0] += N * ryx - moment * gyx
+    reduced[1, 1] += N * ryy - moment * gyy
+    for i in range(6):
+        node_i, row = i // 3, i % 3
+        a = 2 + node_i if row == 2 else row
+        sign_i = -1.0 if (row != 2 and node_i == 0) else 1.0
+        for j in range(6):
+            node_j, column = j // 3, j % 3
+            b = 2 + node_j if column == 2 else column
+            sign_j = -1.0 if (column != 2 and node_j == 0) else 1.0
+            band[positions[6 * i + j]] += sign_i * sign_j * reduced[a, b]

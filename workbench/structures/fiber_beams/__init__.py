@@ -1,0 +1,5 @@
+"""Co-rotational Bernoulli beams with fiber sections: all elements of a structure in one group."""
+
+from workbench.structures.fiber_beams.group import FiberBeams, FiberSection
+
+__all__ = ["FiberBeams", "FiberSection"]

@@ -1,0 +1,85 @@
+"""Newton's method with a line search on the work of the residual."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
+SEARCHES = 8
+
+
+class Solution(NamedTuple):
+    """Where Newton's method ended.
+
+    `x` (dofs,); `converged`; `residual`, the largest residual entry over its scale; number of
+    residual `evaluations`. If converged, the last evaluation was at `x`.
+    """
+
+    x: Array
+    converged: bool
+    residual: float
+    evaluations: int
+
+
+def newton(
+    evaluate: Callable[[Array], tuple[Array, float]],
+    solve: Callable[[Array], Array | None],
+    start: Array,
+    tolerance: float,
+    iterations: int = 25,
+) -> Solution:
+    """Find x with evaluate(x) = 0.
+
+    Arguments: `evaluate`, gives the residual (dofs,) and the scale of its terms, and prepares the
+    tangent; `solve`, gives tangent^-1 times a vector for the tangent prepared last (None if it is
+    singular); `start`; `tolerance` of max |residual| over the scale; most `iterations`.
+
+    Line search: with G(s) = d . R(x + s d), a step is taken when |G| has halved or the largest
+    residual has; otherwise a zero of G is bracketed by regula falsi. For associative plasticity G
+    is the slope of the incremental potential, so that this search is safe. The result may be not
+    converged; that is for the caller to handle.
+    """
+    x = start
+    residual, scale = evaluate(x)
+    evaluations = 1
+    size = float(np.max(np.abs(residual)))
+    for _ in range(iterations):
+        if size <= tolerance * scale:
+            return Solution(x, True, size / scale, evaluations)
+        step = solve(-residual)
+        if step is None or not np.isfinite(size):
+            break
+        slope = float(step @ residual)
+        low, slope_low = 0.0, slope
+        high, slope_high = np.nan, np.nan
+        s = 1.0
+        for _ in range(SEARCHES):
+            trial = x + s * step
+            residual, scale = evaluate(trial)
+            evaluations += 1
+            new_size = float(np.max(np.abs(residual)))
+            new_slope = float(step @ residual)
+            if abs(new_slope) <= 0.5 * abs(slope) or new_size <= 0.5 * size:
+                break
+            if np.isfinite(new_slope) and new_slope * slope > 0.0 and np.isnan(high):
+                break  # no sign change in reach: take the step, the tangent will follow
+            if not np.isfinite(new_slope) or new_slope * slope <= 0.0:
+                high, slope_high = s, new_slope
+            else:
+                low, slope_low = s, new_slope
+            if np.isfinite(slope_high):
+                share = slope_low / (slope_low - slope_high)
+                share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
+            else:
+                share = 0.5
+            s = low + share * (high - low)
+        x, size = trial, new_size
+    if size <= tolerance * scale:
+        return Solution(x, True, size / scale, evaluations)
+    return Solution(x, False, size / scale if scale > 0.0 else np.inf, evaluations)

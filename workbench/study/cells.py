@@ -1,0 +1,136 @@
+"""Cells of a study: one scenario answered by one model, and the key that identifies the answer."""
+
+from __future__ import annotations
+
+import fnmatch
+import hashlib
+import json
+import pickle
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any
+
+from workbench.errors import InputError
+from workbench.models.base import Model, options_of
+from workbench.scenarios import Scenario, scenario_hash
+from workbench.study.definition import Study
+
+STORE_FORMAT = 1
+
+Ingredients = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A case answered by a label.
+
+    Arguments: `case` and `label`, names in the study; `scenario` and `model`; `ingredients`,
+    everything that the answer depends on; `key`, their hash, under which the answer is stored.
+    """
+
+    case: str
+    label: str
+    scenario: Scenario
+    model: Model
+    ingredients: Ingredients
+    key: str
+
+    @property
+    def name(self) -> str:
+        """``case/label``, as patterns and messages use it."""
+        return f"{self.case}/{self.label}"
+
+
+def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
+    """Everything that an answer depends on: scenario, model, options, data, versions.
+
+    A model whose answer rests on data files says so by an attribute `data_digest`.
+    Raises `InputError` for options that JSON cannot hold.
+    """
+    options = options_of(model)
+    try:
+        options = json.loads(json.dumps(options, sort_keys=True, allow_nan=False))
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            "model options", options, f"of {model.name} cannot be stored: {error}"
+        ) from error
+    return {
+        "scenario": scenario_hash(scenario),
+        "model": model.name,
+        "model_version": model.version,
+        "options": options,
+        "data": str(getattr(model, "data_digest", "")),
+        "package": metadata.version("workbench"),
+        "store_format": STORE_FORMAT,
+    }
+
+
+def key_of(ingredients: Ingredients) -> str:
+    """SHA-256 of the ingredients in canonical form, as 20 hexadecimal digits."""
+    text = json.dumps(ingredients, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+def cells_of(study: Study) -> list[Cell]:
+    """All cells of a study, each checked so that no run begins that cannot end.
+
+    Raises `InputError` for names that files or data trees cannot carry, for models that do not
+    keep the contract, for options that cannot be stored or models that cannot be sent to a
+    worker process, and for a study without cells.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", study.name):
+        raise InputError(
+            "study.name", study.name, "must be letters, digits, dots, hyphens, underscores"
+        )
+    for name in (*(case.name for case in study.cases), *study.models):
+        if not name.strip() or "/" in name:
+            raise InputError("study.cases and labels", name, "must not be empty or hold a slash")
+    for label, model in study.models.items():
+        _check_model(label, model)
+    cells = []
+    for case, label in study.cells():
+        model = study.models[label]
+        ingredients = ingredients_of(case.scenario, model)
+        cells.append(
+            Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients))
+        )
+    if not cells:
+        raise InputError(
+            "study", study.name, "has no cell: no model answers any of its cases"
+        )
+    return cells
+
+
+def select(cells: list[Cell], pattern: str | None) -> list[Cell]:
+    """Cells whose case, label or ``case/label`` matches a shell pattern (None: all).
+
+    Raises `InputError` if nothing matches.
+    """
+    if pattern is None:
+        return cells
+    chosen = [
+        cell
+        for cell in cells
+        if any(fnmatch.fnmatchcase(name, pattern) for name in (cell.case, cell.label, cell.name))
+    ]
+    if not chosen:
+        shown = ", ".join(dict.fromkeys([c.case for c in cells] + [c.label for c in cells]))
+        raise InputError("--only", pattern, f"matches no cell; cases and labels are {shown}")
+    return chosen
+
+
+def _check_model(label: str, model: Model) -> None:
+    field = f"study.models[{label!r}]"
+    if isinstance(model, type) or not isinstance(model, Model):
+        raise InputError(field, model, "must be a model object", "see workbench.models.base.Model")
+    try:
+        pickle.dumps(model)
+    except Exception as error:
+        raise InputError(
+            field,
+            type(model).__name__,
+            f"cannot be sent to a worker process: {error}",
+            "define its class at the top of a module",
+        ) from error

@@ -1,0 +1,146 @@
+"""A study: cases, models, the reference among them, what is compared, and the gates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from workbench.assessment.gates import Gate
+from workbench.errors import InputError
+from workbench.scenarios import Scenario
+
+if TYPE_CHECKING:
+    from workbench.models.base import Model
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scenario of a study.
+
+    Arguments: `name`, unique in the study; `scenario`; `figure`, key of the figure that shows
+    it; `models`, labels that answer it (empty: all); `parameters`, the coordinates of a sweep
+    (name with unit, value); `quick`, whether the quick form of the study keeps it.
+    """
+
+    name: str
+    scenario: Scenario
+    figure: str = ""
+    models: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    quick: bool = True
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the report.
+
+    `key` joins it to the cases that name it; `kind` is one that `workbench.report` draws
+    (``history``, ``force-displacement``, ``peaks``, ``interaction``, ``energy``, ``sweep``, ...);
+    `caption` says what is seen and where it was published; `models` are labels (empty: all);
+    `options` are drawing options of that kind.
+    """
+
+    key: str
+    kind: str
+    title: str
+    caption: str
+    models: tuple[str, ...] = ()
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Study:
+    """Everything that `workbench run`, `report` and `validate` need; defined in a Python file.
+
+    Arguments: `name` (file-name safe), `title`, `question` (what is asked); `cases`; `models`,
+    label to model; `reference`, the label of the reference; `ladder`, labels of the reference
+    from coarse to fine, each at half the element size and step of the one before, the
+    last being the reference itself; `quantities` compared; `gates`; `figures`; `quick_models`,
+    labels that the quick form keeps (empty: all); `notes`, paragraphs for the report about what
+    is reconstructed, inferred or outside a domain.
+    Raises `InputError` for labels or names that do not fit together.
+    """
+
+    name: str
+    title: str
+    question: str
+    cases: tuple[Case, ...]
+    models: Mapping[str, Model]
+    reference: str
+    ladder: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ("peak_displacement", "time_of_peak", "residual_displacement")
+    gates: tuple[Gate, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    quick_models: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = [case.name for case in self.cases]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError("study.cases", name, "case names must be unique")
+        labels = [*self.ladder, *self.quick_models, self.reference]
+        for case in self.cases:
+            labels.extend(case.models)
+        for gate in self.gates:
+            labels.extend((gate.model, gate.against))
+            for name in gate.cases:
+                if name not in names:
+                    raise InputError("gate.cases", name, "is not a case of the study")
+        for figure in self.figures:
+            labels.extend(figure.models)
+        for label in labels:
+            if label not in self.models:
+                raise InputError(
+                    "study label", label, "must be one of " + ", ".join(self.models)
+                )
+        if self.ladder and self.ladder[-1] != self.reference:
+            raise InputError("study.ladder", self.ladder, "must end with the reference")
+
+    def cells(self) -> Iterator[tuple[Case, str]]:
+        """Every case with every label that is to answer it, in a fixed order."""
+        for case in self.cases:
+            for label, model in self.models.items():
+                if (not case.models or label in case.models) and (
+                    case.scenario.KIND in model.answers
+                ):
+                    yield case, label
+
+    def quickened(self) -> Study:
+        """The quick form: fewer cases and models, the same path; gates that lost a side go."""
+        cases = tuple(case for case in self.cases if case.quick)
+        keep = set(self.quick_models) or set(self.models)
+        models = {label: model for label, model in self.models.items() if label in keep}
+        ladder = tuple(label for label in self.ladder if label in keep)
+        reference = self.reference if self.reference in keep else ladder[-1]
+        names = {case.name for case in cases}
+        trimmed = tuple(
+            dataclasses.replace(
+                case, models=tuple(label for label in case.models if label in keep)
+            )
+            for case in cases
+        )
+        gates = tuple(
+            dataclasses.replace(gate, cases=tuple(n for n in gate.cases if n in names))
+            for gate in self.gates
+            if gate.model in keep
+            and gate.against in keep
+            and (not gate.cases or names & set(gate.cases))
+        )
+        figures = tuple(
+            dataclasses.replace(f, models=tuple(m for m in f.models if m in keep))
+            for f in self.figures
+        )
+        return dataclasses.replace(
+            self,
+            name=f"{self.name}-quick",
+            cases=trimmed,
+            models=models,
+            reference=reference,
+            ladder=ladder,
+            gates=gates,
+            figures=figures,
+            quick_models=(),
+        )

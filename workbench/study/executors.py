@@ -1,0 +1,228 @@
+"""Where cells are answered: in this process, or in worker processes of this machine.
+
+An executor is anything with ``run(tasks) -> iterator of results``, in any order. All of them
+call `work.perform` with one numerical thread, so their numbers are bit-identical.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from typing import Protocol
+
+from workbench.errors import WorkbenchError
+from workbench.responses import Outcome
+from workbench.study.work import Result, Task, perform, unanswered
+
+THREAD_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+READY = "ready"
+
+
+class Executor(Protocol):
+    """Answers tasks somewhere."""
+
+    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        """Answer every task; results come in the order in which they are ready."""
+        ...
+
+
+@dataclass(frozen=True)
+class InProcess:
+    """Answers one cell after the other in this process: for a debugger.
+
+    A time limit can only be judged afterwards here, and a crash ends the run.
+    """
+
+    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        """Answer every task in turn."""
+        from threadpoolctl import threadpool_limits
+
+        warm: set[str] = set()
+        for task in tasks:
+            begin = time.perf_counter()
+            with threadpool_limits(1):
+                result = perform(task, warm)
+            seconds = time.perf_counter() - begin
+            yield result if not _late(task, seconds) else _timed_out(task, seconds)
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Answers cells in `jobs` worker processes of this machine.
+
+    A worker that dies costs the cell that it was at (outcome crashed); one that is at a cell
+    for longer than allowed is stopped (timed-out); both are replaced.
+    """
+
+    jobs: int
+
+    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+        """Answer every task. Raises `WorkbenchError` if workers cannot start at all."""
+        waiting = list(reversed(tasks))
+        crew: list[_Worker] = []
+        try:
+            while waiting or any(worker.task for worker in crew):
+                idle = sum(worker.task is None for worker in crew)
+                while len(crew) < self.jobs and idle < len(waiting):
+                    crew.append(_Worker())
+                    idle += 1
+                for worker in crew:
+                    if worker.ready and worker.task is None and waiting:
+                        worker.give(waiting.pop())
+                _wait_for(crew)
+                for worker in list(crew):
+                    result = worker.collect()
+                    if worker.over:
+                        crew.remove(worker)
+                    if result is not None:
+                        yield result
+        finally:
+            for worker in crew:
+                worker.stop()
+
+
+@dataclass
+class _Worker:
+    """One worker process, the pipe to it, and the task that it is at."""
+
+    ready: bool = False  # it has imported everything and waits
+    over: bool = False  # it has died or has been stopped
+    task: Task | None = None
+    since: float = 0.0
+    pipe: Connection = field(init=False)
+    process: multiprocessing.process.BaseProcess = field(init=False)
+
+    def __post_init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipe, end = context.Pipe()
+        self.process = context.Process(target=serve, args=(end,), daemon=True)
+        with _one_thread_environment():
+            self.process.start()
+        end.close()
+
+    def give(self, task: Task) -> None:
+        """Send a task."""
+        self.task, self.since = task, time.monotonic()
+        with suppress(OSError):  # it died while idle: `collect` sees the end of the pipe
+            self.pipe.send(task)
+
+    def collect(self) -> Result | None:
+        """What the worker has to say, if anything; notices death and lateness.
+
+        Raises `WorkbenchError` if it could not start or could not load its task.
+        """
+        try:
+            if self.pipe.poll():
+                message = self.pipe.recv()
+                if isinstance(message, Result):
+                    self.task = None
+                    return message
+                if message != READY:
+                    raise WorkbenchError(f"a worker process cannot load its cell: {message}")
+                self.ready = True
+                return None
+        except (EOFError, OSError):
+            return self._died()
+        seconds = time.monotonic() - self.since
+        if self.task is not None and _late(self.task, seconds):
+            task = self.task
+            self.stop()
+            return _timed_out(task, seconds)
+        return None
+
+    def _died(self) -> Result | None:
+        self.process.join()
+        code, task = self.process.exitcode or 0, self.task
+        self.stop()
+        if not self.ready:
+            raise WorkbenchError(f"a worker process ended with status {code} before it was ready")
+        if task is None:
+            return None
+        how = f"by signal {signal.Signals(-code).name}" if code < 0 else f"with status {code}"
+        message = f"the worker process ended {how} in this cell"
+        return unanswered(task, Outcome.CRASHED, message, time.monotonic() - self.since)
+
+    def stop(self) -> None:
+        """End the process at once."""
+        self.over, self.task = True, None
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
+
+
+def serve(pipe: Connection) -> None:
+    """The main loop of a worker process: say ready, then answer tasks until the pipe closes."""
+    from threadpoolctl import threadpool_limits
+
+    # Ctrl-C reaches the whole process group; the parent decides what happens then.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    warm: set[str] = set()
+    with threadpool_limits(1):
+        pipe.send(READY)
+        while True:
+            try:
+                task = pipe.recv()
+            except EOFError:
+                return
+            try:
+                answer: Result | str = perform(task, warm)
+            except Exception as error:  # not the model's: its failures are results
+                answer = f"{type(error).__name__}: {error}"
+            pipe.send(answer)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _wait_for(crew: list[_Worker]) -> None:
+    """Sleep until a worker has something to say or the next time limit is over."""
+    ends = [
+        worker.since + worker.task.limit
+        for worker in crew
+        if worker.task is not None and worker.task.limit is not None
+    ]
+    timeout = max(0.0, min(ends) - time.monotonic()) + 0.001 if ends else None
+    wait([worker.pipe for worker in crew], timeout)
+
+
+def _late(task: Task, seconds: float) -> bool:
+    return task.limit is not None and seconds > task.limit
+
+
+def _timed_out(task: Task, seconds: float) -> Result:
+    return unanswered(
+        task, Outcome.TIMED_OUT, f"stopped after the {task.limit:g} s that a cell may take", seconds
+    )
+
+
+@contextmanager
+def _one_thread_environment() -> Iterator[None]:
+    """Numerical libraries read these variables when they load, so a child must inherit them."""
+    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

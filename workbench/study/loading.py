@@ -1,0 +1,100 @@
+"""Finding and loading study files: Python files that define ``study = Study(...)``."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import importlib.util
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.errors import InputError, WorkbenchError
+from workbench.study.definition import Study
+
+
+@dataclass(frozen=True)
+class LoadedStudy:
+    """A study and the `file` that defines it, which worker processes load as well."""
+
+    study: Study
+    file: Path
+
+
+def study_files() -> dict[str, Path]:
+    """Study files by name: those in ``studies/`` here, then those of the source tree."""
+    found: dict[str, Path] = {}
+    source_tree = Path(__file__).resolve().parents[2]
+    for directory in (Path("studies"), source_tree / "studies"):
+        for path in sorted(directory.glob("*.py")):
+            if not path.stem.startswith("_"):
+                found.setdefault(path.stem, path)
+    return found
+
+
+def load_study(name: str | Path) -> LoadedStudy:
+    """Load a study by the path of its file or by its name in ``studies/``.
+
+    Raises `InputError` if there is no such study (naming those that exist), if the file cannot
+    be run, or if it does not define ``study = Study(...)``.
+    """
+    path = Path(name)
+    if path.suffix != ".py":
+        known = study_files()
+        stem = str(name).replace("-", "_")
+        if stem not in known:
+            near = difflib.get_close_matches(stem, known, 1)
+            listed = ", ".join(known) if known else "none in ./studies"
+            advice = f"did you mean {near[0]}?" if near else "give the path of a study file"
+            raise InputError("study", str(name), f"is not known; there are {listed}", advice)
+        path = known[stem]
+    if not path.is_file():
+        raise InputError("study", str(name), "there is no such file")
+    return LoadedStudy(study_in(path), path.resolve())
+
+
+def study_in(path: Path) -> Study:
+    """The study that a file defines, imported with its directory on the import path.
+
+    The module name comes from the path, so that a worker process that loads the same file finds
+    the classes that the file defines. Raises `InputError`.
+    """
+    path = path.resolve()
+    name = f"workbench_study_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
+    if name not in sys.modules:
+        if str(path.parent) not in sys.path:
+            sys.path.insert(0, str(path.parent))
+        specification = importlib.util.spec_from_file_location(name, path)
+        if specification is None or specification.loader is None:
+            raise InputError("study", str(path), "is not a Python file")
+        module = importlib.util.module_from_spec(specification)
+        sys.modules[name] = module
+        try:
+            specification.loader.exec_module(module)
+        except InputError:
+            del sys.modules[name]
+            raise
+        except (Exception, SystemExit) as error:
+            del sys.modules[name]
+            raise InputError(
+                "study", path.name, f"cannot be loaded: {_where(error, path)}{_said(error)}"
+            ) from error
+    study = getattr(sys.modules[name], "study", None)
+    if not isinstance(study, Study):
+        raise InputError("study", path.name, "must define study = Study(...)")
+    return study
+
+
+def _said(error: BaseException) -> str:
+    if isinstance(error, WorkbenchError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
+
+
+def _where(error: BaseException, path: Path) -> str:
+    line, trace = 0, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f"line {line}: " if line else ""

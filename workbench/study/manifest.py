@@ -1,0 +1,200 @@
+"""The manifest of a stored study, and what has to be answered (again) and why."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from workbench.errors import InputError, WorkbenchError
+from workbench.models.base import options_of
+from workbench.responses import Outcome, provenance
+from workbench.scenarios import scenario_hash, to_toml
+from workbench.study.cells import Cell, Ingredients, key_of
+from workbench.study.definition import Study
+from workbench.study.files import canonical_json, write_atomically
+from workbench.study.store import Presence, Store
+
+Manifest = dict[str, Any]
+
+_CHANGES = {
+    "model": "another model",
+    "model_version": "model version",
+    "options": "option",
+    "data": "the data have changed",
+    "package": "workbench version",
+    "store_format": "format of the store",
+}
+
+
+class State(StrEnum):
+    """Where a cell stands."""
+
+    DONE = "done"
+    FAILED = "failed"
+    TO_DO = "to do"
+
+
+@dataclass(frozen=True)
+class CellStatus:
+    """Where a cell stands, with the `outcome` of a stored one and the `reason` to answer it."""
+
+    cell: Cell
+    state: State
+    outcome: str = ""
+    reason: str = ""
+
+
+def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
+    """Where every cell stands, and why those to do would be answered (again)."""
+    answered = _last_answers(read_manifest(store), store)
+    found = []
+    for cell in cells:
+        presence = store.presence(cell.key)
+        if presence is Presence.FINISHED:
+            outcome = store.record(cell.key)["outcome"]
+            state = State.DONE if outcome == Outcome.OK else State.FAILED
+            found.append(CellStatus(cell, state, outcome))
+        elif presence is Presence.CORRUPT:
+            reason = "the stored cell is corrupt: its file does not agree with its record"
+            found.append(CellStatus(cell, State.TO_DO, reason=reason))
+        else:
+            reason = _reason(cell, answered.get((cell.case, cell.label)), store)
+            found.append(CellStatus(cell, State.TO_DO, reason=reason))
+    return found
+
+
+def read_manifest(store: Store) -> Manifest:
+    """The manifest of a store, empty if there is none yet.
+
+    Raises `InputError` if it cannot be read.
+    """
+    if not store.manifest.is_file():
+        return {}
+    try:
+        manifest: Manifest = json.loads(store.manifest.read_text(encoding="utf-8"))
+        manifest["cells"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            "manifest", str(store.manifest), "cannot be read", "remove it and run again"
+        ) from error
+    return manifest
+
+
+def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
+    """Write what the study is made of, in canonical form.
+
+    A cell that is not stored keeps under ``answered`` what its last stored answer was made of.
+    """
+    answered = _last_answers(read_manifest(store), store)
+    entries = []
+    for cell in cells:
+        entry = {
+            "case": cell.case,
+            "label": cell.label,
+            "key": cell.key,
+            "ingredients": cell.ingredients,
+        }
+        last = answered.get((cell.case, cell.label))
+        if store.presence(cell.key) is not Presence.FINISHED and last is not None:
+            entry["answered"] = last
+        entries.append(entry)
+    manifest = {**_description(study), "cells": entries, "provenance": provenance()}
+    write_atomically(store.manifest, canonical_json(manifest))
+
+
+def _description(study: Study) -> Manifest:
+    return {
+        "study": study.name,
+        "title": study.title,
+        "question": study.question,
+        "reference": study.reference,
+        "ladder": list(study.ladder),
+        "quantities": list(study.quantities),
+        "cases": [
+            {
+                "name": case.name,
+                "kind": case.scenario.KIND,
+                "scenario": to_toml(case.scenario),
+                "scenario_hash": scenario_hash(case.scenario),
+                "parameters": dict(case.parameters),
+                "figure": case.figure,
+            }
+            for case in study.cases
+        ],
+        "labels": {
+            label: {
+                "model": model.name,
+                "version": model.version,
+                "options": options_of(model),
+                "assumptions": list(model.assumptions),
+                "sources": list(model.sources),
+            }
+            for label, model in study.models.items()
+        },
+    }
+
+
+def _last_answers(manifest: Manifest, store: Store) -> dict[tuple[str, str], Ingredients]:
+    """What the last stored answer of every (case, label) was made of."""
+    answers = {}
+    for entry in manifest.get("cells", ()):
+        # the manifest is written before the cells: look whether the cell came to be stored
+        stored = store.presence(entry["key"]) is not Presence.ABSENT
+        last = entry["ingredients"] if stored else entry.get("answered")
+        if last is not None:
+            answers[entry["case"], entry["label"]] = last
+    return answers
+
+
+def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
+    if last is None:
+        return "never ran"
+    now = cell.ingredients
+    if dict(last) == dict(now):
+        return "its stored cell has been removed"
+    reasons = list(_scenario_changes(cell, last, store))
+    for name, text in _CHANGES.items():
+        before, after = last.get(name), now[name]
+        if before == after:
+            continue
+        if name == "options" and isinstance(before, dict):
+            reasons.extend(_differences(before, after, f"{text} "))
+        elif name == "data":
+            reasons.append(text)
+        else:
+            reasons.append(f"{text} {before} -> {after}")
+    return "; ".join(reasons)
+
+
+def _scenario_changes(cell: Cell, last: Ingredients, store: Store) -> Iterator[str]:
+    if last.get("scenario") == cell.ingredients["scenario"]:
+        return
+    old = key_of(last)
+    changes: list[str] = []
+    if store.presence(old) is Presence.FINISHED:
+        try:
+            before = tomllib.loads(store.response(old).attrs["scenario"])
+        except (WorkbenchError, KeyError, ValueError):
+            before = {}
+        after = tomllib.loads(to_toml(cell.scenario))
+        before.pop("name", None)
+        after.pop("name", None)
+        changes = list(_differences(before, after, ""))
+    yield "scenario changed" + (": " + ", ".join(changes) if changes else "")
+
+
+def _differences(before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> Iterator[str]:
+    for name in sorted(before.keys() | after.keys()):
+        old, new = before.get(name), after.get(name)
+        if isinstance(old, dict) and isinstance(new, dict):
+            yield from _differences(old, new, f"{path}{name}.")
+        elif old != new:
+            yield f"{path}{name} {_shown(old)} -> {_shown(new)}"
+
+
+def _shown(value: Any) -> str:
+    return "default" if value is None else str(value)

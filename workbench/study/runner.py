@@ -1,0 +1,167 @@
+"""Running a study: answer the cells that are not stored yet, and keep the store consistent."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.errors import InputError
+from workbench.responses import Outcome
+from workbench.study.cells import Cell, cells_of, select
+from workbench.study.definition import Study
+from workbench.study.executors import Executor, InProcess, Workers
+from workbench.study.manifest import write_manifest
+from workbench.study.progress import Progress, Silent
+from workbench.study.store import Presence, Store
+from workbench.study.work import task_of
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """What a run did: cells `answered` now, `stored` before, and how all of them ended."""
+
+    study: Study
+    directory: Path
+    answered: int
+    stored: int
+    outcomes: dict[str, int]
+
+    @property
+    def failed(self) -> int:
+        """Cells that should have an answer and have none (a refusal, out-of-domain, is one)."""
+        fine = (Outcome.OK.value, Outcome.OUT_OF_DOMAIN.value)
+        return sum(count for outcome, count in self.outcomes.items() if outcome not in fine)
+
+
+def run_study(
+    study: Study,
+    root: Path,
+    jobs: int | None = None,
+    quick: bool = False,
+    fresh: bool = False,
+    only: str | None = None,
+    timeout: float | None = None,
+    progress: Progress | None = None,
+    scheduler: str | None = None,
+    file: Path | None = None,
+) -> RunSummary:
+    """Answer every cell of a study that the store under ``root/<study name>`` does not hold.
+
+    Arguments: `jobs`, worker processes (None: one per core; 0: no worker, in this process);
+    `quick`, run the quick form of the study; `fresh`, answer stored cells again and drop those
+    that no longer belong to the study; `only`, a shell pattern on case, label or case/label;
+    `timeout`, wall time in s that a cell may take; `scheduler`, address of a Dask cluster;
+    `file`, the study file, if it defines models of its own.
+
+    All cells are checked before the first one is answered. A cell that fails is a stored result;
+    crashed cells are answered again by the next run, timed-out ones if it allows more time.
+    Killing the run at any moment loses at most the cells in flight.
+    Raises `InputError` for a study, pattern, store or scheduler that cannot be used;
+    KeyboardInterrupt passes through, with everything answered so far in the store.
+    """
+    study = study.quickened() if quick else study
+    cells = cells_of(study)
+    chosen = {cell.key: cell for cell in reversed(select(cells, only))}
+    if timeout is not None and not timeout > 0.0:
+        raise InputError("--timeout", timeout, "must be a number of seconds above 0")
+    executor = _executor(jobs, scheduler)
+    progress = progress or Silent()
+    store = Store(Path(root) / study.name)
+    store.prepare()
+    with _alone(store):
+        write_manifest(study, cells, store)
+        waiting = [
+            cell
+            for cell in _costly_first(study, cells)
+            if cell.key in chosen and (fresh or _to_do(cell, store, timeout, progress))
+        ]
+        stored = len(chosen) - len(waiting)
+        tasks = [task_of(cell, timeout, file) for cell in waiting]
+        by_key = {cell.key: cell for cell in waiting}
+        workers = max(1, min(getattr(executor, "jobs", 1), len(tasks)))
+        progress.begin(study.name, waiting, stored, workers)
+        try:
+            # closing: an interrupt stops the workers here, not whenever memory is tidied
+            with closing(executor.run(tasks)) as results:  # type: ignore[type-var]
+                for result in results:
+                    store.put(result.key, result.content, result.record)
+                    progress.advance(
+                        by_key[result.key], result.outcome, result.record["first_call"]
+                    )
+        finally:
+            progress.end()
+            write_manifest(study, cells, store)
+        if fresh and only is None:
+            for key in store.keys() - {cell.key for cell in cells}:
+                store.remove(key)
+        outcomes = Counter(store.record(key)["outcome"] for key in chosen)
+    return RunSummary(study, store.directory, len(waiting), stored, dict(outcomes))
+
+
+def _executor(jobs: int | None, scheduler: str | None) -> Executor:
+    if scheduler is not None:
+        from workbench.study.scheduler import DaskCluster
+
+        return DaskCluster(scheduler)
+    if jobs is None:
+        jobs = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    if jobs is None or jobs < 0:
+        raise InputError("--jobs", jobs, "must be a whole number from 0")
+    return Workers(jobs) if jobs else InProcess()
+
+
+def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
+    """One cell per key, the finest references first so that no long cell runs alone at the end.
+
+    Cells that differ in name only share a key; the first one of the study speaks for them, also
+    when `only` names another, so that the stored bytes do not depend on what was asked for.
+    """
+    unique = list({cell.key: cell for cell in reversed(cells)}.values())[::-1]
+    chain = [*study.ladder, study.reference]
+    rank = {label: -place for place, label in enumerate(chain, 1)}
+    return sorted(unique, key=lambda cell: rank.get(cell.label, 0))
+
+
+def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) -> bool:
+    presence = store.presence(cell.key)
+    if presence is Presence.CORRUPT:
+        progress.note(f"{cell.name}: the stored cell is corrupt and is answered again")
+        return True
+    if presence is Presence.ABSENT:
+        return True
+    record = store.record(cell.key)
+    if record["outcome"] == Outcome.CRASHED:
+        progress.note(f"{cell.name}: crashed last time and is tried again")
+        return True
+    if record["outcome"] == Outcome.TIMED_OUT:
+        limit = record["limit"]
+        more = limit is not None and (timeout is None or timeout > limit)
+        if more:
+            progress.note(f"{cell.name}: timed out after {limit:g} s and is given more time")
+        return more
+    return False
+
+
+@contextmanager
+def _alone(store: Store) -> Iterator[None]:
+    """Hold the lock of the store; the system frees it when this process ends in any way.
+
+    Raises `InputError` if another run holds it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # not a POSIX system: nothing to lock with
+        yield
+        return
+    with (store.directory / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise InputError(
+                "store", str(store.directory), "is in use by another run", "wait until it is over"
+            ) from error
+        yield

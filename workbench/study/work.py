@@ -1,0 +1,148 @@
+"""What a worker does with a cell: answer it, never fail, hand back bytes and a record."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import time
+import traceback
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from workbench.errors import InputError, WorkbenchError
+from workbench.models.base import Model, options_of
+from workbench.responses import (
+    Outcome,
+    Response,
+    check_response,
+    failed_response,
+    outcome_of,
+    provenance,
+)
+from workbench.scenarios import Scenario, scenario_hash, to_toml
+from workbench.study.cells import Cell
+from workbench.study.netcdf import to_netcdf_bytes, without_volatile
+
+# A first call may compile kernels; cells that end sooner than this are timed by a second call.
+TIMED_AGAIN_BELOW = 2.0  # s
+
+
+@dataclass(frozen=True)
+class Task:
+    """A cell on its way to a worker: `payload` is its pickled model and scenario.
+
+    `limit` is the wall time allowed in s, or None; `file` the study file that defines models.
+    """
+
+    key: str
+    payload: bytes
+    limit: float | None = None
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A cell answered: netCDF bytes and the record of how they came about."""
+
+    key: str
+    content: bytes
+    record: dict[str, Any]
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the cell ended."""
+        return Outcome(self.record["outcome"])
+
+
+def task_of(cell: Cell, limit: float | None = None, file: Path | None = None) -> Task:
+    """The task that answers a cell."""
+    payload = pickle.dumps((cell.model, cell.scenario))
+    return Task(cell.key, payload, limit, "" if file is None else str(file))
+
+
+def perform(task: Task, warm: set[str]) -> Result:
+    """Answer a task in this process. Every failure of a model becomes an outcome.
+
+    `warm` collects the kinds of cell that this process has answered before: the first of a kind
+    may compile kernels, so its wall time is that of a second call if the first was short.
+    """
+    if task.file:
+        from workbench.study.loading import study_in
+
+        study_in(Path(task.file))
+    model, scenario = pickle.loads(task.payload)
+    started = datetime.now(UTC)
+    begin = time.perf_counter()
+    response, trace = _answer(model, scenario)
+    first = time.perf_counter() - begin
+    wall_time = response.attrs.get("wall_time", first)
+    kind = f"{type(model).__module__}.{type(model).__qualname__}/{scenario.KIND}"
+    if kind not in warm and first < min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0):
+        again, _ = _answer(model, scenario)
+        wall_time = again.attrs.get("wall_time", wall_time)
+    warm.add(kind)
+    return result_of(task, response, {"wall_time": wall_time, "first_call": first}, started, trace)
+
+
+def unanswered(task: Task, outcome: Outcome, message: str, seconds: float) -> Result:
+    """The result of a task whose worker was stopped or died."""
+    model, scenario = pickle.loads(task.payload)
+    response = _signed(failed_response(outcome, message), model, scenario)
+    times = {"wall_time": seconds, "first_call": seconds}
+    return result_of(task, response, times, datetime.now(UTC), [])
+
+
+def result_of(
+    task: Task,
+    response: Response,
+    times: dict[str, float],
+    started: datetime,
+    trace: list[str],
+) -> Result:
+    """Bytes and record of a response: what repeats in the bytes, what does not in the record."""
+    record = {
+        **times,
+        "outcome": outcome_of(response).value,
+        "limit": task.limit,
+        "provenance": provenance(),
+        "started": started.isoformat(timespec="milliseconds"),
+        "finished": datetime.now(UTC).isoformat(timespec="milliseconds"),
+    }
+    if trace:
+        record["trace"] = trace
+    return Result(task.key, to_netcdf_bytes(without_volatile(response)), record)
+
+
+def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
+    trace: list[str] = []
+    try:
+        response = model.simulate(scenario)
+        check_response(response)
+        outcome_of(response)
+    except InputError as error:
+        response = failed_response(Outcome.INVALID_INPUT, str(error))
+    except Exception as error:
+        said = str(error) if isinstance(error, WorkbenchError) else f"{type(error).__name__}: {error}"
+        response = failed_response(Outcome.CRASHED, f"{model.name} raised {said}")
+        # file names without directories: records are compared between machines
+        trace = [
+            f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
+            for frame in traceback.extract_tb(error.__traceback__)
+        ]
+    return _signed(response, model, scenario), trace
+
+
+def _signed(response: Response, model: Model, scenario: Scenario) -> Response:
+    """Name model and scenario in a response that did not come through `respond`."""
+    given = {
+        "model": model.name,
+        "model_version": model.version,
+        "options": json.dumps(options_of(model), sort_keys=True),
+        "scenario": to_toml(scenario),
+        "scenario_hash": scenario_hash(scenario),
+    }
+    for name, value in given.items():
+        response.attrs.setdefault(name, value)
+    return response

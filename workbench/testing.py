@@ -1,0 +1,208 @@
+"""Conformance kit: what every model has to keep, ours and third-party ones alike.
+
+In a test suite: ``check_model(MyModel(), [scenario, ...])``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import pickle
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from workbench.errors import InputError, WorkbenchError
+from workbench.models.base import Model, options_of, with_options
+from workbench.responses import (
+    ENERGIES,
+    Finding,
+    Outcome,
+    Response,
+    check_response,
+    outcome_of,
+    warnings_of,
+)
+from workbench.scenarios import Scenario, scenario_hash
+
+ENERGY_TOLERANCE = 1e-6  # of the input energy
+
+_SIGNATURE = ("model", "model_version", "options", "scenario", "scenario_hash", "provenance")
+
+
+def check_model(
+    model: Model, scenarios: Sequence[Scenario], energy_tolerance: float = ENERGY_TOLERANCE
+) -> None:
+    """Hold a model to the contract, over scenarios of the kinds that it answers.
+
+    Arguments: `model`; `scenarios`, at least one of which the model must answer with outcome ok;
+    `energy_tolerance`, largest error of the energy ledger over the input energy.
+    Raises AssertionError listing everything that is not kept.
+    """
+    problems = problems_of(model, scenarios, energy_tolerance)
+    if problems:
+        name = getattr(model, "name", type(model).__name__)
+        raise AssertionError(f"model {name} breaks the contract:\n- " + "\n- ".join(problems))
+
+
+def problems_of(
+    model: Model, scenarios: Sequence[Scenario], energy_tolerance: float = ENERGY_TOLERANCE
+) -> list[str]:
+    """What a model does not keep of the contract, one sentence each (empty: it conforms)."""
+    problems = list(_declaration(model))
+    if problems:
+        return problems
+    problems.extend(_options(model))
+    outcomes = []
+    for scenario in scenarios:
+        if scenario.KIND not in model.answers:
+            problems.append(f"{scenario.name}: the kit was given a kind that it does not answer")
+            continue
+        try:
+            response = model.simulate(scenario)
+            again = model.simulate(scenario)
+        except Exception as error:
+            problems.append(f"{scenario.name}: simulate raised {type(error).__name__}: {error}")
+            continue
+        outcomes.append(outcome_of(response))
+        found = [*_domain(model, scenario, response), *_response(model, scenario, response)]
+        if not _numbers(response).identical(_numbers(again)):
+            found.append("two runs of the same scenario differ")
+        found.extend(_ledger(response, energy_tolerance))
+        problems.extend(f"{scenario.name}: {text}" for text in found)
+    if Outcome.OK not in outcomes:
+        problems.append("answers none of the given scenarios with outcome ok")
+    if scenarios:
+        problems.extend(_foreign(model, scenarios[0]))
+    return problems
+
+
+def _declaration(model: Model) -> Iterator[str]:
+    kind = type(model)
+    if not dataclasses.is_dataclass(kind) or not kind.__dataclass_params__.frozen:
+        yield "must be an instance of a frozen dataclass"
+        return
+    missing = [name for name in ("domain", "simulate") if not callable(getattr(model, name, None))]
+    if missing:
+        yield "has no " + " and no ".join(missing)
+    name = getattr(model, "name", None)
+    if not isinstance(name, str) or not name or name != name.lower() or " " in name:
+        yield "name must be a word in lower case, with hyphens"
+    if not isinstance(getattr(model, "version", None), int) or model.version < 1:
+        yield "version must be a whole number from 1"
+    for attribute in ("answers", "assumptions", "sources"):
+        value = getattr(model, attribute, None)
+        if not isinstance(value, tuple) or not all(isinstance(v, str) and v for v in value):
+            yield f"{attribute} must be a tuple of texts"
+        elif not value and attribute != "sources":
+            yield f"{attribute} must not be empty"
+    fields = {field.name for field in dataclasses.fields(kind)}
+    for attribute in {"name", "version", "answers", "assumptions", "sources"} & fields:
+        yield f"{attribute} must be a class variable, not an option"
+    if not kind.__doc__ or kind.__doc__.startswith(f"{kind.__name__}("):
+        yield "must have a docstring"
+
+
+def _options(model: Model) -> Iterator[str]:
+    options = options_of(model)
+    try:
+        again = with_options(type(model), json.loads(json.dumps(options)))
+    except (TypeError, ValueError, WorkbenchError) as error:
+        yield f"options do not survive a round trip through JSON: {error}"
+    else:
+        if again != model:
+            yield f"options change in a round trip through JSON: {options} -> {options_of(again)}"
+    try:
+        with_options(type(model), {**options, "no_such_option": 1})
+    except InputError:
+        pass
+    else:
+        yield "accepts an option that it does not have"
+    if pickle.loads(pickle.dumps(model)) != model:
+        yield "changes when it is pickled"
+
+
+def _domain(model: Model, scenario: Scenario, response: Response) -> Iterator[str]:
+    findings = model.domain(scenario)
+    if not all(isinstance(finding, Finding) for finding in findings):
+        yield "domain must return findings"
+        return
+    refusals = [finding for finding in findings if finding.refusal]
+    if refusals and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
+        yield "domain refuses the scenario but simulate answers it"
+    if not refusals:
+        said = {finding.text for finding in warnings_of(response)}
+        for finding in findings:
+            if finding.text not in said:
+                yield f"the warning {finding.text!r} of domain is missing in the response"
+
+
+def _response(model: Model, scenario: Scenario, response: Response) -> Iterator[str]:
+    try:
+        check_response(response)
+    except WorkbenchError as error:
+        yield str(error)
+    missing = [name for name in (*_SIGNATURE, "wall_time") if name not in response.attrs]
+    if missing:
+        yield "the response does not carry " + ", ".join(missing)
+        return
+    if response.attrs["model"] != model.name or response.attrs["model_version"] != model.version:
+        yield "the response names another model or version"
+    if response.attrs["scenario_hash"] != scenario_hash(scenario):
+        yield "the response names another scenario, or the model has changed it"
+    if outcome_of(response) is not Outcome.OK:
+        if len(response.attrs["message"].split()) < 4:
+            yield f"outcome {outcome_of(response)} comes without a sentence"
+        if len(response.data_vars):
+            yield f"outcome {outcome_of(response)} comes with variables"
+    elif not response.data_vars:
+        yield "outcome ok comes without a single variable"
+    if {"displacement", "peak_displacement"} <= set(response.data_vars):
+        largest, peak = response["displacement"].max().item(), response["peak_displacement"].item()
+        if abs(peak - largest) > 0.02 * abs(largest):
+            yield f"peak_displacement {peak:.6g} m is not that of its history, {largest:.6g} m"
+
+
+def _ledger(response: Response, tolerance: float) -> Iterator[str]:
+    """Whether the energies add up and whether what is lost stays lost."""
+    if "balance_error" not in response:
+        return
+    if "input_energy" not in response:
+        yield "carries balance_error without input_energy"
+        return
+    allowed = tolerance * response["input_energy"].item()
+    error = float(np.abs(response["balance_error"]).max())
+    if error > allowed:
+        yield f"energy ledger is open by {error:.3g} J, {allowed:.3g} J are allowed"
+    for name in ("dissipated", "contact_loss"):
+        if name in response and float(np.min(np.diff(response[name].values))) < -allowed:
+            yield f"{name} decreases"
+    if set(ENERGIES) <= set(response.data_vars):
+        total = (
+            sum(response[name] for name in ENERGIES if name != "external_work")
+            - response["external_work"]
+        )
+        drift = float(total.max() - total.min())
+        if drift > 1e-9 * response["input_energy"].item():
+            yield f"balance_error is not what the energies leave: the sum drifts by {drift:.3g} J"
+
+
+def _foreign(model: Model, scenario: Scenario) -> Iterator[str]:
+    """A scenario of an unknown kind must end in out-of-domain, not in an exception."""
+    kind = type("Foreign", (type(scenario),), {"KIND": "no-such-kind"})
+    stranger: Any = object.__new__(kind)
+    stranger.__dict__.update(scenario.__dict__)
+    try:
+        response = model.simulate(stranger)
+    except Exception as error:
+        yield f"a foreign kind of scenario raises {type(error).__name__}: {error}"
+        return
+    if outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
+        yield f"a foreign kind of scenario ends in {outcome_of(response)}, not out-of-domain"
+
+
+def _numbers(response: Response) -> Response:
+    return response.drop_attrs(deep=False).assign_attrs(
+        {name: value for name, value in response.attrs.items() if name != "wall_time"}
+    )
