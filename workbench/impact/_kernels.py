@@ -16,13 +16,24 @@ def touches(gap, gamma, dt):
 
 
 @njit(cache=True, error_model="numpy")
+def rebound(gamma_start, restitution):
+    """Restitution that the step uses: eps while approaching, 1 while separating.
+
+    Contact is enforced on velocities, so a drifted gap can be closed while the bodies separate.
+    Newton's law with eps < 1 would then do positive work on the mean gap velocity and create
+    energy; with 1 the mean gap velocity, and so that work, is zero.
+    """
+    return 1.0 if gamma_start > 0.0 else restitution
+
+
+@njit(cache=True, error_model="numpy")
 def explicit_percussion(gamma_free, gamma_start, restitution, mass, striker_mass):
     """Percussion from the gap velocity without contact; one contact needs no iteration.
 
     The factor r of Heng 2017, eq. 3.28, must be (w' M^-1 w)^-1, in kg, as here; eq. 3.29 prints
     its inverse.
     """
-    xi = gamma_free + restitution * gamma_start
+    xi = gamma_free + rebound(gamma_start, restitution) * gamma_start
     return max(-xi, 0.0) / (1.0 / mass + 1.0 / striker_mass)
 
 

@@ -33,10 +33,7 @@ def canonical(name: str) -> str:
     parts = re.fullmatch(r"\s*([A-Za-z]+)[\s_-]*([0-9]+)[\s_-]*([ABMabm]?)\s*", name)
     if parts is None:
         return name
-    family, size, series = parts[1].upper(), parts[2], parts[3].upper()
-    if series and family != "HE":
-        return name
-    return f"{family}{series} {size}"
+    return f"{parts[1]}{parts[3]} {parts[2]}".upper()
 
 
 def nearest(name: str) -> list[str]:

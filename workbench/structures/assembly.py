@@ -200,6 +200,12 @@ class PlanarAssembly:
         _kernels.band_product(self.mass, self.width, x, result)
         return result
 
+    def tangent_times(self, x: Array) -> Array:
+        """Product of the tangent in `band` with x (dofs,)."""
+        result = np.empty(self.size)
+        _kernels.band_product(self.band, self.width, x, result)
+        return result
+
     def solve(self, right: Array, held: Indices | None = None) -> Array | None:
         """Solve the tangent against `right` (dofs,) with `held` dofs at zero; None if singular.
 

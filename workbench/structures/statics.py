@@ -47,6 +47,22 @@ def _equilibrium(
     return newton(evaluate, solve, start, tolerance, iterations=40), reactions
 
 
+def _tangent_start(
+    assembly: PlanarAssembly, dof: int, increment: float, held: NDArray[np.int64]
+) -> Array:
+    """Displacements after moving `dof` by `increment` along the committed tangent."""
+    assembly.assemble(assembly.displacement, None)
+    unit = np.zeros(assembly.size)
+    unit[dof] = increment
+    imposed = assembly.tangent_times(unit)
+    follow = assembly.solve(-imposed, held)
+    start = assembly.displacement.copy()
+    if follow is not None:
+        start += follow
+    start[dof] += increment
+    return start
+
+
 def apply_loads(assembly: PlanarAssembly, steps: int = 5, tolerance: float = 1e-10) -> None:
     """Bring the dead loads of the assembly on in equal steps, and commit.
 
@@ -89,11 +105,11 @@ def push(
         force = 0.0
         while done < 1.0:
             share = 0.5**level
-            start = assembly.displacement.copy()
-            increment = begin + (done + share) * span - start[dof]
+            increment = begin + (done + share) * span - float(assembly.displacement[dof])
             if previous[dof] != 0.0:
-                start = start + previous * (increment / previous[dof])
-            start[dof] = begin + (done + share) * span
+                start = assembly.displacement + previous * (increment / previous[dof])
+            else:
+                start = _tangent_start(assembly, dof, increment, held)
             found, reactions = _equilibrium(assembly, assembly.load, start, held, tolerance)
             evaluations += found.evaluations
             if not found.converged:

@@ -93,13 +93,9 @@ def cells_of(study: Study) -> list[Cell]:
     for case, label in study.cells():
         model = study.models[label]
         ingredients = ingredients_of(case.scenario, model)
-        cells.append(
-            Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients))
-        )
+        cells.append(Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients)))
     if not cells:
-        raise InputError(
-            "study", study.name, "has no cell: no model answers any of its cases"
-        )
+        raise InputError("study", study.name, "has no cell: no model answers any of its cases")
     return cells
 
 

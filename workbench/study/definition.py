@@ -93,9 +93,7 @@ class Study:
             labels.extend(figure.models)
         for label in labels:
             if label not in self.models:
-                raise InputError(
-                    "study label", label, "must be one of " + ", ".join(self.models)
-                )
+                raise InputError("study label", label, "must be one of " + ", ".join(self.models))
         if self.ladder and self.ladder[-1] != self.reference:
             raise InputError("study.ladder", self.ladder, "must end with the reference")
 
@@ -117,9 +115,7 @@ class Study:
         reference = self.reference if self.reference in keep else ladder[-1]
         names = {case.name for case in cases}
         trimmed = tuple(
-            dataclasses.replace(
-                case, models=tuple(label for label in case.models if label in keep)
-            )
+            dataclasses.replace(case, models=tuple(label for label in case.models if label in keep))
             for case in cases
         )
         gates = tuple(

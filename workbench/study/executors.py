@@ -11,7 +11,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
@@ -34,7 +34,7 @@ READY = "ready"
 class Executor(Protocol):
     """Answers tasks somewhere."""
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task; results come in the order in which they are ready."""
         ...
 
@@ -46,7 +46,7 @@ class InProcess:
     A time limit can only be judged afterwards here, and a crash ends the run.
     """
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task in turn."""
         from threadpoolctl import threadpool_limits
 
@@ -69,7 +69,7 @@ class Workers:
 
     jobs: int
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task. Raises `WorkbenchError` if workers cannot start at all."""
         waiting = list(reversed(tasks))
         crew: list[_Worker] = []

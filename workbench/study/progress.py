@@ -100,8 +100,10 @@ class Lines:
         tenth = 10 * self.done // self.total
         if tenth > before and self.done < self.total:
             left = self.estimate.seconds() or 0.0
-            self.note(f"{self.done} of {self.total} cells, {_failures(self.estimate.failed)}"
-                      f"about {duration(left)} left")
+            self.note(
+                f"{self.done} of {self.total} cells, {_failures(self.estimate.failed)}"
+                f"about {duration(left)} left"
+            )
 
     def note(self, text: str) -> None:
         """Print a line."""

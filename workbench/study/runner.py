@@ -86,7 +86,7 @@ def run_study(
         progress.begin(study.name, waiting, stored, workers)
         try:
             # closing: an interrupt stops the workers here, not whenever memory is tidied
-            with closing(executor.run(tasks)) as results:  # type: ignore[type-var]
+            with closing(executor.run(tasks)) as results:
                 for result in results:
                     store.put(result.key, result.content, result.record)
                     progress.advance(

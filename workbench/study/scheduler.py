@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,7 @@ class DaskCluster:
 
     address: str
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[Result]:
+    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task.
 
         Raises `InputError` if `distributed` is not installed or the scheduler does not answer.
@@ -34,7 +34,10 @@ class DaskCluster:
             client = distributed.Client(self.address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError) as error:
             raise InputError(
-                "--scheduler", self.address, f"does not answer: {error}", "start it, or leave it out"
+                "--scheduler",
+                self.address,
+                f"does not answer: {error}",
+                "start it, or leave it out",
             ) from error
         with client:
             by_key = {task.key: task for task in tasks}
@@ -44,11 +47,11 @@ class DaskCluster:
             ]
             for future in distributed.as_completed(futures):
                 task = by_key[future.key.removeprefix("workbench-")]
-                error = future.exception()
-                if error is None:
+                lost = future.exception()
+                if lost is None:
                     yield future.result()
                 else:
-                    message = f"the cluster lost this cell: {type(error).__name__}: {error}"
+                    message = f"the cluster lost this cell: {type(lost).__name__}: {lost}"
                     yield unanswered(task, Outcome.CRASHED, message, 0.0)
                 future.release()
 

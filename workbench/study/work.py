@@ -102,7 +102,7 @@ def result_of(
     trace: list[str],
 ) -> Result:
     """Bytes and record of a response: what repeats in the bytes, what does not in the record."""
-    record = {
+    record: dict[str, Any] = {
         **times,
         "outcome": outcome_of(response).value,
         "limit": task.limit,
@@ -124,7 +124,9 @@ def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))
     except Exception as error:
-        said = str(error) if isinstance(error, WorkbenchError) else f"{type(error).__name__}: {error}"
+        said = (
+            str(error) if isinstance(error, WorkbenchError) else f"{type(error).__name__}: {error}"
+        )
         response = failed_response(Outcome.CRASHED, f"{model.name} raised {said}")
         # file names without directories: records are compared between machines
         trace = [

@@ -10,7 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from workbench.impact._kernels import contact_loss, explicit_percussion, touches
+from workbench.impact._kernels import (
+    contact_loss,
+    explicit_percussion,
+    rebound,
+    touches,
+)
 from workbench.models.four_dof._kernels import (
     BETA,
     COLLAPSE,
@@ -173,6 +178,7 @@ def _midpoint_step(
     stress0[:] = stress
     mc = masses[2]
     gap, gamma = q[V] - striker[0], w[V] - striker[1]
+    restitution = rebound(gamma, restitution)
     contact[0], contact[1], contact[2] = mc, restitution, gamma
     percussion, residual, done = 0.0, 0.0, False
     first = 0 if touches(gap, gamma, dt) else 1

@@ -141,8 +141,8 @@ def assemble(
     ys: NDArray[np.float64],
     areas: NDArray[np.float64],
     steels: NDArray[np.float64],
-    xi: Vector,
-    weights: Vector,
+    xi: NDArray[np.float64],
+    weights: NDArray[np.float64],
     plastic_old: NDArray[np.float64],
     local_old: NDArray[np.float64],
     plastic_new: NDArray[np.float64],
@@ -176,8 +176,8 @@ def assemble(
         element_law(
             deformation,
             L,
-            xi,
-            weights,
+            xi[e],
+            weights[e],
             ys[s],
             areas[s],
             steels[s],
@@ -223,8 +223,8 @@ def account(
     ys: NDArray[np.float64],
     areas: NDArray[np.float64],
     steels: NDArray[np.float64],
-    xi: Vector,
-    weights: Vector,
+    xi: NDArray[np.float64],
+    weights: NDArray[np.float64],
     plastic_old: NDArray[np.float64],
     deformation_old: NDArray[np.float64],
     plastic_new: NDArray[np.float64],
@@ -244,14 +244,14 @@ def account(
         s = section[e]
         E, fy, H = steels[s, 0], steels[s, 1], steels[s, 2]
         L = lengths[e]
-        for g in range(xi.shape[0]):
-            b1 = (6.0 * xi[g] - 4.0) / L
-            b2 = (6.0 * xi[g] - 2.0) / L
+        for g in range(xi.shape[1]):
+            b1 = (6.0 * xi[e, g] - 4.0) / L
+            b2 = (6.0 * xi[e, g] - 2.0) / L
             strain0 = deformation_old[e, 0] / L
             strain1 = deformation_new[e, 0] / L
             kappa0 = b1 * deformation_old[e, 1] + b2 * deformation_old[e, 2]
             kappa1 = b1 * deformation_new[e, 1] + b2 * deformation_new[e, 2]
-            wl = weights[g] * L
+            wl = weights[e, g] * L
             for f in range(ys.shape[1]):
                 p0 = plastic_old[e, g, f]
                 p1 = plastic_new[e, g, f]
@@ -277,7 +277,7 @@ def plastic_rotations(
     section: Indices,
     ys: NDArray[np.float64],
     areas: NDArray[np.float64],
-    weights: Vector,
+    weights: NDArray[np.float64],
     plastic: NDArray[np.float64],
     result: Vector,
 ) -> None:
@@ -292,9 +292,9 @@ def plastic_rotations(
         for f in range(ys.shape[1]):
             second += ys[s, f] * ys[s, f] * areas[s, f]
         total = 0.0
-        for g in range(weights.shape[0]):
+        for g in range(weights.shape[1]):
             moment = 0.0
             for f in range(ys.shape[1]):
                 moment -= plastic[e, g, f] * ys[s, f] * areas[s, f]
-            total += weights[g] * moment
+            total += weights[e, g] * moment
         result[e] = total * lengths[e] / second

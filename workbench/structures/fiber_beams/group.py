@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +38,33 @@ class FiberSection:
         return float(np.sum(self.y**2 * self.area) / np.sum(self.area))
 
 
+class Rule(NamedTuple):
+    """Quadrature along the elements: `abscissae` in 0..1 and `weights`, (elements, points)."""
+
+    abscissae: Array
+    weights: Array
+
+
+def gauss_rule(elements: int, points: int = 2) -> Rule:
+    """The same Gauss-Legendre points in every element."""
+    abscissae, weights = np.polynomial.legendre.leggauss(points)
+    tile = (elements, 1)
+    return Rule(np.tile(0.5 * (1.0 + abscissae), tile), np.tile(0.5 * weights, tile))
+
+
+def radau_rule(hinge_at_end: ArrayLike) -> Rule:
+    """Two Gauss-Radau points: one at the end where a hinge is expected, one a third from the other.
+
+    Argument: `hinge_at_end` (elements,), True for end 2, False for end 1. Elastic stiffness is
+    exact as with two Gauss points, and the plastic section is sampled where the moment is
+    largest, so that the moment capacity at that end has no error of the order of the length.
+    """
+    at_end = np.asarray(hinge_at_end, dtype=bool)[:, None]
+    abscissae = np.where(at_end, [[1.0 / 3.0, 1.0]], [[0.0, 2.0 / 3.0]])
+    weights = np.where(at_end, [[0.75, 0.25]], [[0.25, 0.75]])
+    return Rule(abscissae, weights)
+
+
 @dataclass
 class _State:
     plastic: Array  # (elements, points, fibers) plastic strain
@@ -48,7 +76,7 @@ class FiberBeams:
     """Two-node co-rotational Bernoulli beams; states are committed by swapping two buffers.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
-    each element has; `sections`; `points`, the number of Gauss points along an element.
+    each element has; `sections`; `rule`, points along each element (default: two Gauss points).
     """
 
     def __init__(
@@ -56,7 +84,7 @@ class FiberBeams:
         nodes: ArrayLike,
         section_of: ArrayLike,
         sections: Sequence[FiberSection],
-        points: int = 2,
+        rule: Rule | None = None,
     ) -> None:
         self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
         self.section_of: Indices = np.asarray(section_of, dtype=np.int64)
@@ -70,10 +98,9 @@ class FiberBeams:
         self._steel = np.array(
             [[s.elastic_modulus, s.yield_stress, s.hardening_modulus] for s in sections]
         )
-        abscissae, weights = np.polynomial.legendre.leggauss(points)
-        self._xi = np.asarray(0.5 * (1.0 + abscissae))
-        self._weights = np.asarray(0.5 * weights)
-        shape = (len(self.nodes), points, fibers)
+        rule = gauss_rule(len(self.nodes)) if rule is None else rule
+        self._xi, self._weights = rule.abscissae, rule.weights
+        shape = (len(self.nodes), self._xi.shape[1], fibers)
         self._old = self._empty(shape)
         self._new = self._empty(shape)
         self.dofs: Indices = np.zeros((0, 6), dtype=np.int64)

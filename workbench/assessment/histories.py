@@ -1,0 +1,168 @@
+"""Metrics of time histories, on the overlap of both records.
+
+Between its instants a history is linear. Integrals run over the union of both time grids, on
+which both are linear from instant to instant, so that none of them depends on a resampling step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.assessment.metric import Array, Metric, Scope, Swap, present
+from workbench.errors import InputError
+from workbench.responses import Response
+
+
+class Overlap(NamedTuple):
+    """Two histories on one time base: `time` (n,) in s, `values` and `reference` (n,)."""
+
+    time: Array
+    values: Array
+    reference: Array
+
+
+def overlap(response: Response, reference: Response, quantity: str) -> Overlap:
+    """Both histories of a quantity on the union of their time grids where both are known.
+
+    Raises `InputError` if one is not a history in time or the records do not overlap.
+    """
+    records = []
+    for side, given in (("response", response), ("reference", reference)):
+        values = present(given, quantity, side)
+        if given[quantity].dims != ("time",):
+            raise InputError(
+                f"{side}.{quantity}",
+                given[quantity].dims,
+                "must be a history over time alone",
+                "choose a hinge first, or use a scalar or curve metric",
+            )
+        records.append((np.asarray(given["time"].values, dtype=float), values))
+    (t1, u1), (t2, u2) = records
+    start, end = max(t1[0], t2[0]), min(t1[-1], t2[-1])
+    if not end > start:
+        raise InputError(quantity, (start, end), "the records do not overlap in time")
+    time = np.union1d(t1, t2)
+    time = time[(time >= start) & (time <= end)]
+    return Overlap(time, np.interp(time, t1, u1), np.interp(time, t2, u2))
+
+
+def product_integral(time: Array, first: Array, second: Array) -> float:
+    """Integral of the product of two piecewise linear functions (exact, by Simpson's rule)."""
+    a, b, step = first, second, np.diff(time)
+    ends = 2.0 * (a[:-1] * b[:-1] + a[1:] * b[1:])
+    return float(np.sum(step * (ends + a[:-1] * b[1:] + a[1:] * b[:-1])) / 6.0)
+
+
+def _energies(response: Response, reference: Response, quantity: str) -> tuple[float, ...]:
+    time, values, held_against = overlap(response, reference, quantity)
+    # scaled, so that squares neither overflow nor vanish
+    top, top_reference = float(np.max(np.abs(values))), float(np.max(np.abs(held_against)))
+    if top == 0.0 or top_reference == 0.0:
+        raise InputError(quantity, 0.0, "is zero throughout the overlap", "use difference")
+    a, b = values / top, held_against / top_reference
+    return (
+        product_integral(time, a, a) * (top / top_reference) ** 2,
+        product_integral(time, b, b),
+        product_integral(time, a, b) * (top / top_reference),
+    )
+
+
+def magnitude(response: Response, reference: Response, quantity: str) -> float:
+    """Sprague-Geers magnitude M = sqrt(Scc/Stt) - 1, insensitive to phase.
+
+    Raises `InputError` as `overlap` does, and if one history is zero throughout.
+    """
+    own, held_against, _ = _energies(response, reference, quantity)
+    return float(np.sqrt(own / held_against) - 1.0)
+
+
+def phase(response: Response, reference: Response, quantity: str) -> float:
+    """Sprague-Geers phase P = acos(Sct / sqrt(Scc Stt)) / pi, insensitive to magnitude.
+
+    Raises `InputError` as `magnitude` does.
+    """
+    own, held_against, mixed = _energies(response, reference, quantity)
+    cosine = mixed / np.sqrt(own * held_against)
+    if cosine > 1.0 - 1e-14:  # equal histories: acos would blow rounding up to 1e-8
+        return 0.0
+    return float(np.arccos(max(cosine, -1.0)) / np.pi)
+
+
+def comprehensive(response: Response, reference: Response, quantity: str) -> float:
+    """Sprague-Geers comprehensive C = sqrt(M^2 + P^2). Raises `InputError` as `magnitude`."""
+    first = magnitude(response, reference, quantity)
+    return float(np.hypot(first, phase(response, reference, quantity)))
+
+
+def _residuals(response: Response, reference: Response, quantity: str) -> tuple[Array, Array]:
+    time, values, held_against = overlap(response, reference, quantity)
+    top = float(np.max(np.abs(held_against)))
+    if top == 0.0:
+        raise InputError(quantity, 0.0, "of the reference is zero throughout the overlap")
+    return time, (values - held_against) / top
+
+
+def residual_mean(response: Response, reference: Response, quantity: str) -> float:
+    """Mean over time of the residual, over the peak of the reference."""
+    time, residual = _residuals(response, reference, quantity)
+    return float(np.trapezoid(residual, time) / (time[-1] - time[0]))
+
+
+def residual_deviation(response: Response, reference: Response, quantity: str) -> float:
+    """Standard deviation over time of the residual, over the peak of the reference."""
+    time, residual = _residuals(response, reference, quantity)
+    span = time[-1] - time[0]
+    centred = residual - np.trapezoid(residual, time) / span
+    return float(np.sqrt(product_integral(time, centred, centred) / span))
+
+
+HISTORY_METRICS = (
+    Metric(
+        "sprague_geers_magnitude",
+        "Sprague-Geers M",
+        "ratio of root-mean-square levels less one; blind to phase",
+        Scope.HISTORY,
+        "sprague-geers2004",
+        magnitude,
+        low=-1.0,
+    ),
+    Metric(
+        "sprague_geers_phase",
+        "Sprague-Geers P",
+        "angle between both histories over pi; blind to magnitude",
+        Scope.HISTORY,
+        "sprague-geers2004",
+        phase,
+        low=0.0,
+        high=1.0,
+        swap=Swap.SAME,
+    ),
+    Metric(
+        "sprague_geers_comprehensive",
+        "Sprague-Geers C",
+        "root of M squared plus P squared",
+        Scope.HISTORY,
+        "sprague-geers2004",
+        comprehensive,
+        low=0.0,
+    ),
+    Metric(
+        "residual_mean",
+        "mean residual",
+        "mean difference over time, over the peak of the reference",
+        Scope.HISTORY,
+        "nchrp179",
+        residual_mean,
+    ),
+    Metric(
+        "residual_deviation",
+        "standard deviation of the residual",
+        "standard deviation of the difference over time, over the peak of the reference",
+        Scope.HISTORY,
+        "nchrp179",
+        residual_deviation,
+        low=0.0,
+    ),
+)

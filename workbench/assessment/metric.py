@@ -1,0 +1,78 @@
+"""What a metric is: a number with a meaning, a range, a perfect value and a source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import InputError
+from workbench.responses import Response
+
+Array = NDArray[np.float64]
+Compute = Callable[[Response, Response, str], float]
+
+
+class Scope(StrEnum):
+    """What a metric compares."""
+
+    SCALAR = "scalar"
+    HISTORY = "history"
+    CURVE = "curve"
+
+
+class Swap(StrEnum):
+    """What happens to a metric when response and reference change places."""
+
+    NOTHING = "nothing in particular"
+    SAME = "the same value"
+    OPPOSITE = "the opposite value"
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """A comparison of one quantity of a response with that of a reference.
+
+    Arguments: `name`, key in `METRICS`; `title` and `meaning` for the reader; `scope`, what it
+    compares; `perfect`, its value for equal inputs, nearer to which is better; `low` and `high`,
+    its range; `unit_power`, 0 if it is a pure number, 1 if it carries the unit of the quantity;
+    `swap`, its symmetry; `citation`, key of the bibliography; `compute`, the function
+    ``(response, reference, quantity) -> float``, which raises `InputError` where the metric
+    does not exist (quantity absent, reference zero, no common range).
+    """
+
+    name: str
+    title: str
+    meaning: str
+    scope: Scope
+    citation: str
+    compute: Compute
+    perfect: float = 0.0
+    low: float = -np.inf
+    high: float = np.inf
+    unit_power: int = 0
+    swap: Swap = Swap.NOTHING
+
+    @property
+    def signed(self) -> bool:
+        """Whether values on both sides of the perfect one occur."""
+        return self.low < self.perfect < self.high
+
+    def __call__(self, response: Response, reference: Response, quantity: str) -> float:
+        """Value of the metric. Raises `InputError` where it does not exist."""
+        return self.compute(response, reference, quantity)
+
+
+def present(response: Response, quantity: str, side: str) -> Array:
+    """Values of a quantity.
+
+    Arguments: `side` names the response in the message (``response`` or ``reference``).
+    Raises `InputError` if the response does not have the quantity.
+    """
+    if quantity not in response:
+        known = ", ".join(str(name) for name in response.data_vars) or "nothing"
+        raise InputError(f"{side}.{quantity}", None, f"is absent; the {side} has {known}")
+    return np.asarray(response[quantity].values, dtype=float)
