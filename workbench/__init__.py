@@ -1,3 +1,3 @@
-"""Steel-impact validation workbench: how far can each reduced model be trusted?"""
+"""Steel-impact validation workbench: how far each reduced model can be trusted, at what cost."""
 
 __version__ = "0.1.0"

@@ -100,7 +100,25 @@ class Text:
         return value
 
 
-Rule = Number | Choice | Flag | Text
+@dataclasses.dataclass(frozen=True, slots=True)
+class Instance:
+    """An object of one class."""
+
+    kind: type[Any]
+    advice: str = ""
+
+    def allowed(self) -> str:
+        """The allowed class."""
+        return f"must be a {self.kind.__name__}"
+
+    def check(self, path: str, value: object) -> object:
+        """Return the object, or raise `InputError` naming `path`."""
+        if not isinstance(value, self.kind):
+            raise InputError(path, value, self.allowed(), self.advice)
+        return value
+
+
+Rule = Number | Choice | Flag | Text | Instance
 
 
 def checked(

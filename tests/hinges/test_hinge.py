@@ -142,7 +142,7 @@ def test_tangent_is_symmetric_and_equals_finite_differences(case) -> None:
 def test_elastic_step_leaves_the_plastic_state_untouched() -> None:
     hinge = GeneralizedHinge(YieldSurface(NP, MP, 1.0, 1.3), K_AXIAL, (K_ROTATION,))
     plastic = np.array([1e-4, -2e-3])
-    update = hinge.return_mapping(plastic + [1e-5, 1e-4], plastic)
+    update = hinge.return_mapping(plastic + np.array([1e-5, 1e-4]), plastic)
     assert update.branch == "elastic"
     np.testing.assert_array_equal(update.plastic, plastic)
 

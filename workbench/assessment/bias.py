@@ -60,9 +60,7 @@ def bias_and_scatter(
         note = "the total scatter is smaller than that of the data, whose estimate is too large"
     centre = mean + 0.5 * model_variance - 0.5 * data_scatter**2
     from_scatter = total**4 / (2.0 * (n - 1)) if model_variance > 0.0 else 0.0
-    width = float(student.ppf(0.5 + 0.5 * confidence, n - 1)) * np.sqrt(
-        total**2 / n + from_scatter
-    )
+    width = float(student.ppf(0.5 + 0.5 * confidence, n - 1)) * np.sqrt(total**2 / n + from_scatter)
     low, bias, high = (float(x) for x in np.exp([centre - width, centre, centre + width]))
     return Bias(n, bias, low, high, total, float(np.sqrt(model_variance)), note)
 
@@ -76,7 +74,8 @@ def _log_ratio(model: ArrayLike, data: ArrayLike) -> Array:
     both = np.concatenate([own, held_against])
     if not (np.all(np.isfinite(both)) and np.all(both > 0.0)):
         raise InputError("model, data", both.min(), "must be positive")
-    return np.log(own / held_against)
+    ratio: Array = np.log(own / held_against)
+    return ratio
 
 
 def bootstrap_interval(

@@ -43,7 +43,8 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
     Arguments: `values` from coarse to fine, each level `ratio` times finer than the one before;
     `expected_order` of the method. With three levels or more the three finest count. Within
     0.7 to 1.3 of the expected order the safety factor is 1.25 and the order, clipped to 0.8 to
-    1.2, extrapolates; outside, or with two levels, the factor is 3. Sequences that oscillate or
+    1.2, extrapolates; outside, or with two levels, the factor is 3 (Roache 1994), with the order at
+    least half the expected one (Oberkampf and Roy 2010, section 8.6). Sequences that oscillate or
     diverge get three times their spread. Raises `InputError` for fewer than two finite values or
     a ratio not above 1.
     """
@@ -84,10 +85,11 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
             f"observed order {order:.2f} is far from the expected {expected_order:g}: "
             "safety factor 3"
         )
-    # where the order is not the expected one, the spread of all three levels is the least
     uncertainty = factor * abs(correction)
     if not accepted:
-        uncertainty = max(uncertainty, abs(second))
+        # two levels may agree by chance: at least what the coarser pair and the expected order say
+        gain = ratio**expected_order
+        uncertainty = max(uncertainty, abs(first) / gain / (gain - 1.0))
     return _made(fine, shown, fine + correction, uncertainty, factor, True, accepted, note)
 
 

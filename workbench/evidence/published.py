@@ -74,19 +74,20 @@ class Published:
         rows = rows[rows["series"] == self.series]
         if not isinstance(scenario, ColumnImpact):
             return None
-        for index, value in rows[entry.axis_column].items():
-            published = _published_scenario(entry.name, float(value))
+        for _, row in rows.iterrows():
+            published = _published_scenario(entry.name, float(row[entry.axis_column]))
             # how long a response is followed is not part of what was published
             alike = replace(published, name=scenario.name, duration=scenario.duration)
             if alike == scenario:
-                return rows.loc[index]  # type: ignore[index]
+                return row
         return None
 
     def _solve(self, scenario: Scenario) -> Response:
         row = self._row(scenario)
         if row is None:
             raise OutOfDomainError("nothing was published for this scenario")
-        values, widths = {}, {}
+        values: dict[str, float] = {}
+        widths: dict[str, float] = {}
         for quantity in SCALARS:
             columns = [c for c in row.index if str(c).startswith(f"{quantity}_")]
             for column in columns:

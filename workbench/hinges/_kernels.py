@@ -61,7 +61,7 @@ def project(k_axial, k_rotation, squash, moment, alpha, beta, trial, stress, tan
 
     # 1. elastic
     cap = capacity(T / Np, alpha, beta)
-    elastic = T <= Np
+    elastic = Np >= T
     for i in range(hinges):
         Mp = moment[i, 0] if trial[i + 1] >= 0.0 else moment[i, 1]
         if abs(trial[i + 1]) > Mp * cap:
@@ -84,7 +84,7 @@ def project(k_axial, k_rotation, squash, moment, alpha, beta, trial, stress, tan
         A = abs(trial[i + 1])
         Mp = moment[i, 0] if trial[i + 1] >= 0.0 else moment[i, 1]
         largest = max(largest, A / Mp)
-        if A > Mp:
+        if Mp < A:
             at_axis += (A - Mp) * Mp / (k_rotation[i] * alpha)
         at_apex += A * Mp / (k_rotation[i] * alpha)
     if (beta == 1.0 and at_axis >= 0.0) or (beta > 1.0 and T == 0.0):
@@ -118,7 +118,7 @@ def project(k_axial, k_rotation, squash, moment, alpha, beta, trial, stress, tan
             Mp = moment[i, 0] if trial[i + 1] >= 0.0 else moment[i, 1]
             factor = Mp / (k_rotation[i] * alpha) * Sb
             size_of_terms += (A + Mp * m) * factor
-            if A > Mp * m:
+            if Mp * m < A:
                 GB += (A - Mp * m) * factor
                 dG += 2.0 / alpha * Mp * m * S * factor
         dG += eb * C * GB
@@ -151,7 +151,7 @@ def project(k_axial, k_rotation, squash, moment, alpha, beta, trial, stress, tan
     for i in range(hinges):
         A = abs(trial[i + 1])
         Mp = moment[i, 0] if trial[i + 1] >= 0.0 else moment[i, 1]
-        if k_rotation[i] > 0.0 and A > Mp * m:
+        if k_rotation[i] > 0.0 and Mp * m < A:
             stress[i + 1] = np.copysign(Mp * m, trial[i + 1])
             b = -2.0 / alpha * Mp * Sb
             pb = 0.0 if eb == 0.0 else -2.0 / alpha * Mp * eb * S ** (1.0 - 2.0 / beta) * Ca
@@ -182,7 +182,7 @@ def _axis_point(k_axial, k_rotation, Np, moment, alpha, beta, trial, stress, tan
     for i in range(k_rotation.shape[0]):
         A = abs(trial[i + 1])
         Mp = moment[i, 0] if trial[i + 1] >= 0.0 else moment[i, 1]
-        if k_rotation[i] > 0.0 and A > Mp:
+        if k_rotation[i] > 0.0 and Mp < A:
             stress[i + 1] = np.copysign(Mp, trial[i + 1])
             curvature += (A - Mp) * 2.0 * Mp / (alpha * Np**2 * k_rotation[i])
         else:

@@ -64,9 +64,7 @@ class GeneralizedHinge:
         total, old = np.asarray(deformation, float), np.asarray(plastic, float)
         stiffness = np.array([self.axial_stiffness, *self.rotational_stiffness])
         if total.shape != stiffness.shape or old.shape != stiffness.shape:
-            raise InputError(
-                "hinge.deformation", total.shape, f"must have shape {stiffness.shape}"
-            )
+            raise InputError("hinge.deformation", total.shape, f"must have shape {stiffness.shape}")
         if not (np.all(np.isfinite(total)) and np.all(np.isfinite(old))):
             raise InputError("hinge.deformation", total.tolist(), "must be finite")
         forces, tangent = np.empty_like(stiffness), np.empty((stiffness.size, stiffness.size))

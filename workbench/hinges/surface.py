@@ -49,9 +49,7 @@ class YieldSurface:
     @property
     def asymmetric(self) -> bool:
         """Whether bounds differ with the sign of the force or moment."""
-        return (
-            self.squash_load_compression is not None or self.plastic_moment_negative is not None
-        )
+        return self.squash_load_compression is not None or self.plastic_moment_negative is not None
 
     @property
     def axial_bounds(self) -> tuple[float, float]:

@@ -27,14 +27,18 @@ class Model(Protocol):
     """Answers a scenario with a response; a frozen dataclass whose fields are its options.
 
     `name` and `version` (raised when its numbers change) identify it; `answers` lists the
-    scenario kinds; `assumptions` are sentences for the report; `sources` are bibliography keys.
+    scenario kinds; `assumptions` are sentences for the report.
     """
 
     name: ClassVar[str]
     version: ClassVar[int]
     answers: ClassVar[tuple[str, ...]]
     assumptions: ClassVar[tuple[str, ...]]
-    sources: ClassVar[tuple[str, ...]]
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the model or of its data."""
+        ...
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Where the scenario lies outside the model's assumptions."""

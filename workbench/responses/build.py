@@ -53,9 +53,9 @@ def build_response(
         attributes = {"units": variable.units, "long_name": variable.long_name}
         data[name] = (dims, np.asarray(value, dtype=float), attributes)
     response = xr.Dataset(data, coordinates)
-    for name in response.coords:
-        coordinate = COORDINATES[str(name)]
-        response[name].attrs.update(units=coordinate.units, long_name=coordinate.long_name)
+    for label in response.coords:
+        coordinate = COORDINATES[str(label)]
+        response[label].attrs.update(units=coordinate.units, long_name=coordinate.long_name)
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
     response.attrs["warnings"] = json.dumps([[f.subject, f.text] for f in warnings])

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Number, Text, check_fields, checked
+from workbench.fields import Choice, Flag, Instance, Number, Text, check_fields, checked
 from workbench.materials import Steel
 from workbench.sections import Section
 
@@ -46,10 +46,10 @@ class Column:
     Raises `InputError`.
     """
 
-    section: Section
+    section: Section = checked(Instance(Section, "use sections.find(name)"))
     length_below: float = checked(LENGTH)
     length_above: float = checked(LENGTH)
-    steel: Steel = Steel()
+    steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(Flag(), True)
     base: str = checked(Choice(("clamped", "pinned")), "clamped")
     head: str = checked(Choice(("guided", "pinned", "fixed")), "guided")
@@ -74,10 +74,6 @@ class Column:
 
     def __post_init__(self) -> None:
         check_fields(self, self.TABLE)
-        if not isinstance(self.section, Section):
-            raise InputError(
-                "column.section", self.section, "must be a Section", "use sections.find(name)"
-            )
         squash = self.properties.squash_load
         if abs(self.axial_load) >= squash:
             raise InputError(
@@ -152,7 +148,7 @@ class ColumnPushover:
     """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
 
     name: str = checked(Text())
-    column: Column
+    column: Column = checked(Instance(Column))
     displacement: float = checked(
         Number(0.0, 50.0, "m", low_included=False, advice="lengths are in metres"),
         0.1,
@@ -182,8 +178,8 @@ class ColumnImpact:
     """A rigid striker hits the column at rest; followed for `duration` (s)."""
 
     name: str = checked(Text())
-    column: Column
-    striker: Striker
+    column: Column = checked(Instance(Column))
+    striker: Striker = checked(Instance(Striker))
     duration: float = checked(
         Number(0.0, 10.0, "s", low_included=False, advice="durations are in seconds"),
         0.1,

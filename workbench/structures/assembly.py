@@ -16,6 +16,7 @@ from workbench.structures.ledger import StepEnergies
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+ROUNDINGS = 8 * float(np.finfo(float).eps)
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
 
 
@@ -199,6 +200,11 @@ class PlanarAssembly:
         result = np.empty(self.size)
         _kernels.band_product(self.mass, self.width, x, result)
         return result
+
+    def round_off(self, x: Array) -> float:
+        """Residual (N) that rounding of the displacements x leaves with the tangent in `band`."""
+        diagonal = self.band[2 * self.width :: self._rows]
+        return float(ROUNDINGS * np.max(diagonal) * np.max(np.abs(x)))
 
     def tangent_times(self, x: Array) -> Array:
         """Product of the tangent in `band` with x (dofs,)."""

@@ -17,7 +17,7 @@ SEARCHES = 8
 class Solution(NamedTuple):
     """Where Newton's method ended.
 
-    `x` (dofs,); `converged`; `residual`, the largest residual entry over its scale; number of
+    `x` (dofs,); `converged`; `residual`, the largest entry over the largest allowed; number of
     residual `evaluations`. If converged, the last evaluation was at `x`.
     """
 
@@ -31,14 +31,13 @@ def newton(
     evaluate: Callable[[Array], tuple[Array, float]],
     solve: Callable[[Array], Array | None],
     start: Array,
-    tolerance: float,
     iterations: int = 25,
 ) -> Solution:
     """Find x with evaluate(x) = 0.
 
-    Arguments: `evaluate`, gives the residual (dofs,) and the scale of its terms, and prepares the
-    tangent; `solve`, gives tangent^-1 times a vector for the tangent prepared last (None if it is
-    singular); `start`; `tolerance` of max |residual| over the scale; most `iterations`.
+    Arguments: `evaluate`, gives the residual (dofs,) and the largest entry allowed in it, and
+    prepares the tangent; `solve`, gives tangent^-1 times a vector for the tangent prepared last
+    (None if it is singular); `start`; most `iterations`.
 
     Line search: with G(s) = d . R(x + s d), a step is taken when |G| has halved or the largest
     residual has; otherwise a zero of G is bracketed by regula falsi. For associative plasticity G
@@ -46,12 +45,12 @@ def newton(
     converged; that is for the caller to handle.
     """
     x = start
-    residual, scale = evaluate(x)
+    residual, allowed = evaluate(x)
     evaluations = 1
     size = float(np.max(np.abs(residual)))
     for _ in range(iterations):
-        if size <= tolerance * scale:
-            return Solution(x, True, size / scale, evaluations)
+        if size <= allowed:
+            return Solution(x, True, size / allowed, evaluations)
         step = solve(-residual)
         if step is None or not np.isfinite(size):
             break
@@ -61,7 +60,7 @@ def newton(
         s = 1.0
         for _ in range(SEARCHES):
             trial = x + s * step
-            residual, scale = evaluate(trial)
+            residual, allowed = evaluate(trial)
             evaluations += 1
             new_size = float(np.max(np.abs(residual)))
             new_slope = float(step @ residual)
@@ -80,6 +79,6 @@ def newton(
                 share = 0.5
             s = low + share * (high - low)
         x, size = trial, new_size
-    if size <= tolerance * scale:
-        return Solution(x, True, size / scale, evaluations)
-    return Solution(x, False, size / scale if scale > 0.0 else np.inf, evaluations)
+    if size <= allowed:
+        return Solution(x, True, size / allowed, evaluations)
+    return Solution(x, False, size / allowed, evaluations)

@@ -39,12 +39,12 @@ def _equilibrium(
         reactions[:] = residual
         scale = float(max(np.max(np.abs(force)), np.max(np.abs(load)), 1e-6))
         residual[held] = 0.0
-        return residual, scale
+        return residual, max(tolerance * scale, assembly.round_off(x))
 
     def solve(right: Array) -> Array | None:
         return assembly.solve(right, held)
 
-    return newton(evaluate, solve, start, tolerance, iterations=40), reactions
+    return newton(evaluate, solve, start, iterations=40), reactions
 
 
 def _tangent_start(

@@ -1,6 +1,7 @@
 """Studies: cases answered by models, the runner, the result store, the assessment of it."""
 
 from workbench.assessment.gates import Gate
+from workbench.study.assess import Assessment, GateResult, assess
 from workbench.study.cells import Cell, cells_of
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.gather import gather
@@ -10,16 +11,19 @@ from workbench.study.runner import RunSummary, run_study
 from workbench.study.store import Store
 
 __all__ = [
+    "Assessment",
     "Case",
     "Cell",
     "CellStatus",
     "Figure",
     "Gate",
+    "GateResult",
     "LoadedStudy",
     "RunSummary",
     "State",
     "Store",
     "Study",
+    "assess",
     "cells_of",
     "gather",
     "load_study",

@@ -15,6 +15,7 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.models.base import Model, options_of
 from workbench.scenarios import Scenario, scenario_hash
+from workbench.study.comparisons import check_metrics
 from workbench.study.definition import Study
 
 STORE_FORMAT = 1
@@ -78,7 +79,7 @@ def cells_of(study: Study) -> list[Cell]:
 
     Raises `InputError` for names that files or data trees cannot carry, for models that do not
     keep the contract, for options that cannot be stored or models that cannot be sent to a
-    worker process, and for a study without cells.
+    worker process, for gates on unknown metrics, and for a study without cells.
     """
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", study.name):
         raise InputError(
@@ -89,6 +90,7 @@ def cells_of(study: Study) -> list[Cell]:
             raise InputError("study.cases and labels", name, "must not be empty or hold a slash")
     for label, model in study.models.items():
         _check_model(label, model)
+    check_metrics(study)
     cells = []
     for case, label in study.cells():
         model = study.models[label]

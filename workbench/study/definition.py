@@ -107,17 +107,28 @@ class Study:
                     yield case, label
 
     def quickened(self) -> Study:
-        """The quick form: fewer cases and models, the same path; gates that lost a side go."""
-        cases = tuple(case for case in self.cases if case.quick)
+        """The quick form: fewer cases and models, the same path.
+
+        Gates, cases and figures that lost all their models go. Raises `InputError` if neither
+        the reference nor a level of its ladder is kept.
+        """
         keep = set(self.quick_models) or set(self.models)
         models = {label: model for label, model in self.models.items() if label in keep}
         ladder = tuple(label for label in self.ladder if label in keep)
-        reference = self.reference if self.reference in keep else ladder[-1]
-        names = {case.name for case in cases}
-        trimmed = tuple(
-            dataclasses.replace(case, models=tuple(label for label in case.models if label in keep))
-            for case in cases
+        if self.reference not in keep and not ladder:
+            raise InputError(
+                "study.quick_models", self.quick_models, "must keep a level of the reference"
+            )
+
+        def kept(labels: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(label for label in labels if label in keep)
+
+        cases = tuple(
+            dataclasses.replace(case, models=kept(case.models))
+            for case in self.cases
+            if case.quick and (not case.models or kept(case.models))
         )
+        names = {case.name for case in cases}
         gates = tuple(
             dataclasses.replace(gate, cases=tuple(n for n in gate.cases if n in names))
             for gate in self.gates
@@ -126,15 +137,16 @@ class Study:
             and (not gate.cases or names & set(gate.cases))
         )
         figures = tuple(
-            dataclasses.replace(f, models=tuple(m for m in f.models if m in keep))
-            for f in self.figures
+            dataclasses.replace(figure, models=kept(figure.models))
+            for figure in self.figures
+            if not figure.models or kept(figure.models)
         )
         return dataclasses.replace(
             self,
             name=f"{self.name}-quick",
-            cases=trimmed,
+            cases=cases,
             models=models,
-            reference=reference,
+            reference=self.reference if self.reference in keep else ladder[-1],
             ladder=ladder,
             gates=gates,
             figures=figures,

@@ -87,7 +87,7 @@ def _residual(
     _discrete_forces(q0, q1, stress0, stress1, lengths, small, head, mean)
     m1, m2 = masses[0], masses[1]
     for i in range(4):
-        massive = i == V or i == U1 or (i == U2 and m2 > 0.0)
+        massive = i in (V, U1) or (i == U2 and m2 > 0.0)
         if massive:
             m = m2 if i == U2 else m1
             R[i] = m * 2.0 * ((q1[i] - q0[i]) / dt - w0[i]) + dt * mean[i]
@@ -310,7 +310,9 @@ def impact(
     limit = 0.9 * min(lengths[0], lengths[1])
     squashed = -bounds[0, 1] * (1.0 - 1e-9)
     internal(q, lengths, stiffness, bounds, exponents, small, head, plastic, work, stress, F, K)
-    _record(records[0], q, w, striker, stress, plastic, stiffness, head, masses, free_u2, F[V], sums)
+    _record(
+        records[0], q, w, striker, stress, plastic, stiffness, head, masses, free_u2, F[V], sums
+    )
     cuts = 0
     for n in range(1, steps + 1):
         sums[0] = 0.0
@@ -329,8 +331,8 @@ def impact(
                 else:
                     done, residual = _midpoint_step(
                         dt / pieces, scheme == GEAR_GUPTA_LEIMKUHLER, q, w, striker,
-                        masses, restitution, free_u2, lengths, stiffness, bounds, exponents, small, head,
-                        plastic, work, stress, sums, scratch,
+                        masses, restitution, free_u2, lengths, stiffness, bounds, exponents, small,
+                        head, plastic, work, stress, sums, scratch,
                     )  # fmt: skip
                 if not done:
                     break

@@ -119,9 +119,7 @@ def balance_rotation(
     tolerance = 1e-12 * max(bounds[2, 0], bounds[2, 1])
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
-        internal(
-            q, lengths, stiffness, bounds, exponents, small, head, plastic, work, stress, F, K
-        )
+        internal(q, lengths, stiffness, bounds, exponents, small, head, plastic, work, stress, F, K)
         if abs(F[BETA]) <= tolerance or high - low <= 4e-16 * max(1.0, abs(q[BETA])):
             return
         if F[BETA] > 0.0:
@@ -239,10 +237,9 @@ def commit(q, lengths, stiffness, small, stress, plastic, increments):
             stretch = ((x - length) * (x + length) + q[V] ** 2) / (chord + length)
         for j in range(3):
             total = stretch if j == 0 else (angle if j == 1 else b - angle)
-            if stiffness[i, j] == 0.0:
-                new = total  # a pin: all of its rotation is free
-            else:
-                new = total - stress[i, j] / stiffness[i, j]
+            new = total  # a pin: all of its rotation is free
+            if stiffness[i, j] > 0.0:
+                new -= stress[i, j] / stiffness[i, j]
             increments[i, j] = new - plastic[i, j]
             plastic[i, j] = new
 

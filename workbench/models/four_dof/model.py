@@ -46,14 +46,15 @@ _SHORTEST_STEP = 1e-8  # s
 
 @dataclass(frozen=True)
 class FourDof:
-    """Four-degree-of-freedom column. Options:
+    """Four-degree-of-freedom column.
 
-    `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M envelope of
-    the section and stated to one decimal, as the thesis does); `rotational_stiffness`: factor c
-    of c EI / l of a hinge (the thesis: 6); `integrator`; `time_step` in s (None: a fifth of the
-    inverse of the highest axial frequency, finer with restitution, refined until the energy
-    balance closes to 1e-7); `small_rotations`: the kinematics of the SDOF model;
-    `spring_shares_load`: the restraint spring is there before the axial load comes on.
+    Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
+    envelope of the section and stated to one decimal, as the thesis does);
+    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6); `integrator`;
+    `time_step` in s (None: a fifth of the inverse of the highest axial frequency, finer with
+    restitution, refined until the energy balance closes to 1e-7); `small_rotations`: the
+    kinematics of the SDOF model; `spring_shares_load`: the restraint spring is there before the
+    axial load comes on.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -214,9 +215,7 @@ class FourDof:
             if not exact or error < _BALANCE:
                 return self._impact_response(scenario, time, records, balance, dead)
             step *= 0.5
-        raise SolverError(
-            "the energy balance", error, f"steps down to {2 * step:.2g} s"
-        )
+        raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
 
     def _march(self, scenario: ColumnImpact, step: float) -> tuple[Array, Array]:
         """Records (steps + 1, columns of the kernel) and times of one run."""
@@ -242,7 +241,7 @@ class FourDof:
                 "squash load or the displacement nine tenths of the shorter segment; the model "
                 "means nothing beyond"
             )
-        return records, np.arange(steps + 1) * step
+        return records, np.linspace(0.0, scenario.duration, steps + 1)
 
     def _impact_response(
         self,
@@ -293,9 +292,7 @@ class FourDof:
     def _elastic(kernel: dict[str, Any], stress: Array, head: Array) -> Array:
         """Elastic energy of hinges and spring along a record, in J."""
         stiffness = kernel["stiffness"]
-        flexibility = np.divide(
-            1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0.0
-        )
+        flexibility = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0.0)
         spring = kernel["head"]
         stored = 0.5 * np.sum(stress**2 * flexibility, axis=(1, 2))
         return np.asarray(stored + 0.5 * spring[1] * (head - spring[2]) ** 2)

@@ -88,38 +88,61 @@ def element_law(
 ) -> None:
     """Local forces (N, M1, M2) and their 3 x 3 tangent for given local deformations.
 
-    Arguments: `deformation` (3,), m and rad; `length` in m; points `xi` and `weights` along the
+    Arguments: `deformation` (4,), elongation (m), rotations, and the strain difference (see
+    `balance`); `length` in m; points `xi` and `weights` along the
     element; fibers `y`, `area`; `steel` (E, fy, H) in Pa; committed plastic strains (points, f).
     Writes `plastic_new`, `local` (3,) and `k` (3, 3).
     """
     E, fy, H = steel[0], steel[1], steel[2]
-    local[:] = 0.0
-    k[:] = 0.0
-    for g in range(xi.shape[0]):
-        b1 = (6.0 * xi[g] - 4.0) / length
-        b2 = (6.0 * xi[g] - 2.0) / length
-        n, m, c0, c1, c2 = section_response(
-            deformation[0] / length,
-            b1 * deformation[1] + b2 * deformation[2],
-            y,
-            area,
-            E,
-            fy,
-            H,
-            plastic_old[g],
-            plastic_new[g],
+    mean = deformation[0] / length
+    b11 = (6.0 * xi[0] - 4.0) / length
+    b12 = (6.0 * xi[0] - 2.0) / length
+    b21 = (6.0 * xi[1] - 4.0) / length
+    b22 = (6.0 * xi[1] - 2.0) / length
+    kappa1 = b11 * deformation[1] + b12 * deformation[2]
+    kappa2 = b21 * deformation[1] + b22 * deformation[2]
+    w1, w2 = weights[0], weights[1]
+    squash = fy * np.sum(area)
+    a = deformation[3]
+    low, high = -np.inf, np.inf
+    for it in range(60):
+        n1, m1, c01, c11, c21 = section_response(
+            mean + w2 * a, kappa1, y, area, E, fy, H, plastic_old[0], plastic_new[0]
         )
-        w = weights[g]
-        wl = w * length
-        local[0] += w * n
-        local[1] += wl * b1 * m
-        local[2] += wl * b2 * m
-        k[0, 0] += w * c0 / length
-        k[0, 1] += w * b1 * c1
-        k[0, 2] += w * b2 * c1
-        k[1, 1] += wl * b1 * b1 * c2
-        k[1, 2] += wl * b1 * b2 * c2
-        k[2, 2] += wl * b2 * b2 * c2
+        n2, m2, c02, c12, c22 = section_response(
+            mean - w1 * a, kappa2, y, area, E, fy, H, plastic_old[1], plastic_new[1]
+        )
+        r = n1 - n2
+        slope = w2 * c01 + w1 * c02
+        if abs(r) <= 1e-12 * squash:
+            break
+        if r > 0.0:
+            high = a
+        else:
+            low = a
+        new = a - r / slope
+        if not (low < new < high):
+            if np.isinf(low) or np.isinf(high):
+                new = a - r / slope
+            else:
+                new = 0.5 * (low + high)
+        if new == a:
+            break
+        a = new
+    deformation[3] = a
+    local[0] = w1 * n1 + w2 * n2
+    local[1] = length * (w1 * b11 * m1 + w2 * b21 * m2)
+    local[2] = length * (w1 * b12 * m1 + w2 * b22 * m2)
+    x0 = w1 * w2 * (c01 - c02)
+    x1 = w1 * w2 * length * (b11 * c11 - b21 * c12)
+    x2 = w1 * w2 * length * (b12 * c11 - b22 * c12)
+    s = 1.0 / (w1 * w2 * length * slope)
+    k[0, 0] = (w1 * c01 + w2 * c02) / length - x0 * x0 * s
+    k[0, 1] = w1 * b11 * c11 + w2 * b21 * c12 - x0 * x1 * s
+    k[0, 2] = w1 * b12 * c11 + w2 * b22 * c12 - x0 * x2 * s
+    k[1, 1] = length * (w1 * b11 * b11 * c21 + w2 * b21 * b21 * c22) - x1 * x1 * s
+    k[1, 2] = length * (w1 * b11 * b12 * c21 + w2 * b21 * b22 * c22) - x1 * x2 * s
+    k[2, 2] = length * (w1 * b12 * b12 * c21 + w2 * b22 * b22 * c22) - x2 * x2 * s
     k[1, 0] = k[0, 1]
     k[2, 0] = k[0, 2]
     k[2, 1] = k[1, 2]
@@ -173,19 +196,42 @@ def assemble(
         deformation[2] = q1[i6] - alpha1
         s = section[e]
         local = local_new[e]
-        element_law(
-            deformation,
-            L,
-            xi[e],
-            weights[e],
-            ys[s],
-            areas[s],
-            steels[s],
-            plastic_old[e],
-            plastic_new[e],
-            local,
-            k,
-        )
+        kga = 8.0769e10 * 0.0095 * 0.204 * L
+        t1, t2 = deformation[1], deformation[2]
+        gam = 0.0
+        for it in range(50):
+            deformation[1] = t1 + gam
+            deformation[2] = t2 + gam
+            element_law(
+                deformation,
+                L,
+                xi[e],
+                weights[e],
+                ys[s],
+                areas[s],
+                steels[s],
+                plastic_old[e],
+                plastic_new[e],
+                local,
+                k,
+            )
+            r = kga * gam + local[1] + local[2]
+            kk = kga + k[1, 1] + 2 * k[1, 2] + k[2, 2]
+            if abs(r) < 1e-6:
+                break
+            gam -= r / kk
+        c0 = k[0, 1] + k[0, 2]
+        c1 = k[1, 1] + k[1, 2]
+        c2 = k[2, 1] + k[2, 2]
+        k[0, 0] -= c0 * c0 / kk
+        k[0, 1] -= c0 * c1 / kk
+        k[0, 2] -= c0 * c2 / kk
+        k[1, 1] -= c1 * c1 / kk
+        k[1, 2] -= c1 * c2 / kk
+        k[2, 2] -= c2 * c2 / kk
+        k[1, 0] = k[0, 1]
+        k[2, 0] = k[0, 2]
+        k[2, 1] = k[1, 2]
         if step:
             d0x, d0y = Dx + q0[i4] - q0[i1], Dy + q0[i5] - q0[i2]
             l0 = math.sqrt(d0x * d0x + d0y * d0y)
@@ -247,8 +293,9 @@ def account(
         for g in range(xi.shape[1]):
             b1 = (6.0 * xi[e, g] - 4.0) / L
             b2 = (6.0 * xi[e, g] - 2.0) / L
-            strain0 = deformation_old[e, 0] / L
-            strain1 = deformation_new[e, 0] / L
+            c = weights[e, 1] if g == 0 else -weights[e, 0]
+            strain0 = deformation_old[e, 0] / L + c * deformation_old[e, 3]
+            strain1 = deformation_new[e, 0] / L + c * deformation_new[e, 3]
             kappa0 = b1 * deformation_old[e, 1] + b2 * deformation_old[e, 2]
             kappa1 = b1 * deformation_new[e, 1] + b2 * deformation_new[e, 2]
             wl = weights[e, g] * L

@@ -109,7 +109,7 @@ class FiberBeams:
 
     @staticmethod
     def _empty(shape: tuple[int, int, int]) -> _State:
-        return _State(np.zeros(shape), np.zeros((shape[0], 3)), np.zeros((shape[0], 3)))
+        return _State(np.zeros(shape), np.zeros((shape[0], 3)), np.zeros((shape[0], 4)))
 
     def place(self, dofs: Indices, chords: Array) -> None:
         """Take from the assembly the dofs (elements, 6) and initial chords (elements, 2) in m."""

@@ -1,0 +1,50 @@
+# Only Python 3.11 or later and make are needed; everything else comes from requirements.lock.
+PYTHON ?= python3
+BIN := .venv/bin
+JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
+
+.PHONY: report quick test lint summary sweep benchmarks lock clean
+
+report: .venv/ready
+	$(BIN)/workbench run thesis_column --jobs $(JOBS)
+	$(BIN)/workbench report thesis_column
+
+quick: .venv/ready
+	$(BIN)/workbench run thesis_column --quick --jobs $(JOBS)
+	$(BIN)/workbench report thesis_column --quick
+
+test: .venv/ready
+	$(BIN)/python -m pytest -q -n $(JOBS)
+
+lint: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# The flagship's verdicts and pictures that are kept in git.
+summary: report
+	$(BIN)/workbench report thesis_column --summary reports
+
+sweep: .venv/ready
+	$(BIN)/workbench run column_sweep --jobs $(JOBS)
+	$(BIN)/workbench report column_sweep
+
+benchmarks: .venv/ready
+	$(BIN)/python benchmarks/column_models.py
+
+.venv/ready: requirements.lock pyproject.toml
+	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" \
+	  || { echo "Python 3.11 or later is needed: make PYTHON=python3.12"; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+# Renew the pins: needs pip-tools.
+lock:
+	pip-compile --quiet --strip-extras --generate-hashes --allow-unsafe --no-header --no-annotate \
+	  --no-emit-index-url --no-emit-find-links --extra test --extra lint --extra build \
+	  --output-file requirements.lock pyproject.toml
+
+clean:
+	rm -rf .venv build dist

@@ -1,0 +1,76 @@
+"""Bias and scatter: recovered from samples that are drawn with known ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from workbench.assessment import bias_and_scatter, bootstrap_interval
+from workbench.errors import InputError
+
+
+def test_a_constant_ratio_is_the_bias():
+    data = np.array([1.0, 2.0, 5.0])
+    found = bias_and_scatter(1.1 * data, data)
+    assert found.bias == pytest.approx(1.1)
+    assert found.low == pytest.approx(1.1)
+    assert found.model_scatter == pytest.approx(0.0, abs=1e-12)
+
+
+def test_known_bias_and_scatter_are_recovered():
+    random = np.random.default_rng(1)
+    truth = random.uniform(1.0, 10.0, 200_000)
+    # expected ratio 0.9, model scatter 0.2, data scatter 0.1 with an unbiased logarithm
+    model = truth * 0.9 * np.exp(0.2 * random.standard_normal(len(truth)) - 0.5 * 0.2**2)
+    data = truth * np.exp(0.1 * random.standard_normal(len(truth)) - 0.5 * 0.1**2)
+    found = bias_and_scatter(model, data, data_scatter=0.1)
+    assert found.bias == pytest.approx(0.9, rel=2e-3)
+    assert found.model_scatter == pytest.approx(0.2, rel=0.01)
+    assert found.total_scatter == pytest.approx(np.hypot(0.1, 0.2), rel=0.01)
+
+
+def test_the_interval_covers_as_often_as_it_says():
+    random = np.random.default_rng(7)
+    covered = 0
+    for _ in range(600):
+        ratio = np.exp(0.15 * random.standard_normal(8))
+        found = bias_and_scatter(ratio, np.ones(8), confidence=0.9)
+        assert found.low is not None
+        assert found.high is not None
+        covered += found.low <= np.exp(0.5 * 0.15**2) <= found.high
+    assert 0.86 <= covered / 600 <= 0.94
+
+
+def test_scatter_below_that_of_the_data_is_reported():
+    found = bias_and_scatter([1.0, 1.01, 0.99], [1.0, 1.0, 1.0], data_scatter=0.2)
+    assert found.model_scatter == 0.0
+    assert "too large" in found.note
+
+
+def test_one_pair_has_no_interval():
+    found = bias_and_scatter([1.2], [1.0])
+    assert (found.bias, found.low, found.total_scatter) == (pytest.approx(1.2), None, None)
+
+
+@pytest.mark.parametrize("pair", [([1.0], [1.0, 2.0]), ([], []), ([-1.0], [1.0]), ([1.0], [0.0])])
+def test_unusable_pairs_are_refused(pair):
+    with pytest.raises(InputError, match="model, data"):
+        bias_and_scatter(*pair)
+
+
+def test_bootstrap_agrees_with_the_normal_interval_and_repeats():
+    sample = np.random.default_rng(3).standard_normal(400)
+    low, high = bootstrap_interval(sample)
+    centre, width = sample.mean(), 1.96 * sample.std(ddof=1) / 20.0
+    assert low == pytest.approx(centre - width, abs=0.015)
+    assert high == pytest.approx(centre + width, abs=0.015)
+    assert (low, high) == bootstrap_interval(sample)
+
+
+def test_members_of_a_group_are_drawn_together():
+    sample = np.repeat([0.0, 1.0, 2.0, 3.0], 50)
+    alone = bootstrap_interval(sample)
+    together = bootstrap_interval(sample, groups=np.repeat([1, 2, 3, 4], 50))
+    assert together[1] - together[0] > 3.0 * (alone[1] - alone[0])
+    with pytest.raises(InputError, match="sample"):
+        bootstrap_interval(sample, groups=np.zeros(len(sample)))

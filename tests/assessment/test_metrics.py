@@ -1,0 +1,200 @@
+"""Properties that every metric declares, generated from its fields, and closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.assessment import METRICS, Metric, Scope, Swap
+from workbench.assessment.curves import absolute_area
+from workbench.assessment.histories import product_integral
+from workbench.errors import InputError
+from workbench.responses import Response, build_response
+
+QUANTITY = {Scope.SCALAR: "peak_displacement", Scope.HISTORY: "velocity", Scope.CURVE: "force"}
+metrics = pytest.mark.parametrize("metric", METRICS.values(), ids=METRICS)
+
+
+def response(metric: Metric, seed: int, scale: float = 1.0, base: float = 1.0) -> Response:
+    """A random response for a metric; `scale` acts on the quantity, `base` on its abscissa."""
+    random = np.random.default_rng(seed)
+    if metric.scope is Scope.SCALAR:
+        return build_response({"peak_displacement": scale * random.uniform(0.1, 1.0)}, steps=0)
+    count = int(random.integers(5, 40))
+    start, end = random.uniform(0.0, 0.2), random.uniform(0.5, 1.0)
+    x = start + (end - start) * np.concatenate([[0.0], np.cumsum(random.uniform(0.1, 1.0, count))])
+    x = base * (start + (end - start) * (x - x[0]) / (x[-1] - x[0]))
+    y = scale * (np.cumsum(random.uniform(-0.5, 1.0, count + 1)) + 0.5)
+    if metric.scope is Scope.HISTORY:
+        return build_response({"velocity": y}, time=x)
+    return build_response({"force": y, "displacement": x}, steps=count + 1)
+
+
+seeds = st.integers(0, 10_000)
+factors = st.sampled_from([1e-9, 1e-3, 0.5, 7.0, 1e6, 1e9])
+
+
+@metrics
+@settings(max_examples=25, deadline=None)
+@given(seed=seeds)
+def test_equal_inputs_give_the_perfect_value(metric, seed):
+    one = response(metric, seed)
+    assert metric(one, one, QUANTITY[metric.scope]) == pytest.approx(metric.perfect, abs=1e-12)
+
+
+@metrics
+@settings(max_examples=25, deadline=None)
+@given(seed=seeds, factor=factors)
+def test_a_change_of_unit_scales_as_declared(metric, seed, factor):
+    quantity = QUANTITY[metric.scope]
+    value = metric(response(metric, seed), response(metric, seed + 1), quantity)
+    scaled = metric(response(metric, seed, factor), response(metric, seed + 1, factor), quantity)
+    assert scaled == pytest.approx(value * factor**metric.unit_power, rel=1e-7, abs=1e-9)
+
+
+@metrics
+@settings(max_examples=25, deadline=None)
+@given(seed=seeds, factor=factors)
+def test_the_unit_of_the_abscissa_does_not_matter(metric, seed, factor):
+    quantity = QUANTITY[metric.scope]
+    value = metric(response(metric, seed), response(metric, seed + 1), quantity)
+    rescaled = metric(
+        response(metric, seed, base=factor), response(metric, seed + 1, base=factor), quantity
+    )
+    assert rescaled == pytest.approx(value, rel=1e-7, abs=1e-9)
+
+
+@metrics
+@settings(max_examples=40, deadline=None)
+@given(seed=seeds, factor=st.sampled_from([-1.0, 1e-6, 1.0, 1e3]))
+def test_values_stay_in_the_declared_range(metric, seed, factor):
+    one, other = response(metric, seed, factor), response(metric, seed + 1)
+    try:
+        value = metric(one, other, QUANTITY[metric.scope])
+    except InputError:
+        assert metric.name == "log_ratio"
+        assert factor < 0.0
+        return
+    assert metric.low <= value <= metric.high
+
+
+@metrics
+@settings(max_examples=25, deadline=None)
+@given(seed=seeds)
+def test_swapping_sides_does_what_is_declared(metric, seed):
+    quantity = QUANTITY[metric.scope]
+    one, other = response(metric, seed), response(metric, seed + 1)
+    there, back = metric(one, other, quantity), metric(other, one, quantity)
+    if metric.swap is Swap.SAME:
+        assert back == pytest.approx(there, rel=1e-9)
+    elif metric.swap is Swap.OPPOSITE:
+        assert back == pytest.approx(-there, rel=1e-9)
+
+
+@metrics
+def test_a_worse_answer_is_farther_from_perfect(metric):
+    quantity = QUANTITY[metric.scope]
+    reference = response(metric, 3)
+    near, far = reference.copy(deep=True), reference.copy(deep=True)
+    shape = np.linspace(1.0, 2.0, reference[quantity].size) if reference[quantity].ndim else 1.0
+    near[quantity] = reference[quantity] * (1.0 + 0.05 * shape)
+    far[quantity] = reference[quantity] * (1.0 + 0.20 * shape)
+    distances = [abs(metric(r, reference, quantity) - metric.perfect) for r in (near, far)]
+    assert 0.0 < distances[0] < distances[1]
+
+
+@metrics
+def test_an_absent_quantity_is_named(metric):
+    empty = build_response({}, steps=0)
+    with pytest.raises(InputError, match=QUANTITY[metric.scope]):
+        metric(empty, response(metric, 0), QUANTITY[metric.scope])
+
+
+def test_names_are_keys_and_meanings_are_given():
+    for name, metric in METRICS.items():
+        assert name == metric.name
+        assert metric.title
+        assert metric.meaning
+        assert metric.citation
+
+
+def sine(phase: float, gain: float, points: int = 4001) -> Response:
+    time = np.linspace(0.0, 1.0, points)
+    return build_response({"velocity": gain * np.sin(2 * np.pi * time + phase)}, time=time)
+
+
+def test_sprague_geers_of_scaled_and_shifted_sines():
+    value = {name: metric for name, metric in METRICS.items() if name.startswith("sprague")}
+    one, other = sine(0.3, 1.2), sine(0.0, 1.0)
+    assert value["sprague_geers_magnitude"](one, other, "velocity") == pytest.approx(0.2, rel=1e-5)
+    assert value["sprague_geers_phase"](one, other, "velocity") == pytest.approx(
+        0.3 / np.pi, rel=1e-5
+    )
+    assert value["sprague_geers_comprehensive"](one, other, "velocity") == pytest.approx(
+        np.hypot(0.2, 0.3 / np.pi), rel=1e-5
+    )
+    opposite = value["sprague_geers_phase"](sine(np.pi, 1.0), other, "velocity")
+    assert opposite == pytest.approx(1.0, rel=1e-6)
+
+
+def test_histories_are_compared_where_both_are_known():
+    long = build_response({"velocity": [1.0, 1.0, 9.0]}, time=[0.0, 1.0, 2.0])
+    short = build_response({"velocity": [1.0, 1.0]}, time=[0.0, 1.0])
+    assert METRICS["sprague_geers_comprehensive"](long, short, "velocity") == 0.0
+    late = build_response({"velocity": [1.0, 1.0]}, time=[3.0, 4.0])
+    with pytest.raises(InputError, match="overlap"):
+        METRICS["residual_mean"](late, short, "velocity")
+
+
+def test_residuals_of_a_constant_offset():
+    ramp = build_response({"velocity": [0.0, 2.0]}, time=[0.0, 1.0])
+    higher = build_response({"velocity": [0.5, 2.5]}, time=[0.0, 1.0])
+    assert METRICS["residual_mean"](higher, ramp, "velocity") == pytest.approx(0.25)
+    assert METRICS["residual_deviation"](higher, ramp, "velocity") == pytest.approx(0.0, abs=1e-9)
+
+
+def test_product_integral_is_exact_for_linear_functions():
+    time = np.array([0.0, 0.3, 1.0])
+    assert product_integral(time, time, 1.0 - time) == pytest.approx(1.0 / 6.0, rel=1e-14)
+
+
+def test_absolute_area_counts_both_sides_of_a_crossing():
+    assert absolute_area(np.array([0.0, 1.0]), np.array([-1.0, 1.0])) == pytest.approx(0.5)
+    assert absolute_area(np.array([0.0, 1.0]), np.array([0.0, 0.0])) == 0.0
+
+
+def curve(x, y) -> Response:
+    return build_response({"displacement": x, "force": y}, steps=len(x))
+
+
+def test_curves_that_cross_have_area_but_no_work_between_them():
+    level, tilted = curve([0.0, 1.0], [1.0, 1.0]), curve([0.0, 0.5, 1.0], [0.8, 1.0, 1.2])
+    assert METRICS["area_difference"](tilted, level, "force") == pytest.approx(0.1)
+    assert METRICS["work_difference"](tilted, level, "force") == pytest.approx(0.0, abs=1e-15)
+
+
+def test_curves_are_compared_over_the_common_range():
+    short, long = curve([0.0, 1.0], [0.0, 1.0]), curve([0.0, 1.0, 2.0], [0.0, 1.0, 50.0])
+    for name in ("area_difference", "work_difference", "arc_length_distance"):
+        assert METRICS[name](long, short, "force") == pytest.approx(0.0, abs=1e-12)
+
+
+def test_arc_length_distance_of_a_parallel_curve():
+    one, other = curve([0.0, 2.0], [0.0, 4.0]), curve([0.0, 2.0], [1.0, 5.0])
+    assert METRICS["arc_length_distance"](other, one, "force") == pytest.approx(0.25, rel=1e-12)
+
+
+def test_a_curve_that_turns_back_is_refused_by_area_but_not_by_arc_length():
+    back = curve([0.0, 1.0, 0.5], [0.0, 1.0, 0.0])
+    with pytest.raises(InputError, match="increase"):
+        METRICS["area_difference"](back, back, "force")
+    assert METRICS["arc_length_distance"](back, back, "force") == 0.0
+
+
+def test_relative_error_needs_a_reference_that_is_not_zero():
+    zero, one = (build_response({"impulse": value}, steps=0) for value in (0.0, 1.0))
+    with pytest.raises(InputError, match="zero"):
+        METRICS["relative_error"](one, zero, "impulse")
+    assert METRICS["relative_error"](zero, one, "impulse") == -1.0

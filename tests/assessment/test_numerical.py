@@ -1,0 +1,108 @@
+"""Ladders with known limits, and comparison errors of ASME V&V 20."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workbench.assessment import expand, ladder
+from workbench.errors import InputError
+
+
+@given(
+    limit=st.floats(0.1, 10.0),
+    slope=st.floats(-5.0, 5.0).filter(lambda x: abs(x) > 1e-3),
+    order=st.sampled_from([1.0, 2.0]),
+    ratio=st.sampled_from([1.5, 2.0, 3.0]),
+)
+def test_a_power_law_is_extrapolated_to_its_limit(limit, slope, order, ratio):
+    values = [limit + slope * ratio ** (-order * k) for k in range(4)]
+    found = ladder(values, ratio, order)
+    assert found.order == pytest.approx(order, rel=1e-6)
+    assert found.extrapolated == pytest.approx(limit, rel=1e-6)
+    assert found.uncertainty == pytest.approx(1.25 * abs(values[-1] - limit), rel=1e-5)
+    assert found.relative == pytest.approx(found.uncertainty / abs(values[-1]))
+    assert found.accepted
+
+
+def test_a_ladder_worked_by_hand():
+    found = ladder([5.863, 5.972, 6.0265], 2.0, 1.0)
+    assert found.order == pytest.approx(1.0, rel=1e-9)
+    assert found.extrapolated == pytest.approx(6.0265 + 0.0545, rel=1e-9)
+    assert found.uncertainty == pytest.approx(1.25 * 0.0545, rel=1e-9)
+
+
+def test_orders_inside_the_accepted_range_are_clipped():
+    values = [0.0, 1.0, 1.0 + 2.0**-0.75]
+    found = ladder(values)
+    assert found.order == pytest.approx(0.75)
+    assert found.factor == 1.25
+    assert found.extrapolated == pytest.approx(values[-1] + 2.0**-0.75 / (2.0**0.8 - 1.0))
+
+
+@pytest.mark.parametrize("order", [0.2, 0.5, 1.6, 3.0])
+def test_orders_outside_the_accepted_range_get_the_cautious_factor(order):
+    limit, values = 5.0, [5.0 + 2.0 ** (-order * k) for k in range(3)]
+    found = ladder(values)
+    assert found.factor == 3.0
+    assert found.converging
+    assert not found.accepted
+    assert found.uncertainty >= 0.6 * abs(values[-1] - limit)
+    assert "safety factor 3" in found.note
+
+
+def test_oscillating_and_diverging_ladders_say_so():
+    swinging = ladder([1.0, 1.2, 1.1])
+    assert swinging.order is None
+    assert not swinging.converging
+    assert swinging.uncertainty == pytest.approx(0.6)
+    assert "oscillate" in swinging.note
+    growing = ladder([1.0, 1.1, 1.3])
+    assert not growing.converging
+    assert growing.uncertainty == pytest.approx(0.9)
+    assert "do not converge" in growing.note
+
+
+def test_two_levels_assume_the_expected_order():
+    found = ladder([1.2, 1.1])
+    assert found.extrapolated == pytest.approx(1.0)
+    assert found.uncertainty == pytest.approx(0.3)
+    assert found.order is None
+    assert "two levels" in found.note
+
+
+def test_levels_that_agree():
+    assert ladder([2.0, 2.0, 2.0]).uncertainty == 0.0
+    by_chance = ladder([1.0, 2.0, 2.0])
+    assert by_chance.uncertainty == pytest.approx(0.5)
+    assert not by_chance.accepted
+
+
+@pytest.mark.parametrize(
+    ("values", "ratio"), [([1.0], 2.0), ([1.0, float("nan")], 2.0), ([1.0, 2.0], 1.0)]
+)
+def test_unusable_ladders_are_refused(values, ratio):
+    with pytest.raises(InputError, match="ladder"):
+        ladder(values, ratio)
+
+
+def test_uncertainties_combine_by_the_root_of_squares():
+    found = expand(
+        1.1, 1.0, simulation_uncertainty=0.03, input_uncertainty=0.0, data_uncertainty=0.04
+    )
+    assert found.error == pytest.approx(0.1)
+    assert found.uncertainty == pytest.approx(0.05)
+    assert found.relative == pytest.approx(0.1)
+    assert found.relative_uncertainty == pytest.approx(np.hypot(0.03, 1.1 * 0.04))
+    assert found.resolved
+
+
+def test_unknown_and_unresolved_errors():
+    assert expand(1.0, 2.0, data_uncertainty=None).uncertainty is None
+    assert not expand(1.0, 2.0, data_uncertainty=None).resolved
+    assert not expand(1.0, 1.05, data_uncertainty=0.1).resolved
+    assert expand(1.0, 0.0).relative is None
+    with pytest.raises(InputError, match="negative"):
+        expand(1.0, 1.0, data_uncertainty=-1.0)

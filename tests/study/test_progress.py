@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from workbench.responses import Outcome
+from workbench.study import Study, cells_of
+from workbench.study.progress import Bar, Estimate, Lines, duration, progress_for
+
+
+def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
+    estimate = Estimate(jobs=2)
+    estimate.left.update({"dear": 3, "cheap": 5})
+    assert estimate.seconds() is None
+    estimate.add("dear", 10.0, False)
+    assert estimate.seconds() == pytest.approx((2 * 10.0 + 5 * 10.0) / 2)  # cheap not yet known
+    estimate.add("cheap", 1.0, True)
+    assert estimate.seconds() == pytest.approx((2 * 10.0 + 4 * 1.0) / 2)
+    assert estimate.failed == 1
+
+
+def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:
+    stream = io.StringIO()
+    cells = cells_of(toy_study) * 10
+    lines = Lines(stream)
+    lines.begin("toy", cells, 3, 2)
+    for number, cell in enumerate(cells):
+        outcome = Outcome.OUT_OF_DOMAIN if number % 2 else Outcome.CRASHED
+        lines.advance(cell, outcome, 2.0)
+    lines.end()
+    text = stream.getvalue().splitlines()
+    assert text[0] == "toy: 120 cells to answer, 3 already stored"
+    assert len(text) == 11
+    assert text[1] == "12 of 120 cells, 6 failed, about 1 min 48 s left"
+    assert text[-1].startswith("120 of 120 cells answered, 60 failed, in ")
+
+
+def test_a_bar_on_a_terminal_only() -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    assert isinstance(progress_for(Terminal(), {}), Bar)
+    assert isinstance(progress_for(Terminal(), {"CI": "true"}), Lines)
+    assert isinstance(progress_for(io.StringIO(), {}), Lines)
+
+
+def test_the_bar_runs(toy_study: Study, capsys: pytest.CaptureFixture[str]) -> None:
+    bar = Bar()
+    cells = cells_of(toy_study)
+    bar.begin("toy", cells, 0, 1)
+    bar.note("a [note]")
+    for cell in cells:
+        bar.advance(cell, Outcome.OK, 0.1)
+    bar.end()
+    bar.end()
+    shown = capsys.readouterr().err
+    assert "a [note]" in shown
+    assert "12/12" in shown
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.04, "0.0 s"),
+        (9.94, "9.9 s"),
+        (59.6, "1 min 0 s"),
+        (200, "3 min 20 s"),
+        (7300, "2 h 1 min"),
+    ],
+)
+def test_duration(seconds: float, text: str) -> None:
+    assert duration(seconds) == text

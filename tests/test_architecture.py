@@ -1,0 +1,78 @@
+"""The house: a floor imports only from floors below it; modules stay small."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import workbench
+
+ROOT = Path(workbench.__file__).parent
+FLOORS = (
+    "errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios", "responses",
+    "impact", "structures", "models", "references", "evidence", "studs", "assessment", "registry",
+    "testing", "study", "report", "cli",
+)  # fmt: skip
+MODULES = sorted(ROOT.rglob("*.py"))
+
+
+def floor_of(module: str) -> str | None:
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and parts[0] == "workbench" else None
+
+
+def name_of(path: Path) -> str:
+    parts = ("workbench", *path.relative_to(ROOT).with_suffix("").parts)
+    return ".".join(parts).removesuffix(".__init__")
+
+
+NAMES = {name_of(path) for path in MODULES}
+
+
+def imported(path: Path) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                names.add(inner if inner in NAMES else node.module)
+    return names
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_floor_imports_from_above(path: Path) -> None:
+    here = path.relative_to(ROOT).with_suffix("").parts[0]
+    if here == "__init__":
+        return
+    assert here in FLOORS, f"{here} has no floor: add it to the list in its place"
+    for name in imported(path):
+        floor = floor_of(name)
+        if floor is not None and floor.isidentifier() and floor in FLOORS:
+            assert FLOORS.index(floor) <= FLOORS.index(here), f"{path} imports {name}"
+
+
+def test_modules_are_small() -> None:
+    lengths = sorted(len(path.read_text(encoding="utf-8").splitlines()) for path in MODULES)
+    assert lengths[-1] <= 500
+    assert lengths[len(lengths) // 2] <= 170
+
+
+def test_packages_have_no_import_cycles() -> None:
+    graph = {name_of(p): {n for n in imported(p) if n in NAMES} for p in MODULES}
+    done: set[str] = set()
+
+    def visit(module: str, trail: tuple[str, ...]) -> None:
+        assert module not in trail, f"import cycle: {' -> '.join((*trail, module))}"
+        if module in done or module not in graph:
+            return
+        for target in graph[module]:
+            if target != module:
+                visit(target, (*trail, module))
+        done.add(module)
+
+    for module in graph:
+        visit(module, ())

@@ -1,0 +1,113 @@
+"""Histories over time, all labels of a case in one panel.
+
+Options: `quantity` (a history; `impulse` stands for the percussions summed up), `cases`,
+`until` (s).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from workbench.report.figures.drawing import (
+    Array,
+    Drawing,
+    Request,
+    joined,
+    nothing,
+    rows,
+    thinned,
+)
+from workbench.report.figures.panels import chosen_cases, handle, is_left, panel_grid
+from workbench.report.figures.style import legend_below
+from workbench.report.formatting import axis_label, title_of, unit_of
+from workbench.responses import Response
+from workbench.study.definition import Case
+
+_PEAKS = {"displacement": ("peak_displacement", "time_of_peak")}
+
+
+def draw(request: Request) -> Drawing:
+    """Overlaid histories, one panel per case; models without a history show their peak."""
+    quantity = str(request.option("quantity", "displacement"))
+    cases, statements = chosen_cases(request, "impact")
+    if not cases:
+        return nothing("Histories in time need an impact; none of the cases is one.")
+    canvas, axes = panel_grid(len(cases))
+    blocks: list[Any] = []
+    handles: list[Any] = []
+    for i, (case, panel) in enumerate(zip(cases, axes, strict=True)):
+        drawn, silent = _panel(request, case, panel, quantity, blocks)
+        handles.extend(drawn)
+        statements.extend(silent)
+        panel.set_title(case.name, loc="left")
+        panel.set_xlabel(axis_label("time"))
+        if is_left(i, len(cases)):
+            panel.set_ylabel(axis_label(quantity))
+        panel.set_xlim(left=0.0)
+        panel.margins(x=0.0)
+    if not blocks:
+        return nothing(f"No model answered these cases with {title_of(quantity)}.", *statements)
+    legend_below(canvas, handles)
+    names = ", ".join(case.name for case in cases)
+    alt = f"{title_of(quantity)} over time for {names}"
+    return Drawing(canvas, joined(blocks), tuple(dict.fromkeys(statements)), alt)
+
+
+def _panel(
+    request: Request, case: Case, panel: Axes, quantity: str, blocks: list[Any]
+) -> tuple[list[Any], list[str]]:
+    handles, statements = [], []
+    time_unit, unit = unit_of("time").factor, unit_of(quantity).factor
+    column = f"{quantity}_SI"
+    until = float(request.option("until", np.inf))
+    for label in request.shown(case):
+        look = request.looks[label]
+        response = request.stored.response(case.name, label)
+        if response is None:
+            statements.append(f"{label} gave no answer to {case.name}.")
+            continue
+        curve = _curve(response, quantity)
+        if curve is not None:
+            time, values = curve
+            inside = time <= until
+            time, values = thinned(time[inside], values[inside])
+            panel.plot(time * time_unit, values * unit, **look.curve())
+            block = {"case": case.name, "label": label, "time_s": time, column: values}
+            blocks.append(rows(block, len(time)))
+            handles.append(handle(label, look))
+            continue
+        peak, when = (
+            request.stored.number(case.name, label, name) if name else None
+            for name in _PEAKS.get(quantity, ("", ""))
+        )
+        if peak is None:
+            statements.append(f"{label} does not know {title_of(quantity)} over time.")
+        elif when is None:
+            panel.axhline(peak * unit, **{**look.curve(), "linestyle": ":"})
+            handles.append(handle(f"{label} (peak only)", look._replace(line=":")))
+            blocks.append(
+                rows({"case": case.name, "label": label, "time_s": np.nan, column: peak}, 1)
+            )
+        else:
+            panel.plot([when * time_unit], [peak * unit], **look.points())
+            handles.append(handle(f"{label} (peak only)", look, curve=False))
+            blocks.append(
+                rows({"case": case.name, "label": label, "time_s": when, column: peak}, 1)
+            )
+    return handles, statements
+
+
+def _curve(response: Response, quantity: str) -> tuple[Array, Array] | None:
+    if "time" not in response.coords:
+        return None
+    time = np.asarray(response["time"].values, dtype=float)
+    if quantity == "impulse":
+        if "percussion" not in response:
+            return None
+        return time, np.cumsum(response["percussion"].values)
+    if quantity not in response or response[quantity].dims != ("time",):
+        return None
+    return time, np.asarray(response[quantity].values, dtype=float)

@@ -1,0 +1,58 @@
+"""Panels side by side, one per case, and the legend they share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+from matplotlib.lines import Line2D
+
+from workbench.report.figures.drawing import Request
+from workbench.report.figures.style import Look, grid_shape, new_figure
+from workbench.study.definition import Case
+
+MOST_PANELS = 6
+
+
+def chosen_cases(request: Request, kind: str = "") -> tuple[list[Case], list[str]]:
+    """The cases that get a panel, and a statement if some do not.
+
+    Arguments: `kind` keeps scenarios whose kind ends so (empty: all). The option `cases` names
+    them; otherwise the first six are taken.
+    """
+    cases = [case for case in request.cases if case.scenario.KIND.endswith(kind)]
+    named = request.option("cases", ())
+    if named:
+        return [case for case in cases if case.name in named], []
+    if len(cases) <= MOST_PANELS:
+        return cases, []
+    return cases[:MOST_PANELS], [
+        f"Shown are the first {MOST_PANELS} of {len(cases)} cases; the tables hold all of them."
+    ]
+
+
+def panel_grid(
+    count: int, *, height: float = 2.35, share_x: bool = False, share_y: bool = True, most: int = 3
+) -> tuple[Canvas, list[Axes]]:
+    """A figure with a number of panels; each row is `height` inches high."""
+    rows, columns = grid_shape(count, most)
+    if count == 1:
+        height = max(height, 2.9)
+    canvas = new_figure(height * rows + 0.55)
+    axes = canvas.subplots(rows, columns, sharex=share_x, sharey=share_y, squeeze=False)
+    flat = list(axes.flat)
+    for spare in flat[count:]:
+        spare.remove()
+    return canvas, flat[:count]
+
+
+def is_left(index: int, count: int, most: int = 3) -> bool:
+    """Whether a panel stands in the first column."""
+    return index % grid_shape(count, most)[1] == 0
+
+
+def handle(label: str, look: Look, *, curve: bool = True) -> Line2D:
+    """Legend entry of a label: its line, or its marker."""
+    style: dict[str, Any] = look.curve() if curve else look.points()
+    return Line2D([], [], label=label, **style)

@@ -1,0 +1,134 @@
+"""Numbers as the reader sees them: units of the trade, significant digits, typographic signs."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from workbench.assessment import METRICS
+from workbench.responses.variables import COORDINATES, VARIABLES
+
+MINUS, TIMES, PLUS_MINUS = "\u2212", "\u00d7", "\u00b1"
+THIN, NO_BREAK = "\u2009", "\u00a0"
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+class Unit(NamedTuple):
+    """A display unit and the factor that SI values are multiplied by."""
+
+    text: str
+    factor: float
+
+
+_UNITS = {
+    "m": Unit("mm", 1e3),
+    "s": Unit("ms", 1e3),
+    "N": Unit("kN", 1e-3),
+    "N m": Unit("kN m", 1e-3),
+    "N s": Unit("kN s", 1e-3),
+    "J": Unit("kJ", 1e-3),
+    "1": Unit("", 1.0),
+}
+
+
+def unit_of(quantity: str) -> Unit:
+    """Display unit of a response variable or coordinate."""
+    variable = VARIABLES.get(quantity) or COORDINATES.get(quantity)
+    units = variable.units if variable else "1"
+    return _UNITS.get(units, Unit(units, 1.0))
+
+
+def title_of(quantity: str) -> str:
+    """Name of a response variable for headings: ``peak displacement``."""
+    return quantity.replace("_", " ")
+
+
+def axis_label(quantity: str) -> str:
+    """Axis label with unit: ``displacement (mm)``."""
+    unit = unit_of(quantity).text
+    return f"{title_of(quantity)} ({unit})" if unit else title_of(quantity)
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """A number with `digits` significant digits; a dash for None or NaN."""
+    if value is None or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return MINUS + "∞" if value < 0 else "∞"
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if -4 <= exponent < 7:
+        text = f"{value:.{max(digits - 1 - exponent, 0)}f}"
+    else:
+        mantissa, _, _ = f"{value:.{max(digits - 1, 0)}e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}{TIMES}10{str(exponent).translate(_SUPERSCRIPT)}"
+    return text.replace("-", MINUS)
+
+
+def percent(value: float | None, *, signed: bool = True) -> str:
+    """A share as percentage with two decimals below 10 %, one above."""
+    if value is None or not math.isfinite(value):
+        return number(value)
+    share = 100.0 * value
+    decimals = 2 if abs(share) < 9.995 else 1
+    text = f"{share:+.{decimals}f}" if signed else f"{share:.{decimals}f}"
+    if float(text) == 0.0:
+        text = f"{0.0:.{decimals}f}"
+    return f"{text.replace('-', MINUS)}{THIN}%"
+
+
+def in_unit(value: float | None, quantity: str, digits: int = 4) -> str:
+    """A value of a quantity in its display unit, with the unit."""
+    if value is None or not math.isfinite(value):
+        return number(value)
+    unit = unit_of(quantity)
+    text = number(value * unit.factor, digits)
+    return f"{text}{NO_BREAK}{unit.text}" if unit.text else text
+
+
+def metric_title(metric: str) -> str:
+    """Title of a metric."""
+    return METRICS[metric].title if metric in METRICS else metric.replace("_", " ")
+
+
+def metric_value(metric: str, quantity: str, value: float | None, *, bound: bool = False) -> str:
+    """Value of a metric; pure numbers as percentages, others in the unit of the quantity.
+
+    `bound`: without sign, as a limit on the magnitude.
+    """
+    if metric in METRICS and METRICS[metric].unit_power:
+        return in_unit(value, quantity, 3)
+    signed = metric in METRICS and METRICS[metric].signed and not bound
+    return percent(value, signed=signed)
+
+
+def interval(metric: str, quantity: str, value: float | None, width: float | None) -> str:
+    """Value ± uncertainty of a metric; an unknown uncertainty is said to be so."""
+    text = metric_value(metric, quantity, value)
+    if value is None or not math.isfinite(value):
+        return text
+    if width is None or math.isnan(width):
+        return f"{text} (uncertainty unknown)"
+    wide = metric_value(metric, quantity, width, bound=True)
+    if text.endswith(f"{THIN}%"):
+        return f"{text.removesuffix(f'{THIN}%')} {PLUS_MINUS} {wide}"
+    return f"{text} {PLUS_MINUS} {wide}"
+
+
+def duration(seconds: float | None, digits: int = 2) -> str:
+    """A wall time in the unit that suits it."""
+    if seconds is None or not math.isfinite(seconds):
+        return number(seconds)
+    for factor, unit in ((1e6, "µs"), (1e3, "ms")):
+        if seconds * factor < 999.5:
+            return f"{number(seconds * factor, digits)}{NO_BREAK}{unit}"
+    if seconds < 120.0:
+        return f"{number(seconds, digits)}{NO_BREAK}s"
+    return f"{number(seconds / 60.0, digits)}{NO_BREAK}min"
+
+
+def count(number_of: int, singular: str, plural: str = "") -> str:
+    """``1 case``, ``3 cases``."""
+    return f"{number_of} {singular if number_of == 1 else plural or singular + 's'}"

@@ -1,0 +1,196 @@
+"""What a report reads: the tables of a stored study and, on demand, the responses of its cells."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from workbench.errors import InputError
+from workbench.responses import Finding, Outcome, Response
+from workbench.study.definition import Study
+from workbench.study.store import Store
+
+NOT_RUN = "not run"
+_TABLES = ("cells", "comparisons", "ladder", "gates")
+_TEXTS = {
+    name: str
+    for name in (
+        *("case", "label", "model", "outcome", "message", "warnings", "key", "against"),
+        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
+        *("converging", "accepted"),
+    )
+}
+
+
+@dataclass(frozen=True)
+class CellState:
+    """How one cell ended: `outcome` (or `NOT_RUN`), its `message`, its `findings`, its numbers.
+
+    `numbers` holds the scalar quantities in SI, `wall_time` (s), `shear_utilisation` and
+    `energy_error`, as far as the model knows them.
+    """
+
+    case: str
+    label: str
+    outcome: str
+    message: str
+    findings: tuple[Finding, ...]
+    numbers: dict[str, float]
+    key: str
+
+    @property
+    def ok(self) -> bool:
+        """Whether the model answered."""
+        return self.outcome == Outcome.OK
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A stored study, read only.
+
+    Arguments: `directory` of the store and the `study` that it belongs to. Responses are read
+    when asked for and kept.
+    """
+
+    directory: Path
+    study: Study
+    _read: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
+
+    @cached_property
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Tables ``cells``, ``comparisons``, ``ladder`` and ``gates``.
+
+        Raises `InputError` if the study has not been run and assessed.
+        """
+        found = {}
+        for name in _TABLES:
+            path = self.directory / "tables" / f"{name}.csv"
+            if not path.is_file():
+                raise InputError(
+                    "study", self.study.name, f"has no table {name} in its store", "run it first"
+                )
+            table = pd.read_csv(path, dtype=_TEXTS, float_precision="round_trip")  # type: ignore[arg-type]
+            texts = [column for column in table.columns if column in _TEXTS]
+            found[name] = table.fillna(dict.fromkeys(texts, ""))
+        return found
+
+    @cached_property
+    def cells(self) -> dict[tuple[str, str], CellState]:
+        """Every cell of the study by (case, label), in the order of the study."""
+        known = {
+            (str(row["case"]), str(row["label"])): row
+            for row in self.tables["cells"].to_dict("records")
+        }
+        return {
+            (case.name, label): _state(case.name, label, known.get((case.name, label)))
+            for case, label in self.study.cells()
+        }
+
+    def expects(self, case: str, label: str) -> bool:
+        """Whether a label is to answer a case."""
+        return (case, label) in self.cells
+
+    def ok(self, case: str, label: str) -> bool:
+        """Whether a label answered a case."""
+        cell = self.cells.get((case, label))
+        return cell is not None and cell.ok
+
+    def number(self, case: str, label: str, name: str) -> float | None:
+        """A scalar of a cell, None if the model did not answer or cannot know it."""
+        cell = self.cells.get((case, label))
+        return None if cell is None else cell.numbers.get(name)
+
+    def response(self, case: str, label: str) -> Response | None:
+        """The response of a cell that answered, else None."""
+        cell = self.cells.get((case, label))
+        if cell is None or not cell.ok:
+            return None
+        if cell.key not in self._read:
+            self._read[cell.key] = Store(self.directory).response(cell.key)
+        return self._read[cell.key]
+
+    def data_uncertainty(self, case: str, label: str, quantity: str) -> float | None:
+        """Half-width within which published or measured data are known, None if not stated."""
+        response = self.response(case, label)
+        if response is None or "data_uncertainty" not in response.attrs:
+            return None
+        stated: float | None = json.loads(response.attrs["data_uncertainty"]).get(quantity)
+        return stated
+
+    def errors(self, quantity: str, metric: str, against: str) -> pd.DataFrame:
+        """Comparisons of one quantity by one metric against one label."""
+        table = self.tables["comparisons"]
+        chosen = (
+            (table["quantity"] == quantity)
+            & (table["metric"] == metric)
+            & (table["against"] == against)
+        )
+        return table[chosen]
+
+    def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
+        """The row of the ladder table for a case and quantity; numbers that are absent are None."""
+        table = self.tables["ladder"]
+        rows = table[(table["case"] == case) & (table["quantity"] == quantity)]
+        if rows.empty:
+            return None
+        row = {str(name): value for name, value in rows.iloc[0].to_dict().items()}
+        return {
+            name: None if isinstance(value, float) and np.isnan(value) else value
+            for name, value in row.items()
+        }
+
+    def problems(self) -> Iterator[CellState]:
+        """Cells without an answer, in the order of the study."""
+        return (cell for cell in self.cells.values() if not cell.ok)
+
+    @cached_property
+    def provenance(self) -> list[dict[str, str]]:
+        """The different provenance records of the stored cells, in a fixed order."""
+        store = Store(self.directory)
+        found: dict[str, dict[str, str]] = {}
+        for cell in self.cells.values():
+            if cell.outcome != NOT_RUN:
+                record = store.record(cell.key).get("provenance", {})
+                found[json.dumps(record, sort_keys=True)] = record
+        return [found[key] for key in sorted(found)]
+
+
+def _state(case: str, label: str, row: Any) -> CellState:
+    if row is None:
+        return CellState(case, label, NOT_RUN, "", (), {}, "")
+    numbers = {
+        str(name): float(value)
+        for name, value in row.items()
+        if isinstance(value, (int, float)) and not np.isnan(value)
+    }
+    return CellState(
+        case,
+        label,
+        row["outcome"],
+        row["message"],
+        tuple(_findings(row["warnings"])),
+        numbers,
+        row["key"],
+    )
+
+
+def _findings(text: str) -> Iterator[Finding]:
+    """Warnings as the table of cells joins them: ``subject: text; subject: text``."""
+    subject, sentence = "", ""
+    for part in text.split("; "):
+        head, colon, rest = part.partition(": ")
+        if colon and " " not in head:
+            if sentence:
+                yield Finding(subject, sentence)
+            subject, sentence = head, rest
+        elif part:
+            sentence = f"{sentence}; {part}" if sentence else part
+    if sentence:
+        yield Finding(subject, sentence)

@@ -1,0 +1,186 @@
+"""Assessing a stored study: tables of cells, comparisons, ladders and gates. Never simulates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.assessment import Verdict
+from workbench.errors import InputError
+from workbench.responses import SCALARS, Response, scalars_of, warnings_of
+from workbench.study.cells import Cell, cells_of
+from workbench.study.comparisons import (
+    Answers,
+    comparison_rows,
+    gate_columns,
+    gate_row,
+    ladder_row,
+)
+from workbench.study.definition import Study
+from workbench.study.store import Presence, Record, Store
+from workbench.study.tables import Row, write_table
+
+NOT_RUN = "not run"
+
+_CELL = ("case", "label", "model", "model_version", "outcome", "message", "warnings", "wall_time")
+_COMPARISON = (
+    *("model", "against", "quantity", "metric", "value", "against_value", "error"),
+    *("uncertainty", "note"),
+)
+_LADDER = ("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note")
+_GATE = (
+    *("gate", "model", "against", "quantity", "metric", "case", "value", "uncertainty", "bound"),
+    *("verdict", "note", "rationale", "source"),
+)
+
+
+@dataclass(frozen=True)
+class GateResult:
+    """A gate over all its cases: the worst verdict, and the largest value met.
+
+    `counts` says how many cases ended in each verdict; `value` and `case` are those of the
+    largest magnitude (None if no case could be judged).
+    """
+
+    gate: str
+    verdict: Verdict
+    counts: Mapping[str, int]
+    bound: float
+    value: float | None
+    case: str | None
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The rows of all tables (as stored under `directory`) and the results of the gates."""
+
+    directory: Path
+    cells: tuple[Row, ...]
+    comparisons: tuple[Row, ...]
+    ladders: tuple[Row, ...]
+    gates: tuple[Row, ...]
+    results: tuple[GateResult, ...]
+
+    @property
+    def failed(self) -> bool:
+        """Whether a gate failed."""
+        return any(result.verdict is Verdict.FAIL for result in self.results)
+
+
+def assess(study: Study, root: Path) -> Assessment:
+    """Compare what is stored under ``root/<study name>`` and write the tables there.
+
+    Cells that are not stored count as not run. Arguments: `study` (in its quick form, if that is
+    what was run); `root`, the directory of all stores. Raises `InputError` if nothing has been
+    stored yet or a parameter of the study has the name of a column.
+    """
+    store = Store(Path(root) / study.name)
+    cells = cells_of(study)
+    if not store.keys():
+        raise InputError(
+            "study", study.name, "has no stored cells yet", "run it first: workbench run"
+        )
+    names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
+    for name in names:
+        if name in {*_CELL, *_COMPARISON, *SCALARS, "key"}:
+            raise InputError("case.parameters", name, "is the name of a column", "rename it")
+    cell_rows: list[Row] = []
+    comparisons: list[Row] = []
+    ladders: list[Row] = []
+    gates: list[list[Row]] = [[] for _ in study.gates]
+    by_case: dict[str, list[Cell]] = {case.name: [] for case in study.cases}
+    for cell in cells:
+        by_case[cell.case].append(cell)
+    for case in study.cases:
+        responses: dict[str, Response] = {}
+        for cell in by_case[case.name]:
+            record = None
+            if store.presence(cell.key) is Presence.FINISHED:
+                responses[cell.label] = store.response(cell.key)
+                record = store.record(cell.key)
+            answer = _cell_row(cell, responses.get(cell.label), record)
+            cell_rows.append({**answer, **case.parameters})
+        asked = tuple(cell.label for cell in by_case[case.name])
+        answers = Answers(study, case, asked, responses)
+        comparisons.extend(comparison_rows(answers))
+        ladders.extend(row for q in study.quantities if (row := ladder_row(answers, q)))
+        for gate, rows in zip(study.gates, gates, strict=True):
+            if gated := gate_row(answers, gate):
+                rows.append(gated)
+    for gate, rows in zip(study.gates, gates, strict=True):
+        if not rows:
+            note = "no case has an answer of both sides"
+            rows.append({**gate_columns(gate), "case": "", "verdict": "inconclusive", "note": note})
+    gate_rows = [row for rows in gates for row in rows]
+    derived = ("shear_utilisation", "energy_error")
+    tables = (
+        ("cells", cell_rows, (*_CELL, *names, *SCALARS, *derived, "key")),
+        ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
+        ("ladder", ladders, ("case", "quantity", *study.ladder, *_LADDER)),
+        ("gates", gate_rows, _GATE),
+    )
+    store.prepare()
+    for name, table, columns in tables:
+        write_table(store.tables / f"{name}.csv", table, columns)
+    results = tuple(
+        _result(gate.name, gate.bound, rows) for gate, rows in zip(study.gates, gates, strict=True)
+    )
+    return Assessment(
+        store.directory,
+        tuple(cell_rows),
+        tuple(comparisons),
+        tuple(ladders),
+        tuple(gate_rows),
+        results,
+    )
+
+
+def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "case": cell.case,
+        "label": cell.label,
+        "model": cell.model.name,
+        "model_version": cell.model.version,
+        "outcome": NOT_RUN,
+        "key": cell.key,
+    }
+    if response is None or record is None:
+        return row
+    row |= {
+        "outcome": response.attrs["outcome"],
+        "message": response.attrs["message"],
+        "warnings": "; ".join(f"{f.subject}: {f.text}" for f in warnings_of(response)),
+        "wall_time": record["wall_time"],
+        **scalars_of(response),
+    }
+    if "shear_utilisation" in response:
+        row["shear_utilisation"] = float(response["shear_utilisation"].max())
+    if {"balance_error", "input_energy"} <= set(response.data_vars):
+        error = float(np.abs(response["balance_error"].values).max())
+        given = float(response["input_energy"])
+        row["energy_error"] = error / given if given else None
+    return row
+
+
+def _result(gate: str, bound: float, rows: list[Row]) -> GateResult:
+    verdicts = [Verdict(row["verdict"]) for row in rows]
+    worst = next(
+        verdict
+        for verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE, Verdict.PASS)
+        if verdict in verdicts
+    )
+    counts = {verdict.value: verdicts.count(verdict) for verdict in Verdict}
+    valued = [row for row in rows if row.get("value") is not None]
+    top = max(valued, key=lambda row: abs(row["value"]), default=None)
+    return GateResult(
+        gate,
+        worst,
+        counts,
+        bound,
+        None if top is None else top["value"],
+        None if top is None else top["case"],
+    )
