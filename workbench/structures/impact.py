@@ -125,14 +125,17 @@ def _solve_step(
         orders = (False, True) if gamma0 > 0.0 else (True, False)
     evaluations = 0
     residual = 0.0
-    for i, closed in enumerate(orders):
+    refused = False
+    for closed in orders:
         tried = _attempt(assembly, dof, striker, dt, weight, closed, tolerance)
         evaluations += tried.solution.evaluations
         residual = max(residual, tried.solution.residual)
-        if tried.solution.converged and (tried.admissible or len(orders) == 1):
+        if not tried.solution.converged:
+            continue
+        # a closed contact that pulls must open, whatever the open solution says of velocities
+        if tried.admissible or len(orders) == 1 or (refused and not closed):
             return tried, evaluations, residual
-        if tried.solution.converged and i == 1 and not closed:
-            return tried, evaluations, residual  # no tension: the contact opens
+        refused = True
     return None, evaluations, residual
 
 

@@ -196,42 +196,19 @@ def assemble(
         deformation[2] = q1[i6] - alpha1
         s = section[e]
         local = local_new[e]
-        kga = 8.0769e10 * 0.0095 * 0.204 * L
-        t1, t2 = deformation[1], deformation[2]
-        gam = 0.0
-        for it in range(50):
-            deformation[1] = t1 + gam
-            deformation[2] = t2 + gam
-            element_law(
-                deformation,
-                L,
-                xi[e],
-                weights[e],
-                ys[s],
-                areas[s],
-                steels[s],
-                plastic_old[e],
-                plastic_new[e],
-                local,
-                k,
-            )
-            r = kga * gam + local[1] + local[2]
-            kk = kga + k[1, 1] + 2 * k[1, 2] + k[2, 2]
-            if abs(r) < 1e-6:
-                break
-            gam -= r / kk
-        c0 = k[0, 1] + k[0, 2]
-        c1 = k[1, 1] + k[1, 2]
-        c2 = k[2, 1] + k[2, 2]
-        k[0, 0] -= c0 * c0 / kk
-        k[0, 1] -= c0 * c1 / kk
-        k[0, 2] -= c0 * c2 / kk
-        k[1, 1] -= c1 * c1 / kk
-        k[1, 2] -= c1 * c2 / kk
-        k[2, 2] -= c2 * c2 / kk
-        k[1, 0] = k[0, 1]
-        k[2, 0] = k[0, 2]
-        k[2, 1] = k[1, 2]
+        element_law(
+            deformation,
+            L,
+            xi[e],
+            weights[e],
+            ys[s],
+            areas[s],
+            steels[s],
+            plastic_old[e],
+            plastic_new[e],
+            local,
+            k,
+        )
         if step:
             d0x, d0y = Dx + q0[i4] - q0[i1], Dy + q0[i5] - q0[i2]
             l0 = math.sqrt(d0x * d0x + d0y * d0y)
