@@ -66,6 +66,10 @@ def parse_value(text: str) -> Any:
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
+        pass
+    try:
+        return float(text)  # .5 and 1. are not TOML, but are meant as numbers
+    except ValueError:
         return text
 
 

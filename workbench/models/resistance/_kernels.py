@@ -224,25 +224,25 @@ def piece_of(starts, v):
 
 
 @njit(cache=True, error_model="numpy")
-def force_in(c, x):
-    """Force c0 + c1 x + c2 x^2 + c3 x^3 of one piece."""
-    return c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+def force_in(c, i, x):
+    """Force c0 + c1 x + c2 x^2 + c3 x^3 of piece i of the coefficients c (n, 4)."""
+    return c[i, 0] + x * (c[i, 1] + x * (c[i, 2] + x * c[i, 3]))
 
 
 @njit(cache=True, error_model="numpy")
-def tangent_in(c, x):
-    """Slope of one piece."""
-    return c[1] + x * (2.0 * c[2] + 3.0 * x * c[3])
+def tangent_in(c, i, x):
+    """Slope of piece i."""
+    return c[i, 1] + x * (2.0 * c[i, 2] + 3.0 * x * c[i, 3])
 
 
 @njit(cache=True, error_model="numpy")
-def steepest_in(c, x):
-    """Largest slope of one piece over [0, x]."""
-    largest = max(c[1], tangent_in(c, x))
-    if c[3] < 0.0:
-        top = -c[2] / (3.0 * c[3])
+def steepest_in(c, i, x):
+    """Largest slope of piece i over [0, x]."""
+    largest = max(c[i, 1], tangent_in(c, i, x))
+    if c[i, 3] < 0.0:
+        top = -c[i, 2] / (3.0 * c[i, 3])
         if 0.0 < top < x:
-            largest = max(largest, tangent_in(c, top))
+            largest = max(largest, tangent_in(c, i, top))
     return largest
 
 
@@ -251,11 +251,11 @@ def work_between(starts, coefficients, a, b):
     """Work of the force from a to b, 0 <= a <= b; Simpson's rule is exact for cubic pieces."""
     total, i = 0.0, piece_of(starts, a)
     while True:
-        start, c = starts[i], coefficients[i]
+        start = starts[i]
         last = i + 1 == starts.size or b <= starts[i + 1]
         end = b if last else starts[i + 1]
-        middle = force_in(c, 0.5 * (a + end) - start)
-        ends = force_in(c, a - start) + force_in(c, end - start)
+        middle = force_in(coefficients, i, 0.5 * (a + end) - start)
+        ends = force_in(coefficients, i, a - start) + force_in(coefficients, i, end - start)
         total += (end - a) * (ends + 4.0 * middle) / 6.0
         if last:
             return total
@@ -265,21 +265,29 @@ def work_between(starts, coefficients, a, b):
 
 @njit(cache=True, error_model="numpy")
 def tables(starts, coefficients):
-    """Work done and steepest slope met up to the start of each piece: (n,), (n,)."""
+    """Work done (n,) and steepest slope met (n + 1,) up to the start of each piece.
+
+    The last entry of the slopes bounds the slope of the whole curve, its endless piece included.
+    """
     n = starts.size
-    works, steepest = np.zeros(n), np.full(n, coefficients[0, 1])
+    works, steepest = np.zeros(n), np.full(n + 1, coefficients[0, 1])
     for i in range(1, n):
         works[i] = works[i - 1] + work_between(starts, coefficients, starts[i - 1], starts[i])
-        slope = steepest_in(coefficients[i - 1], starts[i] - starts[i - 1])
+        slope = steepest_in(coefficients, i - 1, starts[i] - starts[i - 1])
         steepest[i] = max(steepest[i - 1], slope)
+    steepest[n] = max(steepest[n - 1], coefficients[n - 1, 1])
+    if coefficients[n - 1, 2] > 0.0 or coefficients[n - 1, 3] > 0.0:
+        steepest[n] = np.inf
     return works, steepest
 
 
 @njit(cache=True, error_model="numpy")
 def unloading_stiffness(starts, coefficients, steepest, v):
     """Steepest slope of the curve over [0, v]: the initial slope, unless the curve stiffens."""
+    if steepest[-1] <= steepest[0]:
+        return steepest[0]
     i = piece_of(starts, v)
-    return max(steepest[i], steepest_in(coefficients[i], v - starts[i]))
+    return max(steepest[i], steepest_in(coefficients, i, v - starts[i]))
 
 
 @njit(cache=True, error_model="numpy")
@@ -299,15 +307,15 @@ def lost_at(starts, coefficients):
             cuts[1], cuts[2] = min(max(min(one, two), 0.0), end), min(max(max(one, two), 0.0), end)
         for j in range(3):
             low, high = cuts[j], cuts[j + 1]
-            if high <= low or force_in(c, high) > 0.0:
+            if high <= low or force_in(coefficients, i, high) > 0.0:
                 continue
-            if force_in(c, low) <= 0.0 and starts[i] + low > 0.0:
+            if force_in(coefficients, i, low) <= 0.0 and starts[i] + low > 0.0:
                 return starts[i] + low
             for _ in range(200):
                 middle = 0.5 * (low + high)
                 if middle <= low or middle >= high:
                     break
-                if force_in(c, middle) > 0.0:
+                if force_in(coefficients, i, middle) > 0.0:
                     low = middle
                 else:
                     high = middle
@@ -337,7 +345,7 @@ def displacement_at(starts, coefficients, works, energy):
             high = v
         else:
             low = v
-        force = force_in(coefficients[i], v - starts[i])
+        force = force_in(coefficients, i, v - starts[i])
         new = v - excess / force if force > 0.0 else 0.5 * (low + high)
         if not low < new < high:
             new = 0.5 * (low + high)

@@ -1,0 +1,119 @@
+"""Where does each reduced column model stop being trustworthy?
+
+Section x position of the hit x axial load x velocity, every model against the fiber reference.
+"""
+
+from dataclasses import replace
+from itertools import product
+
+from workbench.assessment import Gate
+from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.four_dof import FourDof
+from workbench.models.single_dof import SingleDof
+from workbench.references.fiber_corotational import FiberCorotational
+from workbench.scenarios import Column, ColumnImpact, Striker
+from workbench.sections import find, square
+from workbench.study import Case, Figure, Study
+
+LENGTH = 4.0  # m
+SECTIONS = {"IPE 300": find("IPE 300"), "HEB 220": find("HEB 220"), "square 150": square(0.15)}
+POSITIONS = (0.15, 0.3, 0.5)  # hit point over length
+LOADS = (0.0, 0.15, 0.3)  # axial load over squash load
+VELOCITIES = (5.0, 10.0, 20.0)  # m/s
+REFERENCE = "fiber, fine"
+
+models = {
+    "fiber, coarse": FiberCorotational(refinement=0),
+    REFERENCE: FiberCorotational(refinement=1),
+    "4-DOF": FourDof(),
+    "SDOF analytic": SingleDof(resistance="analytic"),
+    "SDOF cubic": SingleDof(resistance="cubic"),
+    "energy estimate": EnergyEstimate(),
+}
+REDUCED = ("4-DOF", "SDOF analytic", "SDOF cubic", "energy estimate")
+
+
+def impact(section: str, position: float, load: float, velocity: float) -> ColumnImpact:
+    column = Column(
+        SECTIONS[section],
+        position * LENGTH,
+        (1.0 - position) * LENGTH,
+        restraint_stiffness=1e7,
+    )
+    column = replace(column, axial_load=load * column.properties.squash_load)
+    # a striker of 15 column masses: heavy against the column, as a vehicle is
+    mass = 15.0 * column.properties.mass_per_length * LENGTH
+    name = f"{section}, hit at {position:g} L, {load:g} Np, {velocity:g} m/s"
+    return ColumnImpact(name, column, Striker(mass, velocity), 0.15)
+
+
+cases = tuple(
+    Case(
+        (scenario := impact(section, position, load, velocity)).name,
+        scenario,
+        parameters={
+            "section": section,
+            "hit point over length": position,
+            "axial load over squash load": load,
+            "velocity in m/s": velocity,
+        },
+        quick=section == "HEB 220" and position != 0.3 and load != 0.15,
+    )
+    for section, position, load, velocity in product(SECTIONS, POSITIONS, LOADS, VELOCITIES)
+)
+
+gates = tuple(
+    Gate(
+        model,
+        REFERENCE,
+        "peak_displacement",
+        "relative_error",
+        bound,
+        "Wanted for design; the cases beyond it mark where the model stops being trustworthy.",
+        "heng2017",
+    )
+    for model, bound in zip(REDUCED, (0.05, 0.10, 0.10, 0.10), strict=True)
+)
+
+figures = (
+    *(
+        Figure(
+            f"map-{model.replace(' ', '-').lower()}",
+            "sweep",
+            f"{model}: error of the peak displacement",
+            "Relative error against the fiber reference; crosses mark failed cells, hatching "
+            "cells outside the domain.",
+            (model,),
+            {
+                "x": "hit point over length",
+                "y": "axial load over squash load",
+                "facet": "velocity in m/s",
+            },
+        )
+        for model in REDUCED
+    ),
+    Figure(
+        "cost",
+        "cost",
+        "Cost against error",
+        "Wall time of one run against the error of the peak, over all cases.",
+    ),
+)
+
+study = Study(
+    name="column_sweep",
+    title="Where reduced column models stop being trustworthy",
+    question=(
+        "Over section, position of the hit, axial load and velocity: how large is the error of "
+        "each reduced model against distributed plasticity, and where is it out of its domain?"
+    ),
+    cases=cases,
+    models=models,
+    reference=REFERENCE,
+    ladder=("fiber, coarse", REFERENCE),
+    gates=gates,
+    figures=figures,
+)
+
+if __name__ == "__main__":
+    study.main()

@@ -1,0 +1,91 @@
+"""Where the rigid-bar mechanism and its simplified curves stop being trustworthy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.errors import OutOfDomainError
+from workbench.models.domain import member_findings
+from workbench.models.resistance.curve import Array, ResistanceCurve
+from workbench.models.resistance.shapes import analytic
+from workbench.responses import Finding
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover
+
+_REACH = 0.9  # of the shorter bar; beyond it the mechanism has collapsed
+_ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
+_WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
+
+
+def reach(column: Column) -> float:
+    """Largest displacement (m) at which the mechanism means anything."""
+    return _REACH * min(column.length_below, column.length_above)
+
+
+def curve_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
+    """Findings of all member models, and those of every model on a resistance curve.
+
+    Warning: a head mass, which these models leave out. Refusal: a push beyond their reach.
+    """
+    findings = member_findings(scenario)
+    column = scenario.column
+    if column.head_mass > 0.0 and isinstance(scenario, ColumnImpact):
+        text = f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
+        findings.append(Finding("head-mass", text))
+    if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
+        text = (
+            f"a push to {scenario.displacement:.4g} m passes nine tenths of the shorter segment, "
+            f"{reach(column):.4g} m: small-rotation resistance means nothing there"
+        )
+        findings.append(Finding("reach", text, refusal=True))
+    return findings
+
+
+def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
+    """The analytic curve of the same mechanism (None where its derivation does not hold)."""
+    if curve.shape == "analytic":
+        return curve
+    try:
+        return analytic(curve.mechanism)
+    except OutOfDomainError:
+        return None
+
+
+def reached_findings(
+    curve: ResistanceCurve, companion: ResistanceCurve | None, displacement: float
+) -> list[Finding]:
+    """Warnings that depend on the largest displacement (m) that was reached.
+
+    Rotation of the shorter bar above 0.5 rad; a simplified curve whose work differs by more than
+    a tenth from that of its analytic `companion`.
+    """
+    findings = []
+    rotation = displacement / min(curve.mechanism.lengths)
+    if rotation > _ROTATION:
+        text = (
+            f"the shorter segment turns by {rotation:.2f} at {displacement:.4g} m: the model's "
+            "small-rotation kinematics err by several percent"
+        )
+        findings.append(Finding("small-rotations", text))
+    if companion is not None and companion is not curve and displacement > 0.0:
+        exact = float(companion.work(displacement))
+        simplified = float(curve.work(displacement))
+        if not abs(simplified - exact) <= _WORK * abs(exact):
+            text = (
+                f"up to {displacement:.4g} m the {curve.shape} resistance does "
+                f"{simplified / 1e3:.4g} kJ of work, the analytic one that it simplifies "
+                f"{exact / 1e3:.4g} kJ"
+            )
+            findings.append(Finding("simplification", text))
+    return findings
+
+
+def shear_utilisation(
+    companion: ResistanceCurve | None, column: Column, displacement: float
+) -> Array | None:
+    """Largest V / V_pl of the segments below and above, (2,), met up to a displacement (m).
+
+    From the hinge moments of the analytic curve: the simplified ones have none of their own.
+    """
+    if companion is None:
+        return None
+    return np.asarray(companion.largest_shear(displacement) / column.properties.shear_resistance)
