@@ -105,19 +105,19 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
     study = with_models(
         toy_study,
         good=Spring(),
-        killed=Troubled("kill", above=12.0),
-        left=Troubled("exit", above=12.0),
-        hung=Troubled("hang", above=12.0),
+        killed=Troubled("kill", above=17.0),
+        left=Troubled("exit", above=17.0),
+        hung=Troubled("hang", above=17.0),
         stuck=Troubled("solver"),
         refused=Troubled("refuse"),
         invalid=Troubled("input"),
         broken=Troubled("raise"),
         unfinite=Troubled("nan"),
     )
-    summary = run_study(study, tmp_path, jobs=2, timeout=1.0)
+    summary = run_study(study, tmp_path, jobs=2, timeout=0.6)
     ends = outcomes(study, tmp_path)
     for velocity in ("v10.0", "v15.0", "v20.0"):
-        slow = velocity == "v10.0"
+        slow = velocity != "v20.0"
         assert ends[f"{velocity}/good"] == "ok"
         assert ends[f"{velocity}/killed"] == ("ok" if slow else "crashed")
         assert ends[f"{velocity}/left"] == ("ok" if slow else "crashed")
@@ -127,12 +127,12 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         assert ends[f"{velocity}/invalid"] == "invalid-input"
         assert ends[f"{velocity}/broken"] == "crashed"
         assert ends[f"{velocity}/unfinite"] == "crashed"
-    assert summary.failed == 18
+    assert summary.failed == 15
     tree = gather(study, tmp_path)
     messages = {label: tree[f"v20.0/{label}"].attrs["message"] for label in study.models}
     assert "by signal SIGKILL" in messages["killed"]
     assert "with status 3" in messages["left"]
-    assert "stopped after the 1 s" in messages["hung"]
+    assert "stopped after the 0.6 s" in messages["hung"]
     assert "ZeroDivisionError: division by zero" in messages["broken"]
     assert "toy.option = 1: must be 2" in messages["invalid"]
     assert "not finite" in messages["unfinite"]
@@ -140,10 +140,10 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         outcome = outcome_of(tree[f"v20.0/{label}"].to_dataset())
         assert message.endswith("" if outcome is Outcome.OK else outcome.advice)
     # crashed cells are tried again, timed-out ones only with more time
-    again = run_study(study, tmp_path, jobs=2, timeout=1.0)
-    assert again.answered == 10
-    more = run_study(study, tmp_path, jobs=2, timeout=1.1, only="hung")
-    assert more.answered == 2
+    again = run_study(study, tmp_path, jobs=2, timeout=0.6)
+    assert again.answered == 8
+    more = run_study(study, tmp_path, jobs=2, timeout=0.7, only="hung")
+    assert more.answered == 1
 
 
 def test_a_trace_of_a_crash_is_kept_without_paths(toy_study: Study, tmp_path: Path) -> None:
@@ -163,7 +163,7 @@ def test_all_cells_are_checked_before_the_first_one_is_answered(
 
     for change, message in (
         ({"name": "../escape"}, "study.name"),
-        ({"cases": (Case("a/b", thesis_impact),)}, "slash"),
+        ({"cases": (Case(" ", thesis_impact),)}, "must not be empty"),
         ({"models": {"fine": Spring(), "bad": Local()}, "ladder": ()}, "sent to a worker"),
         ({"models": {"fine": Spring(), "bad": Spring}, "ladder": ()}, "model object"),
         ({"models": {"fine": Spring(stiffness=1 + 2j)}, "ladder": ()}, "cannot be stored"),
@@ -284,6 +284,12 @@ def test_gather_is_a_tree_of_cases_and_labels(toy_study: Study, tmp_path: Path) 
     assert node["time"].dtype == float
     assert node.attrs["wall_time"] > 0.0
     assert json.loads(tree.attrs["missing"]) == [f"v20.0/{label}" for label in toy_study.models]
+
+
+def test_slashes_in_names(toy_study: Study, tmp_path: Path, thesis_impact: ColumnImpact) -> None:
+    study = dataclasses.replace(toy_study, cases=(Case("15 m/s", thesis_impact),))
+    assert run_study(study, tmp_path, jobs=0, only="15 m/s").answered == 4
+    assert list(gather(study, tmp_path).children) == ["15 m_s"]
 
 
 def test_workers_that_cannot_start_end_the_run_with_a_reason(

@@ -73,6 +73,5 @@ def present(response: Response, quantity: str, side: str) -> Array:
     Raises `InputError` if the response does not have the quantity.
     """
     if quantity not in response:
-        known = ", ".join(str(name) for name in response.data_vars) or "nothing"
-        raise InputError(f"{side}.{quantity}", None, f"is absent; the {side} has {known}")
+        raise InputError(f"{side}.{quantity}", None, f"the {side} does not know this quantity")
     return np.asarray(response[quantity].values, dtype=float)

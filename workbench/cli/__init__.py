@@ -21,17 +21,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return the exit status."""
     from workbench.cli.app import build
+    from workbench.cli.output import InterruptedByUserError
     from workbench.errors import InputError, WorkbenchError
 
     try:
         status = build()(list(arguments), prog_name="workbench", standalone_mode=False)
         sys.stdout.flush()
+        if status == INTERRUPTED:  # what the argument parser makes of Ctrl-C
+            raise InterruptedByUserError("interrupted")
         return status if isinstance(status, int) else DONE
     except InputError as error:
         return _say(str(error), BAD_INPUT)
     except WorkbenchError as error:
         return _say(str(error), FAILED)
-    except KeyboardInterrupt as error:
+    except (InterruptedByUserError, KeyboardInterrupt) as error:
         return _say(str(error) or "interrupted", INTERRUPTED)
     except BrokenPipeError:
         # the reader of our output has gone, as in `workbench models | head`: no fault of ours

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -12,8 +11,12 @@ import typer
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
-_PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"))
-_PLAIN_UNITS = ("", "1", "N s", "rad")
+_PREFIXES = ((1e6, "M"), (1e3, "k"))
+_PREFIXED = ("N", "N m", "N s", "J", "Pa", "N/m")
+
+
+class InterruptedByUserError(Exception):
+    """The user ended a verb; the message says what is left behind."""
 
 
 def print_json(content: Any) -> None:
@@ -39,13 +42,9 @@ def quantity(value: float | None, unit: str) -> str:
     """A number with four significant digits and its unit, with a prefix where that helps."""
     if value is None:
         return "not known to this model"
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value:g} {unit}".rstrip()
-    if unit in _PLAIN_UNITS:
-        return f"{value:.4g} {'' if unit == '1' else unit}".rstrip()
-    factor, prefix = next(
-        (pair for pair in _PREFIXES if abs(value) >= pair[0]), (_PREFIXES[-1])
-    )
-    if unit in ("m", "m/s") and factor > 1.0:
-        factor, prefix = 1.0, ""
-    return f"{value / factor:.4g} {prefix}{unit}"
+    name = "" if unit == "1" else unit
+    if unit in _PREFIXED:
+        for factor, prefix in _PREFIXES:
+            if abs(value) >= factor:
+                return f"{value / factor:.4g} {prefix}{name}"
+    return f"{value:.4g} {name}".rstrip()

@@ -19,7 +19,7 @@ from workbench.responses import (
     failed_response,
     provenance,
 )
-from workbench.scenarios import Scenario, scenario_hash, to_toml
+from workbench.scenarios import Scenario, canonical
 
 
 @runtime_checkable
@@ -79,12 +79,13 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
 
 
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:
+    toml, digest = canonical(scenario)
     response.attrs.update(
         model=model.name,
         model_version=model.version,
         options=json.dumps(options_of(model), sort_keys=True),
-        scenario=to_toml(scenario),
-        scenario_hash=scenario_hash(scenario),
+        scenario=toml,
+        scenario_hash=digest,
         provenance=json.dumps(provenance(), sort_keys=True),
         wall_time=time.perf_counter() - started,
     )

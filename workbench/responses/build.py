@@ -35,15 +35,16 @@ def build_response(
     `warnings` met while solving. Raises KeyError for a variable that is not in the table.
     """
     history = "time" if time is not None else "step"
-    coordinates: dict[str, Any] = {}
+    along: dict[str, Any] = {"hinge": list(hinges) or None, "segment": list(segments) or None}
     if time is not None:
-        coordinates["time"] = np.asarray(time, dtype=float)
+        along["time"] = np.asarray(time, dtype=float)
     elif steps is not None:
-        coordinates["step"] = np.arange(steps)
-    if hinges:
-        coordinates["hinge"] = list(hinges)
-    if segments:
-        coordinates["segment"] = list(segments)
+        along["step"] = np.arange(steps)
+    coordinates = {
+        name: (name, along[name], {"units": meaning.units, "long_name": meaning.long_name})
+        for name, meaning in COORDINATES.items()
+        if along.get(name) is not None
+    }
     data = {}
     for name, value in values.items():
         if value is None:
@@ -51,11 +52,8 @@ def build_response(
         variable = VARIABLES[name]
         dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
         attributes = {"units": variable.units, "long_name": variable.long_name}
-        data[name] = (dims, np.asarray(value, dtype=float), attributes)
+        data[name] = xr.Variable(dims, np.asarray(value, dtype=float), attributes)
     response = xr.Dataset(data, coordinates)
-    for label in response.coords:
-        coordinate = COORDINATES[str(label)]
-        response[label].attrs.update(units=coordinate.units, long_name=coordinate.long_name)
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
     response.attrs["warnings"] = json.dumps([[f.subject, f.text] for f in warnings])
@@ -92,12 +90,14 @@ def check_response(response: Response) -> None:
 
     Raises `WorkbenchError` naming the variable.
     """
-    for name, array in response.data_vars.items():
+    for name, array in response.variables.items():  # plain variables: no index is built
+        if name in response.coords:
+            continue
         if name not in VARIABLES:
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
         if not {"units", "long_name"} <= set(array.attrs):
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-        if not np.all(np.isfinite(array.values)):
+        if not np.isfinite(array.values).all():
             raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if "time" in response.coords and np.any(np.diff(response["time"].values) <= 0.0):
         raise WorkbenchError("response time does not increase")

@@ -10,6 +10,7 @@ from workbench.scenarios.column import (
 from workbench.scenarios.files import (
     Scenario,
     apply_override,
+    canonical,
     load_scenario,
     parse_value,
     scenario_from,
@@ -26,6 +27,7 @@ __all__ = [
     "Scenario",
     "Striker",
     "apply_override",
+    "canonical",
     "load_scenario",
     "parse_value",
     "scenario_from",

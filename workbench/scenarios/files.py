@@ -108,14 +108,21 @@ def to_tables(scenario: Scenario) -> dict[str, Any]:
 
 def to_toml(scenario: Scenario) -> str:
     """The canonical TOML text of a scenario; reading it back gives an equal scenario."""
-    return tomli_w.dumps(to_tables(scenario))
+    return canonical(scenario)[0]
 
 
 def scenario_hash(scenario: Scenario) -> str:
     """SHA-256 of what happens (the name left out), as 16 hexadecimal digits."""
+    return canonical(scenario)[1]
+
+
+def canonical(scenario: Scenario) -> tuple[str, str]:
+    """The canonical TOML text of a scenario and the hash of what happens in it."""
     tables = to_tables(scenario)
-    del tables["name"]
-    return hashlib.sha256(tomli_w.dumps(tables).encode()).hexdigest()[:16]
+    head = {"kind": tables.pop("kind"), "name": tables.pop("name")}
+    body = tomli_w.dumps(tables)
+    digest = hashlib.sha256(f"{head['kind']}\n{body}".encode()).hexdigest()[:16]
+    return f"{tomli_w.dumps(head)}\n{body}", digest
 
 
 def _fields_of(instance: Any) -> dict[str, Any]:

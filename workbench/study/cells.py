@@ -77,7 +77,7 @@ def key_of(ingredients: Ingredients) -> str:
 def cells_of(study: Study) -> list[Cell]:
     """All cells of a study, each checked so that no run begins that cannot end.
 
-    Raises `InputError` for names that files or data trees cannot carry, for models that do not
+    Raises `InputError` for names that files cannot carry, for models that do not
     keep the contract, for options that cannot be stored or models that cannot be sent to a
     worker process, for gates on unknown metrics, and for a study without cells.
     """
@@ -86,8 +86,8 @@ def cells_of(study: Study) -> list[Cell]:
             "study.name", study.name, "must be letters, digits, dots, hyphens, underscores"
         )
     for name in (*(case.name for case in study.cases), *study.models):
-        if not name.strip() or "/" in name:
-            raise InputError("study.cases and labels", name, "must not be empty or hold a slash")
+        if not name.strip():
+            raise InputError("study.cases and labels", name, "must not be empty")
     for label, model in study.models.items():
         _check_model(label, model)
     check_metrics(study)

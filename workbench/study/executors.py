@@ -148,7 +148,10 @@ class _Worker:
         code, task = self.process.exitcode or 0, self.task
         self.stop()
         if not self.ready:
-            raise WorkbenchError(f"a worker process ended with status {code} before it was ready")
+            raise WorkbenchError(
+                f"a worker process ended with status {code} before it was ready; a script that "
+                "runs a study needs: if __name__ == '__main__'"
+            )
         if task is None:
             return None
         how = f"by signal {signal.Signals(-code).name}" if code < 0 else f"with status {code}"

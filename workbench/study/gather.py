@@ -16,6 +16,7 @@ from workbench.study.store import Presence, Store
 def gather(study: Study, root: Path) -> xr.DataTree:
     """The stored responses of a study as ``tree["case/label"]``.
 
+    A slash within a case or label, as in "10 m/s", becomes an underscore there.
     Arguments: `study`; `root`, the directory of all stores. The attributes of the tree hold the
     `study` name, the `manifest` (JSON) and the `missing` cells (JSON list), which are absent;
     every cell has the attributes `wall_time` (s) and `provenance` (JSON) of its record.
@@ -31,7 +32,8 @@ def gather(study: Study, root: Path) -> xr.DataTree:
         response, record = store.response(cell.key), store.record(cell.key)
         response.attrs["wall_time"] = record["wall_time"]
         response.attrs["provenance"] = json.dumps(record["provenance"], sort_keys=True)
-        tree[cell.name] = xr.DataTree(response)
+        path = "/".join(name.replace("/", "_") for name in (cell.case, cell.label))
+        tree[path] = xr.DataTree(response)
     tree.attrs["study"] = study.name
     tree.attrs["manifest"] = json.dumps(read_manifest(store), sort_keys=True)
     tree.attrs["missing"] = json.dumps(missing)

@@ -39,7 +39,7 @@ class DaskCluster:
                 f"does not answer: {error}",
                 "start it, or leave it out",
             ) from error
-        with client:
+        with client, client.as_current():
             by_key = {task.key: task for task in tasks}
             futures = [
                 client.submit(perform_remotely, task, key=f"workbench-{task.key}", pure=False)

@@ -68,11 +68,7 @@ def perform(task: Task, warm: set[str]) -> Result:
     `warm` collects the kinds of cell that this process has answered before: the first of a kind
     may compile kernels, so its wall time is that of a second call if the first was short.
     """
-    if task.file:
-        from workbench.study.loading import study_in
-
-        study_in(Path(task.file))
-    model, scenario = pickle.loads(task.payload)
+    model, scenario = _unpacked(task)
     started = datetime.now(UTC)
     begin = time.perf_counter()
     response, trace = _answer(model, scenario)
@@ -113,6 +109,20 @@ def result_of(
     if trace:
         record["trace"] = trace
     return Result(task.key, to_netcdf_bytes(without_volatile(response)), record)
+
+
+def _unpacked(task: Task) -> tuple[Model, Scenario]:
+    """Model and scenario of a task; the study file is loaded only if they need it."""
+    try:
+        pair: tuple[Model, Scenario] = pickle.loads(task.payload)
+    except (ImportError, AttributeError):
+        if not task.file:
+            raise
+        from workbench.study.loading import study_in
+
+        study_in(Path(task.file))
+        pair = pickle.loads(task.payload)
+    return pair
 
 
 def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:

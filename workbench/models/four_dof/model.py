@@ -194,7 +194,7 @@ class FourDof:
             "elastic": elastic,
             "dissipated": records[:, 11],
             "external_work": work,
-            "balance_error": elastic - elastic[0] + records[:, 11] - work,
+            "balance_error": work - (elastic - elastic[0]) - records[:, 11],
             "input_energy": external[-1],
             **self._hinge_values(column, kernel, state, stress, None),
         }
@@ -209,7 +209,7 @@ class FourDof:
             records, time = self._march(scenario, step)
             total = records[:, 19] + records[:, 20] + records[:, 21] + records[:, 22]
             dead = -scenario.column.axial_load * (records[:, 3] - records[0, 3])
-            balance = total - total[0] - dead
+            balance = total[0] + dead - total
             error = float(np.max(np.abs(balance))) / scenario.input_energy
             exact = self.integrator == "midpoint" and self.time_step is None
             if not exact or error < _BALANCE:

@@ -1,0 +1,287 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from workbench.cli import run
+from workbench.scenarios import ColumnImpact, ColumnPushover, to_tables, to_toml
+
+HEAVY = ("numpy", "scipy", "numba", "xarray", "pandas", "netCDF4", "matplotlib", "rich", "typst")
+
+
+def process(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", "from workbench.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+    )
+
+
+@pytest.fixture
+def scenario_file(thesis_impact: ColumnImpact, tmp_path: Path) -> Path:
+    path = tmp_path / "scenario.toml"
+    path.write_text(to_toml(thesis_impact))
+    return path
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys\n"
+        "from workbench.cli import run\n"
+        "status = run(['--help'])\n"
+        f"heavy = [name for name in {HEAVY!r} if name in sys.modules]\n"
+        "print('loaded', heavy, status, file=sys.stderr)\n"
+    )
+    begin = time.perf_counter()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    print(f"workbench --help took {time.perf_counter() - begin:.3f} s")
+    assert done.stderr.strip() == "loaded [] 0"
+    for verb in ("models", "simulate", "run", "status", "report", "validate", "data", "doctor"):
+        assert f"\n  {verb}" in done.stdout
+    assert "..." not in done.stdout.partition("Commands:")[2]
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        ("models",),
+        ("simulate",),
+        ("run",),
+        ("status",),
+        ("report",),
+        ("validate",),
+        ("data", "list"),
+        ("data", "show"),
+        ("data", "check"),
+        ("doctor",),
+    ],
+)
+def test_every_verb_has_help_and_json(
+    verb: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run([*verb, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert "--json" in text
+    assert text.startswith(f"Usage: workbench {' '.join(verb)}")
+
+
+def test_no_verb_shows_the_help_and_version(capsys: pytest.CaptureFixture[str]) -> None:
+    from workbench import __version__
+
+    assert run([]) == 0
+    assert "Usage: workbench" in capsys.readouterr().out
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out.strip() == __version__
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["simulat"], "No such command 'simulat'. Did you mean 'simulate'?"),
+        (["simulate"], "Missing argument 'SCENARIO.toml'"),
+        (["simulate", "a.toml"], "Missing option '--model'"),
+        (["models", "--jsn"], "No such option: --jsn"),
+        (["run", "x", "--jobs", "two"], "Invalid value for '--jobs'"),
+        (["models", "four-dfo"], "did you mean four-dof?"),
+        (["status", "no_such_study"], "study = 'no_such_study': is not known"),
+        (["report", "no_such_study", "--format", "docx"], "--format = 'docx': must be html, pdf"),
+        (["data", "show", "nothing"], "dataset = 'nothing': must be one of"),
+        (["simulate", "none.toml", "--model", "four-dof"], "cannot be read: No such file"),
+    ],
+)
+def test_bad_usage_is_one_line_and_status_2(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("workbench: ")
+    assert said in captured.err
+
+
+def test_a_reader_that_leaves_early_is_no_fault() -> None:
+    command = f"{sys.executable} -c 'from workbench.cli import main; main()' --help | true"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True)
+    assert done.stderr == ""
+
+
+BAD = {
+    "unknown key": ("axial_load", "axial_laod", "column.axial_laod"),
+    "negative mass": ("mass = 1500.0", "mass = -1500.0", "striker.mass = -1500.0"),
+    "above squash": ("axial_load = 500000.0", "axial_load = 4e6", "squash load 3.13323e+06 N"),
+    "restitution": ("restitution = 0.0", "restitution = 1.5", "striker.restitution = 1.5"),
+    "millimetres": ("length_below = 0.8", "length_below = 800.0", "not millimetres"),
+    "unknown section": ('section = "HEB 220"', 'section = "HEB 225"', "column.section"),
+    "not TOML": ("[striker]", "[striker", "is not valid TOML"),
+    "not finite": ("velocity = 15.0", "velocity = nan", "striker.velocity = nan"),
+    "zero duration": ("duration = 0.1", "duration = 0.0", "time.duration = 0.0"),
+    "missing striker": (None, None, "the table [striker] is missing"),
+}
+
+
+@pytest.mark.parametrize("bad", BAD)
+def test_a_bad_scenario_is_one_line_and_status_2(
+    bad: str, scenario_file: Path, thesis_impact: ColumnImpact
+) -> None:
+    before, after, said = BAD[bad]
+    text = scenario_file.read_text()
+    if before is None or after is None:
+        import tomli_w
+
+        tables = to_tables(thesis_impact)
+        del tables["striker"]
+        text = tomli_w.dumps(tables)
+    else:
+        assert before in text
+        text = text.replace(before, after)
+    scenario_file.write_text(text)
+    done = process("simulate", str(scenario_file), "--model", "four-dof", "--json")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("workbench: ")
+    assert done.stderr.count("\n") == 1
+    assert said in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--set", "column.axial_load"], "--set = 'column.axial_load'"),
+        (["--set", "column.axial_load=heavy"], "column.axial_load = 'heavy'"),
+        (["--set", "kind.deep=1"], "kind is a value, not a table"),
+        (["--option", "beta"], "--option = 'beta': must look like beta=1.3"),
+        (["--option", "bta=1.3"], "option.bta"),
+        (["--option", "beta=0.5"], "beta = 0.5"),
+        (["--out", "nowhere/run.nc"], "there is no directory nowhere"),
+        (["--out", "."], "is a directory"),
+    ],
+)
+def test_bad_settings(
+    arguments: list[str], said: str, scenario_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["simulate", str(scenario_file), "--model", "four-dof", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert said in captured.err
+
+
+KEYS = {
+    *("model", "outcome", "message", "peak_displacement", "time_of_peak"),
+    *("residual_displacement", "peak_force", "impulse", "energies", "shear_utilisation"),
+    *("warnings", "wall_time", "provenance"),
+}
+
+
+def test_simulate_prints_one_object(
+    scenario_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--set", "striker.velocity=10", "--option", "beta=1.3", "--option", "alpha=1"]
+    status = run(["simulate", str(scenario_file), "--model", "four-dof", "--json", *arguments])
+    found = json.loads(capsys.readouterr().out)
+    assert status == 0
+    assert set(found) == KEYS
+    assert found["outcome"] == "ok"
+    assert found["peak_displacement"] == pytest.approx(0.0903, rel=1e-3)
+    assert found["energies"]["input_energy"] == 75e3
+    assert found["energies"]["relative_balance_error"] < 1e-6
+    assert found["shear_utilisation"]["below"] > 1.0
+    assert any("shear" in text for text in found["warnings"])
+    assert found["provenance"]["options"]["beta"] == 1.3
+    assert "velocity = 10" in found["provenance"]["scenario"]
+    assert found["wall_time"] > 0.0
+
+
+def test_simulate_prints_a_short_table_and_writes_the_response(
+    scenario_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from workbench.study.netcdf import read_netcdf
+
+    target = scenario_file.parent / "run.nc"
+    arguments = ["--model", "four-dof", "--out", str(target)]
+    assert run(["simulate", str(scenario_file), *arguments]) == 0
+    text = capsys.readouterr().out
+    assert "largest displacement of the hit point" in text
+    assert "warning (shear)" in text
+    response = read_netcdf(target)
+    assert f"{float(response['peak_displacement']):.4g} m" in text
+    assert response.attrs["model"] == "four-dof"
+    assert {path.name for path in target.parent.iterdir()} == {"scenario.toml", "run.nc"}
+
+
+def test_simulate_a_pushover(
+    thesis_impact: ColumnImpact, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    push = ColumnPushover("push", column=thesis_impact.column, displacement=0.05)
+    path = tmp_path / "push.toml"
+    path.write_text(to_toml(push))
+    assert run(["simulate", str(path), "--model", "four-dof", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found) == KEYS | {"displacement", "force"}
+    assert len(found["force"]) == len(found["displacement"]) > 10
+    assert found["displacement"][-1] == pytest.approx(0.05, rel=1e-9)
+    assert found["time_of_peak"] is None
+    assert found["impulse"] is None
+
+
+def test_an_answer_that_fails_is_status_1(
+    thesis_impact: ColumnImpact, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    push = ColumnPushover("push", column=thesis_impact.column, displacement=0.05)
+    path = tmp_path / "push.toml"
+    path.write_text(to_toml(push))
+    assert run(["simulate", str(path), "--model", "published", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["outcome"] == "out-of-domain"
+    assert found["message"]
+    assert found["peak_displacement"] is None
+    assert found["energies"]["kinetic"] is None
+    assert found["shear_utilisation"] is None
+    assert run(["simulate", str(path), "--model", "published"]) == 1
+    assert "out-of-domain" in capsys.readouterr().out
+
+
+def test_models(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["models", "--json"]) == 0
+    entries = {entry["name"]: entry for entry in json.loads(capsys.readouterr().out)["models"]}
+    assert entries["four-dof"]["answers"] == ["column-impact", "column-pushover"]
+    assert entries["four-dof"]["assumptions"]
+    assert entries["published"]["sources"] == ["heng2017"]
+    assert run(["models", "four-dof"]) == 0
+    text = capsys.readouterr().out
+    assert entries["four-dof"]["assumptions"][0][:60] in " ".join(text.split())
+    assert "default midpoint" in text
+    assert run(["models"]) == 0
+    assert "four-dof" in capsys.readouterr().out
+
+
+def test_data(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["data", "list", "--json"]) == 0
+    names = [entry["name"] for entry in json.loads(capsys.readouterr().out)["datasets"]]
+    assert "heng2017-figure-5-9" in names
+    assert run(["data", "show", "heng2017-figure-5-9", "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert {"source", "licence", "role", "uncertainty", "columns", "rows"} <= set(shown)
+    assert len(shown["rows"]) > 3
+    assert run(["data", "show", "heng2017-figure-5-9"]) == 0
+    assert shown["source"] in capsys.readouterr().out
+    assert run(["data", "list"]) == 0
+    assert run(["data", "check", "--json"]) == 0
+    listed, _, checked = capsys.readouterr().out.partition("{\n")
+    assert "heng2017-figure-5-9" in listed
+    assert json.loads("{" + checked)["problems"] == []
+
+
+def test_a_broken_catalogue_is_status_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("workbench.evidence.check", lambda: ["dataset x: file y is missing"])
+    assert run(["data", "check"]) == 1
+    assert "file y is missing" in capsys.readouterr().out

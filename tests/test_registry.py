@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from workbench import registry
+from workbench.errors import InputError
+
+
+@pytest.fixture
+def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four-dof beside third-party entries that are broken, each in its own way."""
+    points = [
+        ("four-dof", "workbench.models.four_dof:FourDof"),
+        ("missing-module", "no_such_module:Model"),
+        ("missing-class", "workbench.models.four_dof:Nothing"),
+        ("no-dataclass", "workbench.errors:InputError"),
+        ("no-model", "workbench.materials:Steel"),
+        ("other-name", "workbench.models.four_dof:FourDof"),
+        ("twice", "workbench.models.four_dof:FourDof"),
+        ("twice", "workbench.models.base:Model"),
+    ]
+    entries = [EntryPoint(name, value, registry.GROUP) for name, value in points]
+    monkeypatch.setattr(registry, "entry_points", lambda group: [*entries, entries[0]])
+
+
+def test_our_own_models_are_registered() -> None:
+    names = registry.model_names()
+    assert names == sorted(names)
+    assert {"four-dof", "single-dof", "energy-estimate", "fiber-corotational", "published"} <= set(
+        names
+    )
+
+
+@pytest.mark.usefixtures("plugins")
+def test_broken_plugins_are_reported_not_fatal() -> None:
+    problems = {offer.name: offer.problem for offer in registry.offers()}
+    assert problems.pop("four-dof") == ""
+    assert {name: text.partition(":")[0] for name, text in problems.items()} == {
+        "missing-module": "ModuleNotFoundError on import",
+        "missing-class": "AttributeError on import",
+        "no-dataclass": "workbench.errors",
+        "no-model": "workbench.materials",
+        "other-name": "workbench.models.four_dof",
+        "twice": "several distributions provide it",
+    }
+    assert "declares no name, version" in problems["no-model"]
+    assert "calls itself 'four-dof'" in problems["other-name"]
+    for name in problems:
+        with pytest.raises(InputError, match="cannot be used"):
+            registry.make_model(name)
+
+
+@pytest.mark.usefixtures("plugins")
+def test_listing_names_imports_nothing() -> None:
+    assert "missing-module" in registry.model_names()
+
+
+def test_an_unknown_name_lists_the_known_and_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"must be one of .*four-dof.*did you mean single-dof\?"):
+        registry.make_model("singel-dof")
+    with pytest.raises(InputError, match="see `workbench models`"):
+        registry.make_model("xyzzy")
+
+
+def test_options_are_checked_by_name_and_value() -> None:
+    model = registry.make_model("four-dof", {"alpha": 1, "beta": 1.3})
+    assert model == registry.model_kind("four-dof")(alpha=1.0, beta=1.3)
+    with pytest.raises(InputError, match="did you mean beta"):
+        registry.make_model("four-dof", {"betta": 1.3})
+    with pytest.raises(InputError, match="beta"):
+        registry.make_model("four-dof", {"beta": 0.9})
