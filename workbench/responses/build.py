@@ -113,12 +113,15 @@ def peak_of(time: NDArray[np.float64], displacement: NDArray[np.float64]) -> dic
         return {}
     if top == 0:
         return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
-    t, d = time[top - 1 : top + 2] - time[top], displacement[top - 1 : top + 2]
-    curvature, slope, _ = np.polyfit(t / t[-1], d - d[1], 2)
-    shift = 0.0 if curvature >= 0.0 else float(np.clip(-slope / (2.0 * curvature), -1.0, 1.0))
+    before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
+    fall_before = float(displacement[top - 1] - displacement[top]) / before
+    fall_after = float(displacement[top + 1] - displacement[top]) / after
+    curvature = (fall_after - fall_before) / (after - before)
+    slope = fall_after - curvature * after
+    shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
     return {
-        "peak_displacement": float(d[1] + slope * shift + curvature * shift**2),
-        "time_of_peak": float(time[top] + shift * t[-1]),
+        "peak_displacement": float(displacement[top]) + (slope + curvature * shift) * shift,
+        "time_of_peak": float(time[top]) + shift,
     }
 
 
@@ -151,8 +154,10 @@ def peak_contact_force(time: NDArray[np.float64], percussion: NDArray[np.float64
     """
     impulse = np.concatenate([[0.0], np.cumsum(percussion)])
     at = np.concatenate([[time[0] - 1e-12], time])
-    before = np.interp(time - FORCE_WINDOW, at, impulse)
-    return float(np.max(impulse[1:] - before) / FORCE_WINDOW)
+    # the impulse rises linearly within a step: the best window starts or ends on a step
+    ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
+    starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse
+    return float(max(ending.max(), starting.max()) / FORCE_WINDOW)
 
 
 def scalars_of(response: Response) -> dict[str, float]:

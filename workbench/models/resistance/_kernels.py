@@ -1,8 +1,10 @@
 """Resistance curves of the column as piecewise polynomials: construction and evaluation.
 
 A curve is `starts` (n,), rising displacements at which pieces begin, and `coefficients` (n, 4)
-of the force in x = v - start; the last piece has no end. Source of the mechanics: Heng 2017,
-section 5.2 (linear yield surface, small rotations, one axial force N for both bars).
+of the force in x = v - start; the last piece has no end. Evaluation goes by one `table`
+(n, COLUMNS): the coefficients, START, work and steepest slope up to START, and in BOUND the
+steepest slope of the whole curve. Source of the mechanics: Heng 2017, section 5.2 (linear yield
+surface, small rotations, one axial force N for both bars).
 Hinge groups g: rotation per displacement s_g, elastic moment per displacement K_g, flexibility
 phi_g; kappa = 1/L_a + 1/L_b; r = M_p / N_p; c_ax axial flexibility (infinite: free to shorten).
 """
@@ -14,6 +16,7 @@ from numba import njit
 
 NO_EVENT, GROUP_YIELDS, AXIAL_FORCE_VANISHES, TENSION_GROWS, CATENARY = 0, 1, 2, 3, 4
 MAX_PIECES = 40
+START, WORK, STEEPEST, BOUND, COLUMNS = 4, 5, 6, 7, 8
 _FAR = 1e3  # m, beyond any displacement that a model may reach
 
 
@@ -215,47 +218,47 @@ def linear_curve(s, K, phi, kappa, Mp, Np, N0, c_ax):
 
 
 @njit(cache=True, error_model="numpy")
-def piece_of(starts, v):
+def piece_of(table, v):
     """Index of the piece that holds v >= 0."""
-    i = starts.size - 1
-    while i > 0 and v < starts[i]:
+    i = table.shape[0] - 1
+    while i > 0 and v < table[i, START]:
         i -= 1
     return i
 
 
 @njit(cache=True, error_model="numpy")
-def force_in(c, i, x):
-    """Force c0 + c1 x + c2 x^2 + c3 x^3 of piece i of the coefficients c (n, 4)."""
-    return c[i, 0] + x * (c[i, 1] + x * (c[i, 2] + x * c[i, 3]))
+def force_in(table, i, x):
+    """Force c0 + c1 x + c2 x^2 + c3 x^3 of piece i at x from its start."""
+    return table[i, 0] + x * (table[i, 1] + x * (table[i, 2] + x * table[i, 3]))
 
 
 @njit(cache=True, error_model="numpy")
-def tangent_in(c, i, x):
-    """Slope of piece i."""
-    return c[i, 1] + x * (2.0 * c[i, 2] + 3.0 * x * c[i, 3])
+def tangent_in(table, i, x):
+    """Slope of piece i at x from its start."""
+    return table[i, 1] + x * (2.0 * table[i, 2] + 3.0 * x * table[i, 3])
 
 
 @njit(cache=True, error_model="numpy")
-def steepest_in(c, i, x):
-    """Largest slope of piece i over [0, x]."""
-    largest = max(c[i, 1], tangent_in(c, i, x))
-    if c[i, 3] < 0.0:
-        top = -c[i, 2] / (3.0 * c[i, 3])
+def steepest_in(table, i, x):
+    """Largest slope of piece i from its start to x."""
+    largest = max(table[i, 1], tangent_in(table, i, x))
+    if table[i, 3] < 0.0:
+        top = -table[i, 2] / (3.0 * table[i, 3])
         if 0.0 < top < x:
-            largest = max(largest, tangent_in(c, i, top))
+            largest = max(largest, tangent_in(table, i, top))
     return largest
 
 
 @njit(cache=True, error_model="numpy")
-def work_between(starts, coefficients, a, b):
+def work_between(table, a, b):
     """Work of the force from a to b, 0 <= a <= b; Simpson's rule is exact for cubic pieces."""
-    total, i = 0.0, piece_of(starts, a)
+    total, i = 0.0, piece_of(table, a)
     while True:
-        start = starts[i]
-        last = i + 1 == starts.size or b <= starts[i + 1]
-        end = b if last else starts[i + 1]
-        middle = force_in(coefficients, i, 0.5 * (a + end) - start)
-        ends = force_in(coefficients, i, a - start) + force_in(coefficients, i, end - start)
+        start = table[i, START]
+        last = i + 1 == table.shape[0] or b <= table[i + 1, START]
+        end = b if last else table[i + 1, START]
+        middle = force_in(table, i, 0.5 * (a + end) - start)
+        ends = force_in(table, i, a - start) + force_in(table, i, end - start)
         total += (end - a) * (ends + 4.0 * middle) / 6.0
         if last:
             return total
@@ -264,41 +267,43 @@ def work_between(starts, coefficients, a, b):
 
 
 @njit(cache=True, error_model="numpy")
-def tables(starts, coefficients):
-    """Work done (n,) and steepest slope met (n + 1,) up to the start of each piece.
-
-    The last entry of the slopes bounds the slope of the whole curve, its endless piece included.
-    """
+def tabulate(starts, coefficients):
+    """Table (n, COLUMNS) of a curve from its starts (n,) and coefficients (n, 4)."""
     n = starts.size
-    works, steepest = np.zeros(n), np.full(n + 1, coefficients[0, 1])
+    table = np.zeros((n, COLUMNS))
+    table[:, :4] = coefficients
+    table[:, START] = starts
+    table[0, STEEPEST] = table[0, 1]
     for i in range(1, n):
-        works[i] = works[i - 1] + work_between(starts, coefficients, starts[i - 1], starts[i])
-        slope = steepest_in(coefficients, i - 1, starts[i] - starts[i - 1])
-        steepest[i] = max(steepest[i - 1], slope)
-    steepest[n] = max(steepest[n - 1], coefficients[n - 1, 1])
-    if coefficients[n - 1, 2] > 0.0 or coefficients[n - 1, 3] > 0.0:
-        steepest[n] = np.inf
-    return works, steepest
+        table[i, WORK] = table[i - 1, WORK] + work_between(table[:i], starts[i - 1], starts[i])
+        slope = steepest_in(table, i - 1, starts[i] - starts[i - 1])
+        table[i, STEEPEST] = max(table[i - 1, STEEPEST], slope)
+    bound = max(table[n - 1, STEEPEST], table[n - 1, 1])
+    if table[n - 1, 2] > 0.0 or table[n - 1, 3] > 0.0:
+        bound = np.inf
+    table[:, BOUND] = bound
+    return table
 
 
 @njit(cache=True, error_model="numpy")
-def unloading_stiffness(starts, coefficients, steepest, v):
+def unloading_stiffness(table, v):
     """Steepest slope of the curve over [0, v]: the initial slope, unless the curve stiffens."""
-    if steepest[-1] <= steepest[0]:
-        return steepest[0]
-    i = piece_of(starts, v)
-    return max(steepest[i], steepest_in(coefficients, i, v - starts[i]))
+    if table[0, BOUND] <= table[0, STEEPEST]:
+        return table[0, STEEPEST]
+    i = piece_of(table, v)
+    return max(table[i, STEEPEST], steepest_in(table, i, v - table[i, START]))
 
 
 @njit(cache=True, error_model="numpy")
-def lost_at(starts, coefficients):
+def lost_at(table):
     """First displacement > 0 at which the force falls to zero (inf: it never does)."""
-    for i in range(starts.size):
-        c = coefficients[i]
-        end = (starts[i + 1] if i + 1 < starts.size else max(_FAR, 2.0 * starts[i])) - starts[i]
+    n = table.shape[0]
+    for i in range(n):
+        start = table[i, START]
+        end = (table[i + 1, START] if i + 1 < n else max(_FAR, 2.0 * start)) - start
         # the cubic is monotonic between the roots of its slope
         cuts = np.array([0.0, end, end, end])
-        A, B, D = 3.0 * c[3], 2.0 * c[2], c[1]
+        A, B, D = 3.0 * table[i, 3], 2.0 * table[i, 2], table[i, 1]
         square = B * B - 4.0 * A * D
         if square > 0.0 and (A != 0.0 or B != 0.0):
             q = -0.5 * (B + (np.sqrt(square) if B >= 0.0 else -np.sqrt(square)))
@@ -307,45 +312,46 @@ def lost_at(starts, coefficients):
             cuts[1], cuts[2] = min(max(min(one, two), 0.0), end), min(max(max(one, two), 0.0), end)
         for j in range(3):
             low, high = cuts[j], cuts[j + 1]
-            if high <= low or force_in(coefficients, i, high) > 0.0:
+            if high <= low or force_in(table, i, high) > 0.0:
                 continue
-            if force_in(coefficients, i, low) <= 0.0 and starts[i] + low > 0.0:
-                return starts[i] + low
+            if force_in(table, i, low) <= 0.0 and start + low > 0.0:
+                return start + low
             for _ in range(200):
                 middle = 0.5 * (low + high)
                 if middle <= low or middle >= high:
                     break
-                if force_in(coefficients, i, middle) > 0.0:
+                if force_in(table, i, middle) > 0.0:
                     low = middle
                 else:
                     high = middle
-            return starts[i] + high
+            return start + high
     return np.inf
 
 
 @njit(cache=True, error_model="numpy")
-def displacement_at(starts, coefficients, works, energy):
-    """Displacement at which the work reaches `energy` > 0, the force being positive up to it."""
-    i = starts.size - 1
-    while i > 0 and works[i] > energy:
-        i -= 1
-    low = starts[i]
-    if i + 1 < starts.size:
-        high = starts[i + 1]
-    else:
+def displacement_at(table, energy, limit):
+    """Displacement at which the work reaches `energy` > 0; the force is positive below `limit`."""
+    n, i = table.shape[0], 0
+    while i + 1 < n and table[i + 1, START] < limit and table[i + 1, WORK] < energy:
+        i += 1
+    start, done = table[i, START], table[i, WORK]
+    low, high = start, limit
+    if i + 1 < n:
+        high = min(table[i + 1, START], limit)
+    elif limit == np.inf:
         high = max(2.0 * low, 1e-6)
-        while works[i] + work_between(starts, coefficients, starts[i], high) < energy:
+        while done + work_between(table, start, high) < energy:
             low, high = high, 2.0 * high
             if high > 1e9:
                 return np.inf
     v = 0.5 * (low + high)
     for _ in range(200):
-        excess = works[i] + work_between(starts, coefficients, starts[i], v) - energy
+        excess = done + work_between(table, start, v) - energy
         if excess > 0.0:
             high = v
         else:
             low = v
-        force = force_in(coefficients, i, v - starts[i])
+        force = force_in(table, i, v - start)
         new = v - excess / force if force > 0.0 else 0.5 * (low + high)
         if not low < new < high:
             new = 0.5 * (low + high)

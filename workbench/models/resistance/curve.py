@@ -62,15 +62,15 @@ class ResistanceCurve:
         return tuple(Event(name, v, float(self.force(v))) for name, v in places if name)
 
     @cached_property
-    def tables(self) -> tuple[Array, Array]:
-        """Work (J) and steepest slope (N/m) from the origin to the start of each piece."""
-        works, steepest = _kernels.tables(self.starts, self.coefficients)
-        return works, steepest
+    def table(self) -> Array:
+        """The curve as the kernels take it (n, columns)."""
+        table: Array = _kernels.tabulate(self.starts, self.coefficients)
+        return table
 
     @cached_property
     def lost_at(self) -> float:
         """Displacement at which the resistance falls to zero, in m (inf: it never does)."""
-        return float(_kernels.lost_at(self.starts, self.coefficients))
+        return float(_kernels.lost_at(self.table))
 
     def _local(self, displacement: ArrayLike) -> tuple[NDArray[np.intp], Array, Array]:
         v = np.asarray(displacement, dtype=float)
@@ -94,7 +94,7 @@ class ResistanceCurve:
         piece, x, _ = self._local(displacement)
         c = np.moveaxis(self.coefficients[piece], -1, 0)
         within = x * (c[0] + x * (c[1] / 2.0 + x * (c[2] / 3.0 + x * c[3] / 4.0)))
-        return np.asarray(self.tables[0][piece] + within)
+        return np.asarray(self.table[piece, _kernels.WORK] + within)
 
     def unloading_stiffness(self, displacement: float) -> float:
         """Slope (N/m) of the unloading from a displacement (m) that has yielded.
@@ -103,11 +103,7 @@ class ResistanceCurve:
         slender column in tension), its steepest slope, or unloading would return more energy
         than was put in.
         """
-        return float(
-            _kernels.unloading_stiffness(
-                self.starts, self.coefficients, self.tables[1], abs(displacement)
-            )
-        )
+        return float(_kernels.unloading_stiffness(self.table, abs(displacement)))
 
     def residual(self, displacement: float) -> float:
         """Permanent displacement (m) after unloading from `displacement` (m)."""
@@ -130,8 +126,7 @@ class ResistanceCurve:
                 f"the resistance of the column is lost at {lost:.4g} m, after "
                 f"{float(self.work(lost)) / 1e3:.4g} kJ of the {energy / 1e3:.4g} kJ to absorb"
             )
-        found = _kernels.displacement_at(self.starts, self.coefficients, self.tables[0], energy)
-        return float(found)
+        return float(_kernels.displacement_at(self.table, energy, lost))
 
     def axial_force(self, displacement: ArrayLike) -> Array:
         """Axial force (N, tension positive) at displacements (m) on the curve.

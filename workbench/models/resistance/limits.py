@@ -29,7 +29,9 @@ def curve_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
     findings = member_findings(scenario)
     column = scenario.column
     if column.head_mass > 0.0 and isinstance(scenario, ColumnImpact):
-        text = f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
+        text = (
+            f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
+        )
         findings.append(Finding("head-mass", text))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
         text = (

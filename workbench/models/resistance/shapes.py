@@ -86,7 +86,7 @@ def linear(mechanism: Mechanism) -> ResistanceCurve:
     A choice: the source shows a curve but prints neither formula nor number.
     """
     count, starts, coefficients, axial = _kernels.linear_curve(*mechanism.arguments)
-    names = (_MECHANISM, "last hinge yields", _NO_AXIAL_FORCE, _CATENARY)
+    names: tuple[str, ...] = (_MECHANISM, "last hinge yields", _NO_AXIAL_FORCE, _CATENARY)
     if count == 4:
         names = (_MECHANISM, "last hinge yields", _CATENARY)
     return _without_gaps(
@@ -109,7 +109,9 @@ def _without_gaps(
 ) -> ResistanceCurve:
     """The curve without the empty pieces (a single hinge group has no plateau)."""
     keep = np.append(np.diff(starts) > 0.0, True)
-    kept = tuple(name for name, stays in zip(names, keep[1:], strict=True) if stays)
+    # a piece that is left takes the name of the first one that begins where it does
+    first = np.searchsorted(starts, starts[keep][1:])
+    kept = tuple(names[i - 1] for i in first.tolist())
     return ResistanceCurve(
         shape,
         mechanism,

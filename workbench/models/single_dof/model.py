@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, check_fields, checked
+from workbench.impact import collide
 from workbench.models.base import respond
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, mechanism_of, resistance_curve
 from workbench.models.resistance.limits import (
@@ -32,9 +33,10 @@ from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": _kernels.MIDPOINT, "moreau": _kernels.MOREAU}
 _SEGMENTS = ("below", "above")
-_STEPS_PER_PERIOD = 200  # of the impact mass alone on the steepest stiffness
-_STEPS_WITH_RESTITUTION = 1000  # the instants of repeated impacts converge at first order
+_STEPS_PER_PERIOD = 50  # of the impact mass alone on the steepest stiffness
+_FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
 _LONGEST_STEP = 1e-4  # s
+_FEWEST_STEPS = 200
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 
@@ -57,17 +59,17 @@ class Peaks(NamedTuple):
 class _Run(NamedTuple):
     time: Array
     records: Array
-    state: Array
+    state: tuple[float, ...]
     curve: ResistanceCurve
 
 
 @dataclass(frozen=True)
 class SingleDof:
-    """Single-degree-of-freedom column. Options:
+    """Single-degree-of-freedom column.
 
-    `resistance`: envelope of the spring, analytic, cubic or linear (in the axial force);
+    Options: `resistance`: envelope of the spring, analytic, cubic or linear (in the axial force);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
-    200th of the shortest period, a 1000th with restitution, at most 0.1 ms);
+    50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most 0.1 ms);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6).
     """
 
@@ -147,12 +149,13 @@ class SingleDof:
             if refusals:
                 continue
             try:
-                values = _scalars(self._march(scenario))
+                values = _scalars(scenario, self._march(scenario))
             except (OutOfDomainError, SolverError) as error:
                 failures[-1] = str(error)
                 continue
             row[:] = [values.get(name, np.nan) for name in Peaks._fields[:5]]
-        return Peaks(*numbers.T, tuple(failures))
+        peak, time, residual, force, impulse = numbers.T
+        return Peaks(peak, time, residual, force, impulse, tuple(failures))
 
     def _solve(self, scenario: Scenario) -> Response:
         if isinstance(scenario, ColumnPushover):
@@ -165,12 +168,12 @@ class SingleDof:
         curve = self.curve(column)
         steps = self._steps(scenario, curve)
         step = scenario.duration / steps
-        records = np.empty((steps + 1, _kernels.COLUMNS))
+        records = np.empty((_kernels.ROWS, steps + 1))
         limit = min(reach(column), curve.lost_at)
         status, last, residual, state = _kernels.impact(
             _SCHEMES[self.integrator], steps, step, striker.velocity,
             (column.properties.impact_mass, striker.mass), striker.restitution,
-            curve.elastic_limit, limit, curve.starts, curve.coefficients, curve.tables[1], records,
+            curve.elastic_limit, limit, curve.table, records,
         )  # fmt: skip
         where = f"{last * step:.4g} s"
         if status == _kernels.NO_CONVERGENCE:
@@ -183,23 +186,24 @@ class SingleDof:
                 else "the displacement passes nine tenths of the shorter segment"
             )
             raise OutOfDomainError(
-                f"collapse at {where} and {records[last, 0]:.4g} m: {reason}; the model means "
+                f"collapse at {where} and {records[0, last]:.4g} m: {reason}; the model means "
                 "nothing beyond"
             )
-        return _Run(np.arange(steps + 1) * step, records, state, curve)
+        return _Run(np.linspace(0.0, scenario.duration, steps + 1), records, state, curve)
 
     def _steps(self, scenario: ColumnImpact, curve: ResistanceCurve) -> int:
         if self.time_step is not None:
             return max(1, int(np.ceil(scenario.duration / self.time_step)))
         period = 2.0 * np.pi / _frequency(curve, scenario.column)
-        share = _STEPS_WITH_RESTITUTION if scenario.striker.restitution else _STEPS_PER_PERIOD
-        step = min(period / share, _LONGEST_STEP, scenario.duration / _STEPS_PER_PERIOD)
+        event_bound = scenario.striker.restitution > 0.0 or self.integrator == "moreau"
+        share = _FINE_STEPS if event_bound else _STEPS_PER_PERIOD
+        step = min(period / share, _LONGEST_STEP, scenario.duration / _FEWEST_STEPS)
         return min(int(np.ceil(scenario.duration / step)), _MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         run = self._march(scenario)
-        time, records, state, curve = run
-        column, scalars = scenario.column, _scalars(run)
+        time, records, curve = run.time, run.records, run.curve
+        column, scalars = scenario.column, _scalars(scenario, run)
         warnings = []
         if "peak_displacement" not in scalars:
             text = (
@@ -207,21 +211,21 @@ class SingleDof:
                 "extend time.duration to find the peak"
             )
             warnings.append(Finding("no-peak", text))
-        top = float(records[:, 0].max())
+        top = float(records[0].max())
         companion = analytic_companion(curve)
         warnings.extend(reached_findings(curve, companion, top))
-        kinetic, elastic, dissipated, lost = records[:, 5:9].T
+        kinetic, elastic, dissipated, lost = records[5:9]
         values: dict[str, Any] = {
-            "displacement": records[:, 0],
-            "velocity": records[:, 1],
-            "striker_velocity": records[:, 2],
-            "percussion": records[:, 3],
-            "force": records[:, 4],
+            "displacement": records[0],
+            "velocity": records[1],
+            "striker_velocity": records[2],
+            "percussion": records[3],
+            "force": records[4],
             "kinetic": kinetic,
             "elastic": elastic,
             "dissipated": dissipated,
             "contact_loss": lost,
-            "balance_error": kinetic + elastic + dissipated + lost - scenario.input_energy,
+            "balance_error": scenario.input_energy - kinetic - elastic - dissipated - lost,
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear_utilisation(companion, column, top),
             **scalars,
@@ -270,31 +274,35 @@ def _frequency(curve: ResistanceCurve, column: Column) -> float:
     return float(np.sqrt(steepest / column.properties.impact_mass))
 
 
-def _scalars(run: _Run) -> dict[str, float]:
+def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
-    percussion, state = run.records[1:, 3], run.state
-    values = peak_of(run.time, run.records[:, 0])
+    percussion, state = run.records[3].copy(), run.state
+    values = peak_of(run.time, run.records[0])
     if values:
-        yielded = state[_kernels.YIELDED] > 0.0
-        offset = state[_kernels.F] / state[_kernels.STIFFNESS]
-        values["residual_displacement"] = (
-            float(state[_kernels.V] - offset) if yielded else 0.0
-        )
-    values["peak_force"] = peak_contact_force(run.time[1:], percussion)
+        values["residual_displacement"] = run.curve.residual(values["peak_displacement"])
+        if state[_kernels.YIELDED]:  # what reverse yielding has changed since
+            stiffness = state[_kernels.STIFFNESS]
+            top = state[_kernels.V_TOP] - state[_kernels.F_TOP] / stiffness
+            now = state[_kernels.V] - state[_kernels.F] / stiffness
+            values["residual_displacement"] += now - top
+    # the first collision is recorded with the first step but happens at time 0
+    striker = scenario.striker
+    mass = scenario.column.properties.impact_mass
+    first = collide(mass, striker.mass, striker.velocity, striker.restitution).percussion
+    percussion[:2] = first, percussion[1] - first
+    values["peak_force"] = peak_contact_force(run.time, percussion)
     values["impulse"] = float(percussion.sum())
     return values
 
 
 def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[str, Any]:
     """Energies along a push: work by quadrature of the force, the rest from the spring's law."""
-    records = np.zeros((len(path), 3))
-    _kernels.follow(
-        path, curve.elastic_limit, curve.starts, curve.coefficients, curve.tables[1], records
-    )
+    records = np.zeros((3, len(path)))
+    _kernels.follow(path, curve.elastic_limit, curve.table, records)
     middle = curve.force(0.5 * (path[1:] + path[:-1]))
     pieces = np.diff(path) * (force[1:] + 4.0 * middle + force[:-1]) / 6.0
     work = np.concatenate([[0.0], np.cumsum(pieces)])
-    elastic, dissipated = records[:, 1], records[:, 2]
+    elastic, dissipated = records[1], records[2]
     return {
         "elastic": elastic,
         "dissipated": dissipated,

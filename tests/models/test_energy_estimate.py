@@ -1,0 +1,107 @@
+"""Energy-equivalent displacements: published column, closed forms, findings, conformance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
+from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
+from workbench.responses import Outcome, outcome_of, warnings_of
+from workbench.scenarios import ColumnImpact
+from workbench.testing import check_model
+
+
+def bouncing(impact: ColumnImpact, restitution: float, **changes: float) -> ColumnImpact:
+    return replace(impact, striker=replace(impact.striker, restitution=restitution, **changes))
+
+
+TABLE = {  # at 10, 15, 20 m/s: (peaks, residuals, peaks for restitution 1)
+    "analytic": ([0.09521, 0.19625, 0.33320], [0.09214, 0.19288, 0.32967],
+                 [0.10071, 0.20758, 0.35227]),
+    "cubic": ([0.09231, 0.19194, 0.30928], [0.08920, 0.18834, 0.30487],
+              [0.09773, 0.20244, 0.32441]),
+    "linear": ([0.09444, 0.19543, 0.32290], [0.09136, 0.19203, 0.31881],
+               [0.09992, 0.20664, 0.33921]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", TABLE)
+def test_thesis_column(thesis_impact, shape) -> None:
+    model = EnergyEstimate(resistance=shape)
+    for velocity, *expected in zip((10.0, 15.0, 20.0), *TABLE[shape], strict=True):
+        impact = thesis_impact.at_velocity(velocity)
+        response = model.simulate(impact)
+        bounced = model.simulate(bouncing(impact, 1.0))
+        found = [
+            float(response["peak_displacement"]),
+            float(response["residual_displacement"]),
+            float(bounced["peak_displacement"]),
+        ]
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+def test_default_against_the_printed_values(thesis_impact) -> None:
+    # figure 5.9(b): 0.0926, 0.1915, 0.3103 m; the reconstructed cubic lies within 0.4 %
+    for velocity, printed in ((10.0, 0.0926), (15.0, 0.1915), (20.0, 0.3103)):
+        response = EnergyEstimate().simulate(thesis_impact.at_velocity(velocity))
+        assert float(response["peak_displacement"]) == pytest.approx(printed, rel=4e-3)
+
+
+def test_energy_after_the_collision(thesis_impact) -> None:
+    # joined masses 1500 and 95.25 kg keep 94.03 % of 0.5 * 1500 * 15^2 J
+    assert energy_to_absorb(thesis_impact) == pytest.approx(168750.0 * 0.940291, rel=1e-5)
+    assert energy_to_absorb(bouncing(thesis_impact, 1.0)) == 168750.0
+    assert energy_to_absorb(bouncing(thesis_impact, 0.6)) == energy_to_absorb(thesis_impact)
+
+
+def test_work_up_to_the_peak_is_the_energy(thesis_impact) -> None:
+    for shape in RESISTANCES:
+        for velocity in (0.5, 3.0, 12.0, 25.0):
+            impact = thesis_impact.at_velocity(velocity)
+            response = EnergyEstimate(resistance=shape).simulate(impact)
+            curve = resistance_curve(mechanism_of(impact.column), shape)
+            work = float(curve.work(response["peak_displacement"].item()))
+            assert work == pytest.approx(energy_to_absorb(impact), rel=1e-12)
+
+
+def test_elastic_impact_leaves_nothing(thesis_impact) -> None:
+    impact = thesis_impact.at_velocity(0.5)
+    response = EnergyEstimate().simulate(impact)
+    stiffness = resistance_curve(mechanism_of(impact.column), "cubic").initial_stiffness
+    expected = np.sqrt(2.0 * energy_to_absorb(impact) / stiffness)
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1e-12)
+    assert float(response["residual_displacement"]) == 0.0
+    assert float(response["shear_utilisation"][0]) < 1.0
+
+
+def test_restitution_findings(thesis_impact) -> None:
+    def subjects(impact: ColumnImpact) -> set[str]:
+        return {finding.subject for finding in warnings_of(EnergyEstimate().simulate(impact))}
+
+    assert subjects(thesis_impact) == {"shear"}
+    assert subjects(bouncing(thesis_impact, 1.0)) == {"shear"}
+    assert subjects(bouncing(thesis_impact, 0.5)) == {"shear", "restitution"}
+    light = bouncing(thesis_impact, 1.0, mass=300.0)
+    assert subjects(light) == {"shear", "mass-ratio"}
+
+
+def test_energy_that_the_column_cannot_absorb_is_out_of_domain(thesis_impact) -> None:
+    response = EnergyEstimate().simulate(thesis_impact.at_velocity(60.0))
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "nine tenths" in response.attrs["message"]
+    tipping = replace(
+        thesis_impact.at_velocity(40.0),
+        column=replace(thesis_impact.column, restraint_stiffness=0.0),
+    )
+    response = EnergyEstimate(resistance="analytic").simulate(tipping)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "is lost at" in response.attrs["message"]
+
+
+@pytest.mark.parametrize("shape", RESISTANCES)
+def test_conformance(thesis_impact, clamped_impact, shape) -> None:
+    scenarios = [thesis_impact, clamped_impact, bouncing(thesis_impact, 0.5)]
+    check_model(EnergyEstimate(resistance=shape), scenarios)
