@@ -153,7 +153,8 @@ def peak_contact_force(time: NDArray[np.float64], percussion: NDArray[np.float64
     Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
     """
     impulse = np.concatenate([[0.0], np.cumsum(percussion)])
-    at = np.concatenate([[time[0] - 1e-12], time])
+    first = 2.0 * time[0] - time[1] if len(time) > 1 else time[0] - FORCE_WINDOW
+    at = np.concatenate([[first], time])
     # the impulse rises linearly within a step: the best window starts or ends on a step
     ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
     starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse

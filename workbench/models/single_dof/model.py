@@ -307,6 +307,6 @@ def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[
         "elastic": elastic,
         "dissipated": dissipated,
         "external_work": work,
-        "balance_error": elastic + dissipated - work,
+        "balance_error": work - elastic - dissipated,
         "input_energy": work[-1],
     }
