@@ -72,6 +72,13 @@ _WORKS = (
         "European Committee for Standardization, Brussels",
     ),
     Reference(
+        "en1991-1-7",
+        "CEN",
+        "2006",
+        "EN 1991-1-7: Eurocode 1, Actions on structures, general actions, accidental actions",
+        "European Committee for Standardization, Brussels",
+    ),
+    Reference(
         "en10365",
         "CEN",
         "2017",
@@ -112,7 +119,7 @@ _WORKS = (
         "American Society of Mechanical Engineers, New York",
     ),
     Reference(
-        "sprague-geers2004",
+        "sprague-geers",
         "Sprague, M. A.; Geers, T. L.",
         "2004",
         "A spectral-element method for modelling cavitation in transient fluid-structure "

@@ -19,14 +19,15 @@ from workbench.study.store import Store
 
 NOT_RUN = "not run"
 _TABLES = ("cells", "comparisons", "ladder", "gates")
-_TEXTS = {
-    name: str
-    for name in (
+_OPTIONAL = ("bias",)
+_TEXTS = dict.fromkeys(
+    (
         *("case", "label", "model", "outcome", "message", "warnings", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted"),
-    )
-}
+    ),
+    str,
+)
 
 
 @dataclass(frozen=True)
@@ -65,18 +66,20 @@ class Stored:
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Tables ``cells``, ``comparisons``, ``ladder`` and ``gates``.
+        """Tables ``cells``, ``comparisons``, ``ladder`` and ``gates``, and ``bias`` if it exists.
 
         Raises `InputError` if the study has not been run and assessed.
         """
         found = {}
-        for name in _TABLES:
+        for name in (*_TABLES, *_OPTIONAL):
             path = self.directory / "tables" / f"{name}.csv"
             if not path.is_file():
+                if name in _OPTIONAL:
+                    continue
                 raise InputError(
                     "study", self.study.name, f"has no table {name} in its store", "run it first"
                 )
-            table = pd.read_csv(path, dtype=_TEXTS, float_precision="round_trip")  # type: ignore[arg-type]
+            table = pd.read_csv(path, dtype=_TEXTS)
             texts = [column for column in table.columns if column in _TEXTS]
             found[name] = table.fillna(dict.fromkeys(texts, ""))
         return found

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
-from workbench.report.figures.panels import chosen_cases, is_left, panel_grid
+from workbench.report.figures.panels import chosen_cases, name_axes, panel_grid
 from workbench.report.figures.style import INK, MUTED, legend_below
 from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.study.definition import Case
@@ -27,7 +27,7 @@ def draw(request: Request) -> Drawing:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
     quantity = str(request.option("quantity", request.study.quantities[0]))
     cases, statements = chosen_cases(request)
-    laddered = [case for case in cases if request.stored.ladder(case.name, quantity) is not None]
+    laddered = [case for case in cases if _levels(request, case, quantity)]
     if not laddered:
         return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *statements)
     canvas, axes = panel_grid(len(laddered), share_y=False)
@@ -36,9 +36,8 @@ def draw(request: Request) -> Drawing:
         note = _panel(request, case, panel, quantity, blocks)
         statements.append(f"{case.name}: {note}.")
         panel.set_title(case.name, loc="left")
-        panel.set_xlabel("element size over that of the reference")
-        if is_left(i, len(laddered)):
-            panel.set_ylabel(axis_label(quantity))
+        size = "element size (finest = 1)"
+        name_axes(panel, i, len(laddered), size, axis_label(quantity))
     if not blocks:
         return nothing(*statements)
     handles = [
@@ -58,12 +57,18 @@ def draw(request: Request) -> Drawing:
     return Drawing(canvas, joined(blocks), tuple(statements), alt)
 
 
+def _levels(request: Request, case: Case, quantity: str) -> list[str]:
+    """Levels of the ladder that know the quantity in a case."""
+    row = request.stored.ladder(case.name, quantity) or {}
+    return [label for label in request.study.ladder if row.get(label) is not None]
+
+
 def _panel(request: Request, case: Case, panel: Axes, quantity: str, blocks: list[Any]) -> str:
     row = request.stored.ladder(case.name, quantity)
     assert row is not None
     unit, steps = unit_of(quantity).factor, request.study.ladder
     sizes = {label: 2.0 ** (len(steps) - 1 - i) for i, label in enumerate(steps)}
-    known = {label: row[label] for label in steps if row.get(label) is not None}
+    known = {label: row[label] for label in _levels(request, case, quantity)}
     values = {label: value * unit for label, value in known.items()}
     panel.plot(
         [sizes[label] for label in known], list(values.values()), color=INK, marker="o", zorder=3

@@ -5,10 +5,12 @@ Options: `quantity` (a scalar, default the first of the study), `against` (a lab
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter
+from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.panels import handle
@@ -46,6 +48,9 @@ def draw(request: Request) -> Drawing:
             points.append((seconds, abs(error)))
             entry = {"case": case.name, "label": label, "wall_time_s": seconds, "error": error}
             blocks.append(rows(entry, 1))
+        if not points and is_reference:
+            statements.append(f"{label} is not refined: its own uncertainty is unknown.")
+            continue
         if not points:
             if any(request.stored.expects(case.name, label) for case in request.cases):
                 statements.append(f"{label} has no {title_of(quantity)} to compare.")
@@ -64,17 +69,31 @@ def draw(request: Request) -> Drawing:
         statements.append("Small markers are single cases, large ones the medians of a model.")
     panel.set_xscale("log")
     panel.set_yscale("log")
-    panel.set_ylim(bottom=0.8 * _FLOOR)
-    panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _: duration(float(value), 1)))
-    panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
+    low, high = panel.get_ylim()
+    panel.set_ylim(max(0.8 * _FLOOR, 0.4 * low), 2.0 * high)
     panel.margins(x=0.12)
     panel.set_xlabel("wall time of one case")
     panel.set_ylabel(f"deviation of the {title_of(quantity)}\nfrom {against}")
+    _logarithmic(panel.xaxis, lambda value: duration(value, 1))
+    _logarithmic(panel.yaxis, lambda value: f"{100 * value:g} %")
     legend_below(canvas, handles)
     if any(abs(float(block["error"].iloc[0])) < _FLOOR for block in blocks):
         statements.append(f"Deviations below {100 * _FLOOR:g} % are drawn at {100 * _FLOOR:g} %.")
     alt = f"wall time against deviation of the {title_of(quantity)} from {against}"
     return Drawing(canvas, joined(blocks), tuple(statements), alt)
+
+
+def _logarithmic(axis: Axis, words: Callable[[float], str]) -> None:
+    """A decade at least; ticks at 1, 2, 5 over short ranges, at full decades over long ones."""
+    low, high = sorted(axis.get_view_interval())
+    if high < 10.0 * low:
+        middle = (low * high) ** 0.5
+        low, high = middle / 10.0**0.5, middle * 10.0**0.5
+        axis.set_view_interval(low, high, ignore=True)
+    short = high / low < 150.0
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: words(float(value))))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _own_error(request: Request, case: str, quantity: str) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -60,6 +61,33 @@ class Drawing:
     width: float = 1.0
 
 
+class Absences:
+    """What a figure cannot show: no answer, or an answer without what the figure needs."""
+
+    def __init__(self) -> None:
+        self._unanswered: dict[str, list[str]] = {}
+        self._silent: dict[str, list[str]] = {}
+
+    def no_answer(self, label: str, case: str) -> None:
+        """A label gave no answer to a case."""
+        self._unanswered.setdefault(label, []).append(case)
+
+    def without(self, what: str, label: str) -> None:
+        """A label answers, but does not know something."""
+        known = self._silent.setdefault(what, [])
+        if label not in known:
+            known.append(label)
+
+    def sentences(self) -> list[str]:
+        """One sentence per kind of absence."""
+        found = [
+            f"No answer from {label}: {', '.join(cases)}."
+            for label, cases in self._unanswered.items()
+        ]
+        found += [f"Without {what}: {', '.join(labels)}." for what, labels in self._silent.items()]
+        return found
+
+
 def nothing(*statements: str) -> Drawing:
     """A drawing that only says why nothing could be drawn."""
     return Drawing(None, pd.DataFrame(), statements or ("There is nothing to draw.",))
@@ -75,6 +103,7 @@ def to_svg(canvas: Canvas, key: str) -> str:
         canvas.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
+    text = re.sub(r"\s*<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", key)
     text = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', text)
@@ -99,7 +128,7 @@ def thinned(x: Array, y: Array, most: int = 700) -> tuple[Array, Array]:
         return x, y
     edges = np.linspace(0, len(x), most // 2 + 1).astype(int)
     keep = {0, len(x) - 1}
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         keep.add(low + int(np.argmin(y[low:high])))
         keep.add(low + int(np.argmax(y[low:high])))
     index = np.array(sorted(keep))

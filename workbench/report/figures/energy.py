@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from workbench.report.figures.drawing import (
+    Absences,
     Array,
     Drawing,
     Request,
@@ -19,7 +20,7 @@ from workbench.report.figures.drawing import (
     nothing,
     rows,
 )
-from workbench.report.figures.panels import is_left, panel_grid
+from workbench.report.figures.panels import name_axes, panel_grid
 from workbench.report.figures.style import INK, legend_below
 from workbench.report.formatting import axis_label, number, unit_of
 from workbench.responses import Response
@@ -64,13 +65,15 @@ def draw(request: Request) -> Drawing:
                 textcoords="offset points",
                 fontsize=6.5,
             )
-        panel.set_xlabel(axis_label(history))
-        if is_left(i, len(ledgers)):
-            panel.set_ylabel("energy (kJ)")
+        name_axes(panel, i, len(ledgers), axis_label(history), "energy (kJ)")
         panel.margins(x=0.0)
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
-        blocks.append(rows({"case": case.name, "label": label, history: at, **parts,
-                            "brought_in": brought}, len(at)))
+        blocks.append(
+            rows(
+                {"case": case.name, "label": label, history: at, **parts, "brought_in": brought},
+                len(at),
+            )
+        )
     handles: list[Any] = [Patch(color=color, label=title) for _, title, color in PARTS[::-1]]
     handles.append(Line2D([], [], color=INK, linestyle="--", label="brought in so far"))
     legend_below(canvas, handles)
@@ -84,17 +87,17 @@ def _ledgers(request: Request) -> tuple[Case | None, dict[str, Response], list[s
     for case in request.cases:
         if named and case.name != named:
             continue
-        found, statements = {}, []
+        found, absent = {}, Absences()
         for label in request.shown(case):
             response = request.stored.response(case.name, label)
             if response is None:
-                statements.append(f"{label} gave no answer to {case.name}.")
+                absent.no_answer(label, case.name)
             elif not {"dissipated", "elastic", "input_energy"} <= set(response.data_vars):
-                statements.append(f"{label} keeps no energy ledger.")
+                absent.without("an energy ledger", label)
             else:
                 found[label] = response
         if found:
-            return case, found, statements
+            return case, found, absent.sentences()
     return None, {}, []
 
 

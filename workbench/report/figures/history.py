@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.report.figures.drawing import (
+    Absences,
     Array,
     Drawing,
     Request,
@@ -20,7 +21,7 @@ from workbench.report.figures.drawing import (
     rows,
     thinned,
 )
-from workbench.report.figures.panels import chosen_cases, handle, is_left, panel_grid
+from workbench.report.figures.panels import chosen_cases, handle, name_axes, panel_grid
 from workbench.report.figures.style import legend_below
 from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.responses import Response
@@ -36,30 +37,28 @@ def draw(request: Request) -> Drawing:
     if not cases:
         return nothing("Histories in time need an impact; none of the cases is one.")
     canvas, axes = panel_grid(len(cases))
+    absent = Absences()
     blocks: list[Any] = []
     handles: list[Any] = []
     for i, (case, panel) in enumerate(zip(cases, axes, strict=True)):
-        drawn, silent = _panel(request, case, panel, quantity, blocks)
-        handles.extend(drawn)
-        statements.extend(silent)
+        handles.extend(_panel(request, case, panel, quantity, blocks, absent))
         panel.set_title(case.name, loc="left")
-        panel.set_xlabel(axis_label("time"))
-        if is_left(i, len(cases)):
-            panel.set_ylabel(axis_label(quantity))
+        name_axes(panel, i, len(cases), axis_label("time"), axis_label(quantity))
         panel.set_xlim(left=0.0)
         panel.margins(x=0.0)
+    statements += absent.sentences()
     if not blocks:
         return nothing(f"No model answered these cases with {title_of(quantity)}.", *statements)
     legend_below(canvas, handles)
     names = ", ".join(case.name for case in cases)
     alt = f"{title_of(quantity)} over time for {names}"
-    return Drawing(canvas, joined(blocks), tuple(dict.fromkeys(statements)), alt)
+    return Drawing(canvas, joined(blocks), tuple(statements), alt)
 
 
 def _panel(
-    request: Request, case: Case, panel: Axes, quantity: str, blocks: list[Any]
-) -> tuple[list[Any], list[str]]:
-    handles, statements = [], []
+    request: Request, case: Case, panel: Axes, quantity: str, blocks: list[Any], absent: Absences
+) -> list[Any]:
+    handles: list[Any] = []
     time_unit, unit = unit_of("time").factor, unit_of(quantity).factor
     column = f"{quantity}_SI"
     until = float(request.option("until", np.inf))
@@ -67,7 +66,7 @@ def _panel(
         look = request.looks[label]
         response = request.stored.response(case.name, label)
         if response is None:
-            statements.append(f"{label} gave no answer to {case.name}.")
+            absent.no_answer(label, case.name)
             continue
         curve = _curve(response, quantity)
         if curve is not None:
@@ -84,7 +83,7 @@ def _panel(
             for name in _PEAKS.get(quantity, ("", ""))
         )
         if peak is None:
-            statements.append(f"{label} does not know {title_of(quantity)} over time.")
+            absent.without(f"{title_of(quantity)} over time", label)
         elif when is None:
             panel.axhline(peak * unit, **{**look.curve(), "linestyle": ":"})
             handles.append(handle(f"{label} (peak only)", look._replace(line=":")))
@@ -97,7 +96,7 @@ def _panel(
             blocks.append(
                 rows({"case": case.name, "label": label, "time_s": when, column: peak}, 1)
             )
-    return handles, statements
+    return handles
 
 
 def _curve(response: Response, quantity: str) -> tuple[Array, Array] | None:

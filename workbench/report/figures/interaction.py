@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from workbench.report.figures.drawing import (
+    Absences,
     Array,
     Drawing,
     Request,
@@ -20,7 +21,7 @@ from workbench.report.figures.drawing import (
     nothing,
     rows,
 )
-from workbench.report.figures.panels import is_left, panel_grid
+from workbench.report.figures.panels import name_axes, panel_grid
 from workbench.report.figures.style import INK, MUTED, PALETTE, legend_below
 from workbench.responses import Response
 from workbench.study.definition import Case
@@ -44,9 +45,7 @@ def draw(request: Request) -> Drawing:
         handles.extend(_surfaces(request, case, label, panel))
         handles.extend(_paths(case, label, response, panel, blocks))
         panel.set_title(label, loc="left")
-        panel.set_xlabel(r"$N/N_\mathrm{pl}$ (tension positive)")
-        if is_left(i, len(found)):
-            panel.set_ylabel(r"$M/M_\mathrm{pl}$")
+        name_axes(panel, i, len(found), "N/Nₚₗ (tension positive)", "M/Mₚₗ")
         panel.axhline(0.0, color=MUTED, linewidth=0.5)
         panel.axvline(0.0, color=MUTED, linewidth=0.5)
         panel.set_xlim(-1.12, 1.12)
@@ -65,17 +64,17 @@ def _answers(request: Request) -> tuple[Case | None, dict[str, Response], list[s
     for case in request.cases:
         if named and case.name != named:
             continue
-        found, statements = {}, []
+        found, absent = {}, Absences()
         for label in request.shown(case):
             response = request.stored.response(case.name, label)
             if response is None:
-                statements.append(f"{label} gave no answer to {case.name}.")
+                absent.no_answer(label, case.name)
             elif not {"axial_force", "moment"} <= set(response.data_vars):
-                statements.append(f"{label} does not know the forces in hinges.")
+                absent.without("forces in hinges", label)
             else:
                 found[label] = response
         if found:
-            return case, found, statements
+            return case, found, absent.sentences()
     return None, {}, []
 
 
@@ -94,7 +93,7 @@ def _surfaces(request: Request, case: Case, label: str, panel: Axes) -> list[Lin
         share = np.linspace(0.0, 1.0, 121) ** 2
         style = {"color": INK, "linewidth": 1.0, "linestyle": ("--", ":", "-.")[i % 3], "zorder": 2}
         _all_quadrants(panel, share ** (1.0 / beta), (1.0 - share) ** (1.0 / alpha), **style)
-        name = rf"super-ellipse $\alpha$ = {alpha:.3g}, $\beta$ = {beta:.3g}"
+        name = f"super-ellipse α = {alpha:.3g}, β = {beta:.3g}"
         handles.append(Line2D([], [], label=name, **style))  # type: ignore[arg-type]
     return handles
 

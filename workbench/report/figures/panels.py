@@ -38,7 +38,7 @@ def panel_grid(
     """A figure with a number of panels; each row is `height` inches high."""
     rows, columns = grid_shape(count, most)
     if count == 1:
-        height = max(height, 2.9)
+        height = max(1.3 * height, 2.9)
     canvas = new_figure(height * rows + 0.55)
     axes = canvas.subplots(rows, columns, sharex=share_x, sharey=share_y, squeeze=False)
     flat = list(axes.flat)
@@ -47,9 +47,13 @@ def panel_grid(
     return canvas, flat[:count]
 
 
-def is_left(index: int, count: int, most: int = 3) -> bool:
-    """Whether a panel stands in the first column."""
-    return index % grid_shape(count, most)[1] == 0
+def name_axes(panel: Axes, index: int, count: int, x: str, y: str, most: int = 3) -> None:
+    """Axis labels where they are needed: below the lowest panels, left of the first ones."""
+    columns = grid_shape(count, most)[1]
+    if index + columns >= count:
+        panel.set_xlabel(x)
+    if index % columns == 0:
+        panel.set_ylabel(y)
 
 
 def handle(label: str, look: Look, *, curve: bool = True) -> Line2D:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from workbench.report.figures.drawing import Drawing, Request, nothing, rows
+from workbench.report.figures.drawing import Absences, Drawing, Request, nothing, rows
 from workbench.report.figures.drawing import joined as joined_rows
 from workbench.report.figures.panels import handle
 from workbench.report.figures.style import GRID, INK, MUTED, legend_below, new_figure
@@ -42,12 +42,13 @@ def draw(request: Request) -> Drawing:
         return nothing(f"No model answered these cases with {title_of(quantity)}.")
     canvas = new_figure(4.6)
     top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=[1.15, 1.0])
-    slots = {label: (i - 0.5 * (len(labels) - 1)) * 0.8 / len(labels) for i, label in enumerate(labels)}
+    middle, step = 0.5 * (len(labels) - 1), 0.8 / len(labels)
+    slots = {label: (i - middle) * step for i, label in enumerate(labels)}
     blocks = _values(request, top, cases, slots, quantity)
     deviations = _deviations(request, bottom, cases, slots, quantity, against)
-    statements.extend(_absences(request, cases, labels, quantity))
+    statements.extend(_absences(request, cases, quantity))
     top.set_ylabel(axis_label(quantity))
-    top.set_ylim(bottom=0.0)
+    top.set_ylim(0.0, 1.08 * top.get_ylim()[1])
     bottom.set_ylabel(f"deviation from {against} (%)" if len(against) < 16 else "deviation (%)")
     bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
     bottom.set_xticks(range(len(cases)), [_wrapped(case.name, len(cases)) for case in cases])
@@ -150,22 +151,17 @@ def _deviations(
     return blocks
 
 
-def _absences(
-    request: Request, cases: list[Case], labels: list[str], quantity: str
-) -> list[str]:
-    found = []
+def _absences(request: Request, cases: list[Case], quantity: str) -> list[str]:
+    absent = Absences()
     for label in request.labels:
-        asked = [case for case in cases if request.stored.expects(case.name, label)]
-        silent = [
-            case.name
-            for case in asked
-            if request.stored.number(case.name, label, quantity) is None
-        ]
-        if silent and label not in labels:
-            found.append(f"{label} does not know {title_of(quantity)}.")
-        elif silent:
-            found.append(f"{label} gave no {title_of(quantity)} for {', '.join(silent)}.")
-    return found
+        for case in cases:
+            if not request.stored.expects(case.name, label):
+                continue
+            if not request.stored.ok(case.name, label):
+                absent.no_answer(label, case.name)
+            elif request.stored.number(case.name, label, quantity) is None:
+                absent.without(title_of(quantity), label)
+    return absent.sentences()
 
 
 def _wrapped(name: str, count: int) -> str:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from workbench.study.definition import Study
 
@@ -51,8 +52,9 @@ SETTINGS: dict[str, Any] = {
     "legend.frameon": False,
     "legend.handlelength": 2.4,
     "axes.unicode_minus": True,
-    "axes.formatter.use_mathtext": True,
-    "mathtext.fontset": "dejavusans",
+    # names come from users: a dollar sign in one is no formula
+    "text.parse_math": False,
+    "axes.formatter.use_mathtext": False,
     "svg.fonttype": "path",
     "svg.hashsalt": "workbench",
     "path.simplify": True,
@@ -138,15 +140,14 @@ def _numbered(i: int, order: float) -> Look:
 @contextmanager
 def house_style() -> Iterator[None]:
     """Everything drawn or saved inside has the house style."""
-    with matplotlib.rc_context(SETTINGS):
+    with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]
         yield
 
 
 def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
     """An empty figure of the given size in inches, laid out without overlaps."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)  # type: ignore[union-attr]
-    return figure
+    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, hspace=0.04)
+    return Figure(figsize=(width, height), layout=layout)
 
 
 def legend_below(figure: Figure, handles: list[Any], columns: int = 0) -> None:

@@ -1,12 +1,14 @@
 """Maps of a sweep: the error of each model over two parameters, small multiples over a third.
 
-Options: `x`, `y`, `facet` (names of case parameters; default the first three that vary),
+Options: `x`, `y`, `facet` (names of case parameters; default the first three that vary), `rows`
+(a parameter for the rows of panels when a single model is shown; default a fourth that varies),
 `quantity`, `metric`, `against`, `limit` (value at which the colours end, default 0.2).
 Cases that differ only in further parameters share a field; the worst of them is shown.
 """
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -25,7 +27,7 @@ _HIGHEST = 8.6  # inches
 
 
 def draw(request: Request) -> Drawing:
-    """Rows of panels are models, columns the values of the facet parameter."""
+    """Rows of panels are models (or values of a parameter), columns values of the facet."""
     cases = [case for case in request.cases if case.parameters]
     names = _varying(cases)
     if len(names) < 2:
@@ -43,35 +45,51 @@ def draw(request: Request) -> Drawing:
     table = request.stored.errors(quantity, metric, against)
     known = {(r["case"], r["model"]): float(r["error"]) for r in table.to_dict("records")}
     facets = _values(cases, facet) if facet else [None]
-    statements = []
+    colour = f"{metric_title(metric)} of the {title_of(quantity)} against {against}"
+    statements = [f"Colour: {colour}."]
     if len(facets) > _MOST_FACETS:
         statements.append(f"Shown are the first {_MOST_FACETS} of {len(facets)} values of {facet}.")
         facets = facets[:_MOST_FACETS]
+    lines: list[tuple[str, Any]] = [(model, None) for model in models]
+    further = [name for name in rest if name != facet]
+    by = str(request.option("rows", further[0] if further else "")) if len(models) == 1 else ""
+    if by:
+        lines = [(models[0], value) for value in _values(cases, by)[:_MOST_FACETS]]
+        further = [name for name in further if name != by]
     limit = float(request.option("limit", 0.2))
     grid = (_values(cases, x), _values(cases, y))
-    height = min(_HIGHEST, 0.9 + len(models) * max(1.25, 0.3 * len(grid[1]) + 0.5))
+    high = max(1.35, 0.3 * len(grid[1]) + 0.5)
+    height = min(_HIGHEST, 0.95 + len(lines) * high)
+    room = int(14.0 * (height - 0.95) / len(lines))  # characters along a panel's height
     canvas = new_figure(height)
-    axes = canvas.subplots(len(models), len(facets), squeeze=False, sharex=True, sharey=True)
+    axes = canvas.subplots(len(lines), len(facets), squeeze=False, sharex=True, sharey=True)
     blocks: list[Any] = []
     image = None
-    for i, label in enumerate(models):
+    for i, (label, line) in enumerate(lines):
         for j, value in enumerate(facets):
-            here = [case for case in cases if not facet or case.parameters.get(facet) == value]
+            here = [
+                case
+                for case in cases
+                if (not facet or case.parameters.get(facet) == value)
+                and (not by or case.parameters.get(by) == line)
+            ]
             panel = axes[i, j]
             image = _panel(request, panel, here, label, against, (x, y), grid, known, limit, blocks)
             if i == 0 and facet:
                 panel.set_title(_shown(value) if j else f"{facet}: {_shown(value)}", loc="left")
-            if i == len(models) - 1:
+            if i == len(lines) - 1:
                 panel.set_xlabel(x)
             if j == 0:
-                panel.set_ylabel(f"{label}\n{y}")
+                head = _shown(line) if by else label
+                panel.set_ylabel("\n".join([head, *textwrap.wrap(y, room)]))
     assert image is not None
     bar = canvas.colorbar(image, ax=axes, extend="both", shrink=0.85, aspect=30, pad=0.015)
-    bar.set_label(f"{metric_title(metric)} of the {title_of(quantity)} against {against}")
-    bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0))
-    bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+    bar.set_label(metric_title(metric))
+    bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    bar.outline.set_linewidth(0.4)
     legend_below(canvas, _legend())
-    further = [name for name in rest if name != facet]
+    if by:
+        statements.append(f"Model: {models[0]}. Rows of panels: {by}.")
     if further:
         shown = ", ".join(further)
         statements.append(f"Each field shows the worst of the cases that differ in {shown}.")
@@ -121,9 +139,9 @@ def _panel(
     panel.grid(visible=False)
     for spine in panel.spines.values():
         spine.set_visible(True)
-    for at, style in ((warned, _WARNED), (failed, _FAILED)):
-        if at:
-            row, column = np.array(sorted(at)).T
+    for fields, style in ((warned, _WARNED), (failed, _FAILED)):
+        if fields:
+            row, column = np.array(sorted(fields)).T
             panel.plot(column, row, linestyle="none", **style)
     panel.set_xticks(range(len(xs)), [_shown(value) for value in xs])
     panel.set_yticks(range(len(ys)), [_shown(value) for value in ys])

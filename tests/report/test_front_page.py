@@ -1,0 +1,48 @@
+"""The page that is kept in git."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from workbench.report import summary
+
+
+@pytest.fixture(scope="module")
+def page(small, tmp_path_factory):
+    return summary(small.directory, small.study, tmp_path_factory.mktemp("kept"))
+
+
+def test_it_repeats(page, small, tmp_path):
+    again = summary(small.directory, small.study, tmp_path)
+    assert again.read_bytes() == page.read_bytes()
+    pictures = sorted(path.name for path in (page.parent / "figures").iterdir())
+    assert pictures == sorted(path.name for path in (tmp_path / "figures").iterdir())
+    for name in pictures:
+        first, second = page.parent / "figures" / name, tmp_path / "figures" / name
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_it_holds_verdicts_pictures_and_warnings(page, small):
+    text = page.read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    assert len(rows) == len(small.study.gates) + 1
+    assert all(row.count(" | ") == 4 for row in rows)
+    assert "V/Vpl = 1.80" in text
+    links = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
+    assert len(links) == 8
+    assert all((page.parent / link).is_file() for link in links)
+
+
+def test_it_says_nothing_that_varies(page, small):
+    text = page.read_text(encoding="utf-8")
+    assert str(small.directory) not in text
+    assert "/tmp" not in text
+    assert not re.search(r"20\d\d-\d\d-\d\d", text)
+    assert "wall time" not in text
+    assert "cost" not in "".join(path.name for path in (page.parent / "figures").iterdir())
+
+
+def test_names_are_escaped(page):
+    assert "<i>single" not in page.read_text(encoding="utf-8")

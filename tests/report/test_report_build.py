@@ -1,0 +1,196 @@
+"""The report as a whole: repeatable, self-contained, complete, and honest about what is missing."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.report import build_report
+from workbench.report.stored import Stored
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def html(built) -> str:
+    return built["html"].read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(html) -> Page:
+    return Page(html)
+
+
+def files_of(directory: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(directory)): path.read_bytes()
+        for path in sorted(directory.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_equal_stores_give_equal_bytes(built, small, tmp_path):
+    again = build_report(small.directory, small.study, out=tmp_path / "elsewhere")
+    first, second = files_of(built["html"].parent), files_of(again["html"].parent)
+    assert first.keys() == second.keys()
+    assert [name for name in first if first[name] != second[name]] == []
+    assert first["report.pdf"].startswith(b"%PDF")
+
+
+def test_only_the_formats_asked_for_are_written(sweep, tmp_path):
+    written = build_report(sweep.directory, sweep.study, formats=("html",), out=tmp_path)
+    assert set(written) == {"figures", "html"}
+    assert not (tmp_path / "report.pdf").exists()
+    with pytest.raises(InputError, match="--format"):
+        build_report(sweep.directory, sweep.study, formats=("docx",), out=tmp_path)
+
+
+def test_nothing_is_loaded_from_outside(html, page):
+    for tag, attributes in page.tags:
+        assert tag not in ("link", "iframe", "img", "object", "embed")
+        for name in ("src", "srcset", "data", "poster"):
+            assert name not in attributes
+        for name in ("href", "xlink:href"):
+            assert (attributes.get(name) or "#").startswith("#")
+    assert "@import" not in html
+    assert not re.search(r"url\((?!#)", html)
+    assert "http://" not in html
+    assert "https://" not in html
+
+
+def test_ids_are_unique_and_links_lead_somewhere(page):
+    ids = Counter(attributes["id"] for _, attributes in page.tags if "id" in attributes)
+    assert [key for key, times in ids.items() if times > 1] == []
+    for _, attributes in page.tags:
+        target = attributes.get("href")
+        if target:
+            assert target[1:] in ids, target
+
+
+def test_names_are_escaped(html, page):
+    assert "<b>closed" not in html
+    assert "<i>single" not in html
+    assert "&lt;i&gt;single &amp; dof" in html
+    text = "".join(page.text)
+    assert "Small <study> of an impacted column" in text
+    assert "A half sine & a cubic <curve>; no mechanics." in text
+
+
+def test_tables_can_be_sorted_by_what_they_show(page):
+    heads = [attributes for tag, attributes in page.tags if tag == "th"]
+    assert len(heads) > 30
+    assert all(attributes.get("aria-sort") == "none" for attributes in heads)
+    numbers = [a for t, a in page.tags if t == "td" and "number" in (a.get("class") or "")]
+    sortable = [float(a["data-sort"]) for a in numbers if "data-sort" in a]
+    assert len(sortable) > 0.7 * len(numbers)
+
+
+def test_every_figure_of_the_study_is_there(page, small, built):
+    ids = {attributes.get("id") for tag, attributes in page.tags if tag == "figure"}
+    expected = {f"plot-{figure.key}" for figure in small.study.figures}
+    assert ids == expected | {"plot-convergence", "plot-cost"}
+    assert sum(tag == "svg" for tag, _ in page.tags) == len(ids)
+    for figure in small.study.figures:
+        for suffix in ("svg", "csv"):
+            assert (built["figures"] / f"{figure.key}.{suffix}").stat().st_size > 100
+
+
+def test_failures_are_told(page):
+    text = " ".join("".join(page.text).split())
+    assert "3 cells of 28 hold no answer" in text
+    assert "residual 0.00032; tried halving the step 12 times" in text
+    assert "No answer from breaks: 15 metres per second, 20 metres per second." in text
+    assert "Without displacement and shortening: estimate." in text
+
+
+def test_shear_beyond_the_resistance_is_told(page):
+    text = " ".join("".join(page.text).split())
+    assert "In 3 of 3 cases the shear force exceeds the plastic shear resistance" in text
+    assert "up to V/Vpl = 1.80" in text
+    assert "the reference included, is outside its domain" in text
+
+
+def test_references_are_exactly_those_cited(html, page):
+    listed = {
+        attributes["id"]
+        for tag, attributes in page.tags
+        if tag == "li" and (attributes.get("id") or "").startswith("ref-")
+    }
+    cited = set(re.findall(r'href="#(ref-[^"]+)"', html))
+    assert listed == cited
+    assert {"ref-heng2017", "ref-celik2008", "ref-sprague-geers"} <= listed
+
+
+def test_no_section_is_empty(html):
+    assert not re.search(r"<h(\d)>[^<]*</h\1>\s*</section>", html)
+    assert not re.search(r"<tbody>\s*</tbody>", html)
+
+
+def test_all_cases_can_be_run_again_from_the_report(page, small):
+    import tomllib
+
+    from workbench.scenarios import scenario_from
+
+    text = "".join(page.text)
+    listings = re.findall(r'kind = "column-.*?(?=\n\n\n|\n\s*\n\s*\S+ metres|$)', text, re.DOTALL)
+    assert len(listings) >= 1
+    first = tomllib.loads(listings[0].split("\n\n\n")[0])
+    assert scenario_from(first) == small.study.cases[0].scenario
+
+
+def test_a_study_that_was_not_assessed_is_refused(small, tmp_path):
+    with pytest.raises(InputError, match="run it first"):
+        build_report(tmp_path, small.study, out=tmp_path / "out")
+
+
+def test_cells_that_never_ran_are_told(small, tmp_path):
+    from dataclasses import replace
+
+    from synthetic_study import Synthetic
+
+    from workbench.report.chapters.limits import missing
+
+    peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
+    models = {**small.study.models, "late": Synthetic(gain=2.0)}
+    wider = replace(small.study, models=models, figures=peaks)
+    stored = Stored(small.directory, wider)
+    assert stored.cells["push", "late"].outcome == "not run"
+    rows = [cell.text for block in missing(stored).blocks[1:] for row in block.rows for cell in row]
+    assert "late" in rows
+    assert any("has not been run" in text for text in rows)
+    written = build_report(small.directory, wider, formats=("html",), out=tmp_path)
+    assert "No answer from late" in written["html"].read_text(encoding="utf-8")
+
+
+def test_findings_come_back_from_the_table(small):
+    found = small.cells["10 metres per second", "four-dof"].findings
+    assert [finding.subject for finding in found] == ["shear"]
+    assert found[0].text.endswith("V/Vpl = 1.80; no shear model")
+
+
+def test_long_tables_are_cut_on_paper_only(sweep, tmp_path):
+    written = build_report(sweep.directory, sweep.study, formats=("html",), out=tmp_path)
+    text = written["html"].read_text(encoding="utf-8")
+    assert text.count('<tr class="screen-only">') > 10
+    assert "more rows are in the electronic report" in text
+    assert "is not refined in this study" in text
+    assert "sets no acceptance gates" in text

@@ -1,0 +1,90 @@
+"""The light markup, and that nothing in a text is ever read as HTML or Typst markup."""
+
+from __future__ import annotations
+
+import typst
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.assessment import METRICS
+from workbench.evidence.catalogue import datasets
+from workbench.registry import offers
+from workbench.report.bibliography import BIBLIOGRAPHY, reference_of
+from workbench.report.content import Document, Paragraph, Run, Section, runs_of
+from workbench.report.html import render_html
+from workbench.report.pdf import quoted, to_typst
+
+
+def test_runs():
+    assert list(runs_of("as [@heng2017] says, `a = 1`.")) == [
+        Run("plain", "as "),
+        Run("cite", "heng2017"),
+        Run("plain", " says, "),
+        Run("code", "a = 1"),
+        Run("plain", "."),
+    ]
+
+
+@given(st.text(max_size=60))
+def test_runs_lose_nothing(text):
+    back = {"plain": "{}", "code": "`{}`", "cite": "[@{}]"}
+    assert "".join(back[run.kind].format(run.text) for run in runs_of(text)) == text
+
+
+def document(text: str) -> Document:
+    section = Section("part", text, (Paragraph(text),))
+    return Document(text, "", (text,), (section,), ())
+
+
+HOSTILE = [
+    '<script>alert("x")</script>',
+    "#panic() $x$ *bold* _it_ @label <label> \\ \" ' // /* ]",
+    '"); #read("/etc/passwd"); ("',
+    "{{ 7 * 7 }} {% raw %}",
+    "`unclosed and [@unknown-key]",
+]
+
+
+def test_hostile_texts_are_shown_as_they_are_in_html():
+    for text in HOSTILE:
+        html = render_html(document(text))
+        assert "<script>alert" not in html
+        assert "49" not in html.partition("<main>")[2].partition("</main>")[0]
+
+
+def test_hostile_texts_are_shown_as_they_are_in_typst():
+    for text in HOSTILE:
+        source = to_typst(document(text))
+        assert typst.compile(source.encode(), ignore_system_fonts=True).startswith(b"%PDF")
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.text(max_size=40))
+def test_quoted_strings_come_back_unchanged(text):
+    import json
+
+    clean = text.replace("\r", "").replace("\t", "  ")
+    # Typst escapes are a subset of JSON's for the characters that are escaped here
+    if all(ord(c) >= 32 or c == "\n" for c in clean):
+        assert json.loads(quoted(text)) == clean
+
+
+def test_every_source_of_models_metrics_and_data_is_in_the_bibliography():
+    keys = {metric.citation for metric in METRICS.values()}
+    keys |= {dataset.key for dataset in datasets() if dataset.key}
+    keys |= {"roache1994", "celik2008", "asme-vv20", "fds-validation"}
+    for offer in offers():
+        # a property (published series) is answered by the catalogue above
+        sources = getattr(offer.kind, "sources", ())
+        keys |= set(sources if isinstance(sources, tuple) else ())
+    assert keys <= set(BIBLIOGRAPHY)
+
+
+def test_works_are_complete():
+    for key, work in BIBLIOGRAPHY.items():
+        assert work.key == key
+        assert work.authors
+        assert work.year.isdigit()
+        assert work.title
+        assert work.where
+    assert reference_of("a private report").title == "a private report"

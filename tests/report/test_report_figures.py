@@ -1,0 +1,243 @@
+"""Every kind of figure, with everything, with little, and with nothing to show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from synthetic_study import Synthetic, columns, small_study, store_of
+
+from workbench.errors import InputError
+from workbench.report.figures import KINDS, Request, draw
+from workbench.report.figures.drawing import thinned, to_csv, to_svg
+from workbench.report.figures.style import PALETTE, looks
+from workbench.report.gallery import cases_of, figures_of
+from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
+from workbench.sections import circular_tube, find, rectangular_tube, square
+from workbench.study import Case, Figure
+
+
+def request(stored, kind, cases=None, labels=None, **options) -> Request:
+    study = stored.study
+    figure = Figure(kind, kind, kind, kind, options=options)
+    chosen = study.cases if cases is None else cases
+    return Request(
+        study, figure, stored, tuple(chosen), tuple(labels or study.models), looks(study)
+    )
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "sweep"])
+def test_every_kind_draws(small, kind):
+    drawing = draw(request(small, kind))
+    assert drawing.canvas is not None
+    assert len(drawing.data) > 0
+    assert drawing.alt
+    svg = to_svg(drawing.canvas, kind)
+    assert svg.startswith("<svg")
+    assert "<metadata" not in svg
+    assert "<!--" not in svg
+    assert svg == to_svg(draw(request(small, kind)).canvas, kind)
+    assert to_csv(drawing.data).count("\n") == len(drawing.data) + 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_to_draw_is_said(small, kind):
+    drawing = draw(request(small, kind, cases=()))
+    assert drawing.canvas is None
+    assert drawing.statements
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("structure", "sweep")])
+def test_a_model_without_an_answer_is_no_crash(small, kind):
+    push = [case for case in small.study.cases if case.name == "push"]
+    drawing = draw(request(small, kind, cases=push, labels=["estimate"]))
+    assert drawing.canvas is None
+    assert drawing.statements
+
+
+def test_drawing_leaves_the_global_settings_alone(small):
+    before = dict(mpl.rcParams)
+    draw(request(small, "history"))
+    assert dict(mpl.rcParams) == before
+
+
+def test_unknown_kinds_are_refused(small):
+    with pytest.raises(InputError, match=r"figure\.kind"):
+        draw(request(small, "pie"))
+
+
+DRAWN = ("history", "peaks", "interaction", "energy", "convergence", "cost", "deformed")
+
+
+def rendered(stored, kind):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = draw(request(stored, kind)).canvas
+    renderer = FigureCanvasAgg(canvas).get_renderer()
+    canvas.draw(renderer)
+    return canvas, renderer
+
+
+@pytest.mark.parametrize("kind", DRAWN)
+def test_texts_stay_inside_the_picture(small, kind):
+    canvas, renderer = rendered(small, kind)
+    texts = [text for legend in canvas.legends for text in legend.get_texts()]
+    for panel in canvas.axes:
+        texts += [panel.xaxis.label, panel.yaxis.label, panel.title, *panel.texts]
+    for text in texts:
+        if text.get_text().strip():
+            box = text.get_window_extent(renderer)
+            assert -2 < box.x0 <= box.x1 < canvas.bbox.width + 2, text.get_text()
+            assert -2 < box.y0 <= box.y1 < canvas.bbox.height + 2, text.get_text()
+
+
+@pytest.mark.parametrize("kind", DRAWN)
+def test_tick_labels_do_not_touch(small, kind):
+    canvas, renderer = rendered(small, kind)
+    for panel in canvas.axes:
+        for axis in (panel.xaxis, panel.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            shown = [
+                tick.label1.get_window_extent(renderer)
+                for tick in axis.get_major_ticks()
+                if low <= tick.get_loc() <= high
+                and tick.label1.get_visible()
+                and tick.label1.get_text()
+            ]
+            for i, box in enumerate(shown):
+                assert not any(box.overlaps(other) for other in shown[:i])
+
+
+@pytest.mark.parametrize("kind", ["history", "peaks", "force-displacement", "energy", "cost"])
+def test_legends_lie_outside_the_panels(small, kind):
+    canvas, renderer = rendered(small, kind)
+    legend = canvas.legends[0].get_window_extent(renderer)
+    for panel in canvas.axes:
+        assert not legend.overlaps(panel.get_window_extent(renderer))
+
+
+def test_numbers_in_the_data_file_are_those_of_the_store(small):
+    data = draw(request(small, "peaks")).data
+    row = data[(data["case"] == "10 metres per second") & (data["label"] == "four-dof")].iloc[0]
+    expected = 1.01 * 1.6e-3 * 10.0**1.75
+    assert row["peak_displacement_SI"] == pytest.approx(expected)
+    reference = small.number("10 metres per second", "reference", "peak_displacement")
+    assert row["relative_error"] == pytest.approx(expected / reference - 1.0)
+
+
+def test_histories_end_where_asked_and_keep_their_peak(small):
+    case = small.study.cases[0]
+    data = draw(request(small, "history", cases=[case], until=0.03)).data
+    assert data["time_s"].max() <= 0.03
+    top = data[data["label"] == "reference"]["displacement_SI"].max()
+    assert top == pytest.approx(small.number(case.name, "reference", "peak_displacement"), rel=1e-4)
+
+
+def test_thinning_keeps_extremes_and_ends():
+    x = np.linspace(0.0, 1.0, 20_001)
+    y = np.sin(40.0 * x)
+    y[12_345] = 9.0
+    few_x, few_y = thinned(x, y, 200)
+    assert len(few_x) < 500
+    assert few_y.max() == 9.0
+    assert few_y.min() == y.min()
+    assert (few_x[0], few_x[-1]) == (0.0, 1.0)
+    assert np.all(np.diff(few_x) > 0.0)
+
+
+def test_looks_are_told_apart_and_keep_to_their_label():
+    study = small_study()
+    found = looks(study)
+    assert found["reference"].color == "#000000"
+    assert found["four-dof"].color == PALETTE[0]
+    assert len({(look.color, str(look.line)) for look in found.values()}) == len(found)
+    fewer = replace(
+        study, models={k: v for k, v in study.models.items() if k != "breaks"}, gates=()
+    )
+    assert looks(fewer)["four-dof"] == found["four-dof"]
+
+
+def test_sweep_marks_warnings_and_failures(sweep):
+    drawing = draw(request(sweep, "sweep"))
+    assert drawing.canvas is not None
+    data = drawing.data
+    failed = data[(data["model"] == "four-dof") & (data["velocity (m/s)"] == 25.0)]
+    assert failed["failed"].all()
+    assert failed["error"].isna().all()
+    fine = data[(data["model"] == "four-dof") & (data["velocity (m/s)"] == 10.0)]
+    assert fine["error"].to_numpy() == pytest.approx(0.05)
+    assert set(data[data["warned"]]["position (L)"]) == {0.1, 0.2, 0.35}
+    assert len(drawing.canvas.axes) == 2 * 2 + 1
+
+
+def test_sweep_over_chosen_parameters_says_what_it_merges(sweep):
+    drawing = draw(request(sweep, "sweep", x="velocity (m/s)", y="section", facet=""))
+    assert drawing.canvas is not None
+    assert any("position (L)" in statement for statement in drawing.statements)
+
+
+def test_a_map_of_one_model_has_a_parameter_for_its_rows(sweep):
+    options = {"x": "position (L)", "y": "velocity (m/s)", "facet": "", "rows": "section"}
+    drawing = draw(request(sweep, "sweep", labels=["four-dof"], **options))
+    assert drawing.canvas is not None
+    assert len(drawing.canvas.axes) == 2 + 1
+    assert "Model: four-dof. Rows of panels: section." in drawing.statements
+
+
+def test_columns_of_all_kinds_are_drawn(tmp_path):
+    thesis = columns()["thesis"]
+    variety = {
+        "pinned": columns()["pinned"],
+        "fixed": replace(thesis, head="fixed", restraint_stiffness=0.0, axial_load=0.0),
+        "tension": replace(thesis, section=square(0.2), axial_load=-1e5),
+        "box": replace(thesis, section=rectangular_tube(0.3, 0.2, 0.01)),
+        "pipe": replace(thesis, section=circular_tube(0.2, 0.01)),
+        "hit high": replace(thesis, length_below=3.9, length_above=0.1),
+    }
+    cases = tuple(
+        Case(name, ColumnImpact(name, column, Striker(500.0, 5.0), 0.02), figure=name)
+        for name, column in variety.items()
+    )
+    push = Case("pushed", ColumnPushover("pushed", variety["box"], 0.1), figure="pushed")
+    study = replace(
+        small_study("variety"),
+        cases=(*cases, push),
+        models={"reference": Synthetic()},
+        ladder=(),
+        gates=(),
+        figures=(),
+    )
+    stored = store_of(study, tmp_path)
+    for case in study.cases:
+        drawing = draw(request(stored, "structure", cases=[case]))
+        assert drawing.canvas is not None, case.name
+        assert case.scenario.column.base in drawing.alt
+    several = draw(request(stored, "structure"))
+    assert any("first 2 of 6" in statement for statement in several.statements)
+
+
+def test_the_ladder_of_a_study_without_one_is_said(sweep):
+    assert "unknown" in draw(request(sweep, "convergence")).statements[0]
+
+
+def test_cases_and_standard_figures():
+    study = small_study()
+    by_key = {figure.key: figure for figure in figures_of(study)}
+    assert [case.name for case in cases_of(study, by_key["curves"])] == ["push"]
+    assert len(cases_of(study, by_key["peaks"])) == 3
+    assert len(cases_of(study, by_key["cost"])) == 4
+    named = replace(by_key["cost"], options={"cases": ("push",)})
+    assert [case.name for case in cases_of(study, named)] == ["push"]
+    twice = replace(study, figures=(*study.figures, study.figures[0]))
+    with pytest.raises(InputError, match=r"figure\.key"):
+        figures_of(twice)
+
+
+def test_a_dollar_in_a_name_is_no_formula(small, tmp_path):
+    case = replace(small.study.cases[0], name="costs $5 or $_6$")
+    study = replace(small.study, name="dollar", cases=(case,), gates=(), figures=())
+    stored = store_of(study, tmp_path)
+    assert draw(request(stored, "history")).canvas is not None
+    assert find("HEB 220").name in draw(request(stored, "structure")).alt

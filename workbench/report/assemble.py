@@ -1,0 +1,89 @@
+"""The content tree of a study: which part comes where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from workbench.report.bibliography import BIBLIOGRAPHY, Reference, reference_of
+from workbench.report.chapters import configuration, cost, limits, reference, results, verdicts
+from workbench.report.content import (
+    Block,
+    Bullets,
+    Callout,
+    Definitions,
+    Document,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    runs_of,
+    walk,
+)
+from workbench.report.formatting import count
+from workbench.report.stored import Stored
+from workbench.study.definition import Figure, Study
+
+# figures of these kinds stand in chapters of their own
+_ELSEWHERE = ("convergence", "cost")
+
+
+def document(
+    study: Study, stored: Stored, figures: tuple[Figure, ...], drawn: dict[str, Picture]
+) -> Document:
+    """Build the content tree from stored results and drawn figures."""
+    own = {
+        kind: [drawn[figure.key] for figure in figures if figure.kind == kind]
+        for kind in _ELSEWHERE
+    }
+    keys = [figure.key for figure in figures if figure.kind not in _ELSEWHERE]
+    parts: list[Section | None] = [
+        verdicts.asked(study, stored),
+        verdicts.verdicts(stored),
+        limits.missing(stored),
+        limits.domain(study, stored),
+        limits.notes(study),
+        results.pictures(drawn, keys),
+        results.numbers(study, stored),
+        reference.convergence(study, stored, [*own["convergence"]]),
+        cost.cost(study, stored, [*own["cost"]]),
+        configuration.configuration(study, stored),
+    ]
+    sections = tuple(part for part in parts if part is not None)
+    facts = (
+        f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
+        f"reference: {study.reference}",
+        f"study: {study.name}",
+    )
+    return Document(study.title, "Validation report", facts, sections, tuple(_references(sections)))
+
+
+def _references(sections: tuple[Section, ...]) -> Iterator[Reference]:
+    """Works in the order in which the text cites them."""
+    seen: set[str] = set()
+    for text in _texts(sections):
+        for run in runs_of(text):
+            if run.kind == "cite" and run.text not in seen:
+                seen.add(run.text)
+                yield reference_of(run.text)
+
+
+def _texts(sections: tuple[Block, ...]) -> Iterator[str]:
+    for block in walk(sections):
+        if isinstance(block, (Paragraph, Callout)):
+            yield block.text
+        elif isinstance(block, Bullets):
+            yield from block.items
+        elif isinstance(block, Definitions):
+            yield from (text for _, text in block.pairs)
+        elif isinstance(block, Table):
+            yield block.caption
+            yield from (cell.text for row in block.rows for cell in row)
+        elif isinstance(block, Picture):
+            yield block.caption
+            yield from block.statements
+
+
+def unknown_sources(study: Study) -> list[str]:
+    """Keys that models cite and the bibliography does not have."""
+    keys = dict.fromkeys(key for model in study.models.values() for key in model.sources)
+    return [key for key in keys if key not in BIBLIOGRAPHY]

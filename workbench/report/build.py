@@ -1,0 +1,56 @@
+"""Building the report of a stored study."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from workbench.errors import InputError
+from workbench.fields import Choice
+from workbench.report.assemble import document
+from workbench.report.gallery import draw_all, save_all
+from workbench.report.html import render_html
+from workbench.report.pdf import render_pdf
+from workbench.report.stored import Stored
+from workbench.study.definition import Study
+from workbench.study.files import write_atomically
+
+_FORMAT = Choice(("html", "pdf"))
+
+
+def build_report(
+    directory: Path,
+    study: Study,
+    formats: Sequence[str] = ("html", "pdf"),
+    out: Path | None = None,
+) -> dict[str, Path]:
+    """Write the report of a stored and assessed study; nothing is simulated or assessed.
+
+    Arguments: `directory`, the store of the study; `study`, in the form that was run; `formats`,
+    any of html and pdf; `out`, where to write (default: ``report`` in the store). Returns the
+    path of each format, and of the ``figures`` with their numbers. Equal stores give equal bytes.
+    Raises `InputError` for an unknown format, a study without results, a figure of unknown kind
+    or a directory that cannot be written.
+    """
+    for name in formats:
+        _FORMAT.check("--format", name)
+    target = Path(directory) / "report" if out is None else Path(out)
+    stored = Stored(Path(directory), study)
+    plates = draw_all(study, stored)
+    pictures = {plate.figure.key: plate.picture() for plate in plates}
+    content = document(study, stored, tuple(plate.figure for plate in plates), pictures)
+    written = {}
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        save_all(plates, target / "figures", pictures)
+        written["figures"] = target / "figures"
+        if "html" in formats:
+            written["html"] = target / "report.html"
+            write_atomically(written["html"], render_html(content).encode())
+        if "pdf" in formats:
+            written["pdf"] = target / "report.pdf"
+            write_atomically(written["pdf"], render_pdf(content))
+    except OSError as error:
+        reason = error.strerror or "unknown reason"
+        raise InputError("--out", str(target), f"cannot be written: {reason}") from error
+    return written

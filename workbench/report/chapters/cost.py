@@ -1,0 +1,61 @@
+"""What the answers cost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.report.content import Block, Cell, Column, Paragraph, Section, Table
+from workbench.report.formatting import count, duration
+from workbench.report.stored import Stored
+from workbench.study.definition import Study
+
+
+def cost(study: Study, stored: Stored, figures: list[Block]) -> Section:
+    """Wall times per model and the figures that set them against errors."""
+    rows = []
+    kinds = dict.fromkeys(case.scenario.KIND for case in study.cases)
+    for label, model in study.models.items():
+        if model.name == "published":
+            continue
+        for kind in kinds:
+            times = [
+                seconds
+                for case in study.cases
+                if kind == case.scenario.KIND and stored.ok(case.name, label)
+                if (seconds := stored.number(case.name, label, "wall_time")) is not None
+            ]
+            if not times:
+                continue
+            middle, low, high = float(np.median(times)), min(times), max(times)
+            rows.append(
+                (
+                    Cell(label),
+                    Cell(kind),
+                    Cell(str(len(times)), len(times)),
+                    Cell(duration(low), low),
+                    Cell(duration(middle), middle),
+                    Cell(duration(high), high),
+                )
+            )
+    blocks: list[Block] = []
+    if rows:
+        columns = (
+            Column("model", width=2.0),
+            Column("scenario", width=1.6),
+            Column("cases", True, 0.7),
+            Column("fastest", True, 1.0),
+            Column("median", True, 1.0),
+            Column("slowest", True, 1.0),
+        )
+        caption = "Wall time of one answer on one core, after compilation."
+        blocks.append(Table("cost-table", caption, columns, tuple(rows)))
+    else:
+        blocks.append(Paragraph("No model that computes has answered yet."))
+    blocks.extend(figures)
+    text = (
+        "Wall times depend on the machine and on what else ran on it: "
+        f"{count(len(stored.provenance), 'kind', 'kinds')} of machine and software, listed under "
+        "provenance, answered the cells of this report."
+    )
+    blocks.append(Paragraph(text))
+    return Section("cost", "Cost", tuple(blocks))

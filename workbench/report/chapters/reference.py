@@ -1,0 +1,79 @@
+"""How well the reference itself is known: its refinement ladder."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.report.content import Block, Callout, Cell, Column, Paragraph, Section, Table
+from workbench.report.formatting import number, percent, title_of, unit_of
+from workbench.report.stored import Stored
+from workbench.study.definition import Study
+
+
+def convergence(study: Study, stored: Stored, figures: list[Block]) -> Section:
+    """The table of the ladder and the figures that show it."""
+    if len(study.ladder) < 2:
+        text = (
+            f"{study.reference} is not refined in this study: its numerical uncertainty is "
+            "unknown, and no gate against it can pass."
+        )
+        return Section("convergence", "Convergence of the reference", (Callout("doubt", text),))
+    method = Paragraph(
+        f"Each level of the ladder {', '.join(study.ladder)} halves the element size and the time "
+        "step of the one before. The observed order comes from the three finest levels; within "
+        "0.7 to 1.3 of the expected order the uncertainty is the grid convergence index with "
+        "safety factor 1.25, else 3 [@roache1994] [@celik2008]. Sequences that oscillate or "
+        "diverge get three times their spread."
+    )
+    blocks: list[Block] = [method, *figures]
+    table = _table(study, stored)
+    if table is None:
+        blocks.append(Callout("doubt", "No case has answers on two levels of the ladder."))
+    else:
+        blocks.append(table)
+    return Section("convergence", "Convergence of the reference", tuple(blocks))
+
+
+def _table(study: Study, stored: Stored) -> Table | None:
+    rows = []
+    for row in stored.tables["ladder"].to_dict("records"):
+        known = any(not np.isnan(float(row.get(label, np.nan))) for label in study.ladder)
+        answered = all(
+            stored.ok(row["case"], label)
+            for label in study.ladder
+            if stored.expects(row["case"], label)
+        )
+        if answered and not known:
+            continue  # this kind of case does not have the quantity
+        unit = unit_of(row["quantity"])
+        levels = [float(row.get(label, np.nan)) for label in study.ladder]
+        accepted = row["accepted"] == "true"
+        quantity = title_of(row["quantity"])
+        rows.append(
+            (
+                Cell(row["case"]),
+                Cell(f"{quantity} ({unit.text})" if unit.text else quantity),
+                *(Cell(number(level * unit.factor), level) for level in levels),
+                Cell(number(row["order"], 3), row["order"]),
+                Cell(number(row["extrapolated"] * unit.factor), row["extrapolated"]),
+                Cell(
+                    percent(row["relative"], signed=False),
+                    row["relative"],
+                    "" if accepted else "doubt",
+                ),
+                Cell(row["note"], tone="muted"),
+            )
+        )
+    if not rows:
+        return None
+    columns = (
+        Column("case", width=1.6),
+        Column("quantity", width=1.7),
+        *(Column(label, True, 1.15) for label in study.ladder),
+        Column("order", True, 0.7),
+        Column("extrapolated", True, 1.1),
+        Column("uncertainty", True, 1.05),
+        Column("note", width=2.4),
+    )
+    caption = f"Refinement ladder of {study.reference}: values, observed order, uncertainty."
+    return Table("ladder", caption, columns, tuple(rows), 40)

@@ -1,0 +1,126 @@
+"""Drawing all figures of a study and writing them with their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.errors import InputError
+from workbench.report.content import Picture
+from workbench.report.figures import Drawing, Request, draw
+from workbench.report.figures.drawing import save_png, to_csv, to_svg
+from workbench.report.figures.style import looks
+from workbench.report.stored import Stored
+from workbench.study.definition import Case, Figure, Study
+
+# Figures that every report has; a study that names one of the kind draws its own instead.
+_STANDARD = (
+    Figure(
+        "structure",
+        "structure",
+        "The structure",
+        "To scale, with supports, loads and what hits it; the cross section is enlarged.",
+    ),
+    Figure(
+        "convergence",
+        "convergence",
+        "Refinement of the reference",
+        "Values of the reference at each level of its ladder, the value extrapolated to element "
+        "size zero, and the interval that the grid convergence index leaves around the finest.",
+    ),
+    Figure(
+        "cost",
+        "cost",
+        "Cost against error",
+        "Wall time of one case on one core, after compilation, against the magnitude of the "
+        "deviation from the reference. Further down is more accurate, further left is cheaper.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A drawn figure: its definition and its drawing."""
+
+    figure: Figure
+    drawing: Drawing
+
+    def picture(self) -> Picture:
+        """The figure as it stands in the content tree."""
+        canvas, drawing = self.drawing.canvas, self.drawing
+        svg = "" if canvas is None else to_svg(canvas, self.figure.key)
+        files = () if canvas is None else (f"figures/{self.figure.key}.csv",)
+        return Picture(
+            self.figure.key,
+            self.figure.title,
+            self.figure.caption,
+            svg,
+            drawing.alt,
+            drawing.width,
+            drawing.statements,
+            files,
+        )
+
+
+def cases_of(study: Study, figure: Figure) -> tuple[Case, ...]:
+    """The cases that a figure shows.
+
+    The option `cases` names them; else those whose `figure` is the option `group` or the key of
+    the figure; else all.
+    """
+    named = figure.options.get("cases", ())
+    if named:
+        return tuple(case for case in study.cases if case.name in named)
+    group = figure.options.get("group", figure.key)
+    return tuple(case for case in study.cases if case.figure == group) or study.cases
+
+
+def figures_of(study: Study) -> tuple[Figure, ...]:
+    """The figures of a study, completed by the standard ones it does not have.
+
+    Raises `InputError` for keys that stand twice or are no file names.
+    """
+    kinds = {figure.kind for figure in study.figures}
+    added = [
+        figure
+        for figure in _STANDARD
+        if figure.kind not in kinds and (figure.kind != "convergence" or len(study.ladder) > 1)
+    ]
+    first = [figure for figure in added if figure.kind == "structure"]
+    rest = [figure for figure in added if figure.kind != "structure"]
+    whole = (*first, *study.figures, *rest)
+    keys = [figure.key for figure in whole]
+    for key in keys:
+        if keys.count(key) > 1 or not key.replace("-", "").replace("_", "").isalnum():
+            raise InputError("figure.key", key, "must be unique letters, digits, - and _")
+    return whole
+
+
+def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:
+    """Draw every figure of a study. Raises `InputError` for a figure that cannot be."""
+    appearance = looks(study)
+    plates = []
+    for figure in figures_of(study):
+        labels = figure.models or tuple(study.models)
+        chosen = tuple(label for label in study.models if label in labels)
+        request = Request(study, figure, stored, cases_of(study, figure), chosen, appearance)
+        plates.append(Plate(figure, draw(request)))
+    return tuple(plates)
+
+
+def save_all(plates: tuple[Plate, ...], target: Path, pictures: Mapping[str, Picture]) -> None:
+    """Write ``<key>.svg`` and ``<key>.csv`` of every drawn figure, and a PNG if it asks for one.
+
+    A figure asks for a PNG by the option `png`.
+    """
+    target.mkdir(parents=True, exist_ok=True)
+    for plate in plates:
+        key, canvas = plate.figure.key, plate.drawing.canvas
+        if canvas is None:
+            continue
+        (target / f"{key}.svg").write_text(pictures[key].svg, encoding="utf-8", newline="\n")
+        text = to_csv(plate.drawing.data)
+        (target / f"{key}.csv").write_text(text, encoding="utf-8", newline="\n")
+        if plate.figure.options.get("png"):
+            save_png(canvas, target / f"{key}.png")

@@ -1,0 +1,65 @@
+"""The report as one self-contained HTML file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from workbench.report.content import Document, runs_of
+
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def render_html(document: Document) -> str:
+    """HTML text of a content tree: no outside file is loaded, equal trees give equal text."""
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["rich"] = lambda text: _rich(document, text)
+    environment.filters["anchor"] = anchor
+    environment.filters["inline_svg"] = _inline
+    template = environment.get_template("report.html.jinja")
+    return template.render(
+        document=document,
+        style=Markup((_TEMPLATES / "style.css").read_text(encoding="utf-8")),
+        script=Markup((_TEMPLATES / "script.js").read_text(encoding="utf-8")),
+    )
+
+
+def anchor(key: str) -> str:
+    """A key as an HTML id."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", key) or "part"
+
+
+def _rich(document: Document, text: str) -> Markup:
+    """The light markup of the content tree as HTML, everything else escaped."""
+    parts = []
+    for kind, content in runs_of(text):
+        if kind == "code":
+            parts.append(Markup("<code>{}</code>").format(content))
+        elif kind == "cite":
+            number = document.number_of(content)
+            if number is None:
+                parts.append(escape(f"[{content}]"))
+                continue
+            link = Markup('<a class="cite" href="#ref-{}">[{}]</a>')
+            parts.append(link.format(anchor(content), number))
+        else:
+            parts.append(Markup("<br>").join(escape(line) for line in content.split("\n")))
+    return Markup("").join(parts)
+
+
+def _inline(svg: str) -> Markup:
+    """An SVG as part of an HTML document, which needs no namespaces and scales by its viewBox."""
+    text = re.sub(r'\s+xmlns(:\w+)?="[^"]*"', "", svg)
+    text = text.replace("xlink:href", "href")
+    text = re.sub(r'(<svg[^>]*?)\s+width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg[^>]*?)\s+height="[^"]*"', r"\1", text, count=1)
+    return Markup(text)
