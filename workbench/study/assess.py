@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from workbench.assessment import Verdict
+from workbench.assessment import Verdict, bias_and_scatter
 from workbench.errors import InputError
 from workbench.responses import SCALARS, Response, scalars_of, warnings_of
 from workbench.study.cells import Cell, cells_of
@@ -32,6 +32,8 @@ _COMPARISON = (
     *("uncertainty", "note"),
 )
 _LADDER = ("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note")
+_BIAS = ("model", "against", "quantity", "count", "bias", "low", "high", "model_scatter", "note")
+_FEWEST_FOR_BIAS = 3  # cases
 _GATE = (
     *("gate", "model", "against", "quantity", "metric", "case", "value", "uncertainty", "bound"),
     *("verdict", "note", "rationale", "source"),
@@ -122,6 +124,7 @@ def assess(study: Study, root: Path) -> Assessment:
         ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
         ("ladder", ladders, ("case", "quantity", *study.ladder, *_LADDER)),
         ("gates", gate_rows, _GATE),
+        ("bias", list(_bias_rows(comparisons)), _BIAS),
     )
     store.prepare()
     for name, table, columns in tables:
@@ -164,6 +167,30 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
         given = float(response["input_energy"])
         row["energy_error"] = error / given if given else None
     return row
+
+
+def _bias_rows(comparisons: list[Row]) -> Iterator[Row]:
+    """Bias and scatter of every model over the cases, per quantity and side held against."""
+    pairs: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
+    for row in comparisons:
+        if row["metric"] == "relative_error" and row["value"] > 0.0 and row["against_value"] > 0.0:
+            key = row["model"], row["against"], row["quantity"]
+            pairs.setdefault(key, []).append((row["value"], row["against_value"]))
+    for (model, against, quantity), values in pairs.items():
+        if len(values) < _FEWEST_FOR_BIAS:
+            continue
+        found = bias_and_scatter(*zip(*values, strict=True))
+        yield {
+            "model": model,
+            "against": against,
+            "quantity": quantity,
+            "count": found.count,
+            "bias": found.bias,
+            "low": found.low,
+            "high": found.high,
+            "model_scatter": found.model_scatter,
+            "note": found.note,
+        }
 
 
 def _result(gate: str, bound: float, rows: list[Row]) -> GateResult:
