@@ -71,7 +71,7 @@ def test_the_ladder_of_a_first_order_error_is_found(toy_study: Study, tmp_path: 
     assert row["order"] == pytest.approx(1.0, abs=1e-9)
     assert row["extrapolated"] == pytest.approx(V15_PEAK, rel=1e-9)
     assert row["uncertainty"] == pytest.approx(1.25 * 0.02 * V15_PEAK, rel=1e-9)
-    assert len(rows) == 9
+    assert len(rows) == 6
     assert rows.loc["v15.0", "residual_displacement"]["note"].startswith("residual_displacement is")
 
 
@@ -220,7 +220,7 @@ def test_an_assessment_reads_the_store_only(
     result = assess(toy_study, tmp_path)
     tables = tmp_path / "toy" / "tables"
     first = {path.name: path.read_bytes() for path in tables.iterdir()}
-    assert set(first) == {"cells.csv", "comparisons.csv", "ladder.csv", "gates.csv"}
+    assert set(first) == {"cells.csv", "comparisons.csv", "ladder.csv", "gates.csv", "bias.csv"}
     outcomes = [row["outcome"] for row in result.cells]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4
     assess(toy_study, tmp_path)

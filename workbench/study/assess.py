@@ -27,6 +27,7 @@ from workbench.study.tables import Row, write_table
 NOT_RUN = "not run"
 
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "warnings", "wall_time")
+_TIMES = ("wall_time", "solve_time")
 _COMPARISON = (
     *("model", "against", "quantity", "metric", "value", "against_value", "error"),
     *("uncertainty", "note"),
@@ -88,7 +89,7 @@ def assess(study: Study, root: Path) -> Assessment:
         )
     names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
     for name in names:
-        if name in {*_CELL, *_COMPARISON, *SCALARS, "key"}:
+        if name in {*_CELL, *_TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     cell_rows: list[Row] = []
     comparisons: list[Row] = []
@@ -120,11 +121,11 @@ def assess(study: Study, root: Path) -> Assessment:
     gate_rows = [row for rows in gates for row in rows]
     derived = ("shear_utilisation", "energy_error")
     tables = (
-        ("cells", cell_rows, (*_CELL, *names, *SCALARS, *derived, "key")),
+        ("cells", cell_rows, (*_CELL, "solve_time", *names, *SCALARS, *derived, "key")),
         ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
         ("ladder", ladders, ("case", "quantity", *study.ladder, *_LADDER)),
         ("gates", gate_rows, _GATE),
-        ("bias", list(_bias_rows(comparisons)), _BIAS),
+        ("bias", list(_bias_rows(comparisons, study.reference)), _BIAS),
     )
     store.prepare()
     for name, table, columns in tables:
@@ -157,7 +158,7 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
         "warnings": "; ".join(f"{f.subject}: {f.text}" for f in warnings_of(response)),
-        "wall_time": record["wall_time"],
+        **{name: record.get(name) for name in _TIMES},
         **scalars_of(response),
     }
     if "shear_utilisation" in response:
@@ -169,11 +170,13 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
     return row
 
 
-def _bias_rows(comparisons: list[Row]) -> Iterator[Row]:
-    """Bias and scatter of every model over the cases, per quantity and side held against."""
+def _bias_rows(comparisons: list[Row], reference: str) -> Iterator[Row]:
+    """Bias and scatter of every model against the reference over the cases, per quantity."""
     pairs: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
     for row in comparisons:
-        if row["metric"] == "relative_error" and row["value"] > 0.0 and row["against_value"] > 0.0:
+        if row["against"] != reference or row["metric"] != "relative_error":
+            continue
+        if row["value"] > 0.0 and row["against_value"] > 0.0:
             key = row["model"], row["against"], row["quantity"]
             pairs.setdefault(key, []).append((row["value"], row["against_value"]))
     for (model, against, quantity), values in pairs.items():

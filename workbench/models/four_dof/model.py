@@ -10,6 +10,7 @@ column) sits at the hit point, the head mass at the head.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -201,6 +202,7 @@ class FourDof:
         return build_response(values, steps=steps + 1, hinges=HINGES, segments=SEGMENTS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
+        started = perf_counter()
         frequency = self._highest_frequency(scenario.column)
         share = 0.2 if scenario.striker.restitution == 0.0 else 0.05
         step = min(self.time_step or share / frequency, scenario.duration / 20)
@@ -213,7 +215,10 @@ class FourDof:
             error = float(np.max(np.abs(balance))) / scenario.input_energy
             exact = self.integrator == "midpoint" and self.time_step is None
             if not exact or error < _BALANCE:
-                return self._impact_response(scenario, time, records, balance, dead)
+                solved = perf_counter() - started
+                response = self._impact_response(scenario, time, records, balance, dead)
+                response.attrs["solve_time"] = solved
+                return response
             step *= 0.5
         raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -201,7 +202,9 @@ class SingleDof:
         return min(int(np.ceil(scenario.duration / step)), _MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
+        started = perf_counter()
         run = self._march(scenario)
+        solved = perf_counter() - started
         time, records, curve = run.time, run.records, run.curve
         column, scalars = scenario.column, _scalars(scenario, run)
         warnings = []
@@ -230,7 +233,9 @@ class SingleDof:
             "shear_utilisation": shear_utilisation(companion, column, top),
             **scalars,
         }
-        return build_response(values, time=time, segments=_SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=_SEGMENTS, warnings=warnings)
+        response.attrs["solve_time"] = solved
+        return response
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column, top = scenario.column, scenario.displacement

@@ -138,7 +138,7 @@ def _bias(stored: Stored) -> Table | None:
                 Cell(str(row["model"])),
                 Cell(str(row["against"])),
                 Cell(title_of(str(row["quantity"]))),
-                Cell(number(row["count"], 6), row["count"]),
+                Cell(str(int(row["count"])), row["count"]),
                 Cell(number(row["bias"], 4), row["bias"]),
                 Cell(span, row["low"]),
                 Cell(percent(row["model_scatter"], signed=False), row["model_scatter"]),
