@@ -71,7 +71,7 @@ def test_the_ladder_of_a_first_order_error_is_found(toy_study: Study, tmp_path: 
     assert row["order"] == pytest.approx(1.0, abs=1e-9)
     assert row["extrapolated"] == pytest.approx(V15_PEAK, rel=1e-9)
     assert row["uncertainty"] == pytest.approx(1.25 * 0.02 * V15_PEAK, rel=1e-9)
-    assert len(rows) == 6
+    assert len(rows) == 9
     assert rows.loc["v15.0", "residual_displacement"]["note"].startswith("residual_displacement is")
 
 
