@@ -1,12 +1,14 @@
-"""Where does each reduced column model stop being trustworthy?
+"""Where each reduced column model stops being trustworthy.
 
 Section x position of the hit x axial load x velocity, every model against the fiber reference.
 """
 
+import sys
 from dataclasses import replace
 from itertools import product
 
 from workbench.assessment import Gate
+from workbench.cli import main
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
@@ -34,6 +36,7 @@ REDUCED = ("4-DOF", "SDOF analytic", "SDOF cubic", "energy estimate")
 
 
 def impact(section: str, position: float, load: float, velocity: float) -> ColumnImpact:
+    """The impact at one point of the sweep."""
     column = Column(
         SECTIONS[section],
         position * LENGTH,
@@ -116,4 +119,4 @@ study = Study(
 )
 
 if __name__ == "__main__":
-    study.main()
+    main(["run", __file__, *sys.argv[1:]])

@@ -4,7 +4,10 @@ Published numbers, reduced models and the fiber reference side by side. Run it w
 ``workbench run thesis_column`` and ``workbench report thesis_column``, or as a script.
 """
 
+import sys
+
 from workbench.assessment import Gate
+from workbench.cli import main
 from workbench.datafiles import data_directory
 from workbench.evidence.published import Published
 from workbench.models.energy_estimate import EnergyEstimate
@@ -55,6 +58,7 @@ cases = (
 
 
 def reproduction(model: str, against: str) -> Gate:
+    """A model is to give the numbers that were published for it."""
     return Gate(
         model,
         against,
@@ -69,6 +73,7 @@ def reproduction(model: str, against: str) -> Gate:
 
 
 def fitness(model: str, bound: float) -> Gate:
+    """A model is to predict the peak of the reference within a bound."""
     return Gate(
         model,
         REFERENCE,
@@ -240,4 +245,4 @@ study = Study(
 )
 
 if __name__ == "__main__":
-    study.main()
+    main(["run", __file__, *sys.argv[1:]])

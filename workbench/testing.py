@@ -17,6 +17,7 @@ from workbench.errors import InputError, WorkbenchError
 from workbench.models.base import Model, options_of, with_options
 from workbench.responses import (
     ENERGIES,
+    TIMES,
     Finding,
     Outcome,
     Response,
@@ -204,5 +205,5 @@ def _foreign(model: Model, scenario: Scenario) -> Iterator[str]:
 
 def _numbers(response: Response) -> Response:
     return response.drop_attrs(deep=False).assign_attrs(
-        {name: value for name, value in response.attrs.items() if name != "wall_time"}
+        {name: value for name, value in response.attrs.items() if name not in TIMES}
     )

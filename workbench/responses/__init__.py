@@ -15,13 +15,22 @@ from workbench.responses.build import (
 )
 from workbench.responses.outcome import Finding, Outcome
 from workbench.responses.provenance import provenance
-from workbench.responses.variables import COORDINATES, ENERGIES, SCALARS, VARIABLES
+from workbench.responses.variables import (
+    COORDINATES,
+    ENERGIES,
+    SCALARS,
+    TIMES,
+    VARIABLES,
+    VOLATILE,
+)
 
 __all__ = [
     "COORDINATES",
     "ENERGIES",
     "SCALARS",
+    "TIMES",
     "VARIABLES",
+    "VOLATILE",
     "Finding",
     "Outcome",
     "Response",

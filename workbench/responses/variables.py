@@ -48,6 +48,10 @@ VARIABLES: dict[str, Variable] = {
     "input_energy": Variable((), "J", "energy brought in: striker, or work of the push"),
 }
 
+# Attributes that differ from run to run; all others repeat exactly.
+TIMES = ("wall_time", "solve_time")  # s: the whole answer, and solving the equations alone
+VOLATILE = ("provenance", *TIMES)
+
 SCALARS = tuple(name for name, variable in VARIABLES.items() if not variable.dims)
 ENERGIES = (
     "kinetic",

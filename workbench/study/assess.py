@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.assessment import Verdict, bias_and_scatter
 from workbench.errors import InputError
-from workbench.responses import SCALARS, Response, scalars_of, warnings_of
+from workbench.responses import SCALARS, TIMES, Response, scalars_of, warnings_of
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import (
     Answers,
@@ -27,7 +27,6 @@ from workbench.study.tables import Row, write_table
 NOT_RUN = "not run"
 
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "warnings", "wall_time")
-_TIMES = ("wall_time", "solve_time")
 _COMPARISON = (
     *("model", "against", "quantity", "metric", "value", "against_value", "error"),
     *("uncertainty", "note"),
@@ -89,7 +88,7 @@ def assess(study: Study, root: Path) -> Assessment:
         )
     names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
     for name in names:
-        if name in {*_CELL, *_TIMES, *_COMPARISON, *SCALARS, "key"}:
+        if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     cell_rows: list[Row] = []
     comparisons: list[Row] = []
@@ -158,7 +157,7 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
         "warnings": "; ".join(f"{f.subject}: {f.text}" for f in warnings_of(response)),
-        **{name: record.get(name) for name in _TIMES},
+        **{name: record.get(name) for name in TIMES},
         **scalars_of(response),
     }
     if "shear_utilisation" in response:

@@ -8,10 +8,8 @@ from typing import Any
 
 import xarray as xr
 
-from workbench.responses import Response
+from workbench.responses import VOLATILE, Response
 
-# Attributes that differ between two runs of the same cell; they belong in its record.
-VOLATILE = ("provenance", "wall_time", "solve_time")
 _COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compression saves
 
 

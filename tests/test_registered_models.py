@@ -1,0 +1,59 @@
+"""Meta-tests: nothing registered may go untested or undocumented."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from workbench.evidence.published import Published
+from workbench.registry import make_model, model_names
+from workbench.report.bibliography import BIBLIOGRAPHY
+from workbench.scenarios import ColumnPushover
+from workbench.testing import check_model
+
+ROOT = Path(__file__).resolve().parents[1]
+THEORY = {
+    "four-dof": "four-dof.md",
+    "single-dof": "single-dof.md",
+    "energy-estimate": "single-dof.md",
+    "fiber-corotational": "fiber-corotational.md",
+    "published": "published.md",
+}
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
+    model = make_model(name, {})
+    scenarios = [
+        thesis_impact.at_velocity(10.0),
+        ColumnPushover("push", thesis_impact.column, 0.05),
+    ]
+    if name != "published":
+        pinned = replace(thesis_impact.column, base="pinned", axial_load=0.0)
+        scenarios.append(replace(thesis_impact.at_velocity(5.0), column=pinned))
+    check_model(model, [s for s in scenarios if s.KIND in model.answers])
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_every_model_has_a_theory_page_and_known_sources(name: str) -> None:
+    model = make_model(name, {})
+    page = ROOT / "docs" / "theory" / THEORY[name]
+    assert f"`{name}`" in page.read_text(encoding="utf-8")
+    assert len(model.assumptions) >= 1
+    for key in model.sources:
+        assert key in BIBLIOGRAPHY
+
+
+def test_published_series_are_all_readable() -> None:
+    from workbench.evidence import datasets, load
+
+    seen = 0
+    for entry in datasets():
+        if not entry.scenario:
+            continue
+        for series in dict.fromkeys(load(entry.name)["series"]):
+            assert Published(entry.name, series).sources == (entry.key,)
+            seen += 1
+    assert seen >= 5
