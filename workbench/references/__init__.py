@@ -1,1 +1,1 @@
-"""."""
+"""Reference solutions: distributed plasticity, with refinement ladders of their own."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,6 +57,24 @@ class ElementGroup(Protocol):
         ...
 
 
+@runtime_checkable
+class ForceGroup(Protocol):
+    """A group that can give forces without a tangent (see `ReissnerBeams`)."""
+
+    def resist(self, force: Array, end: Array) -> None:
+        """Add forces at the displacements `end`; keep the trial state."""
+        ...
+
+
+@runtime_checkable
+class RateGroup(Protocol):
+    """A group whose material may depend on the rate."""
+
+    def begin_step(self, duration: float) -> None:
+        """Take the duration of the step to come, in s."""
+        ...
+
+
 class PlanarAssembly:
     """Nodes with (u, v, rotation), element groups, and everything attached to single dofs.
 
@@ -74,6 +92,7 @@ class PlanarAssembly:
         self._place_of_node = self._numbering()
         self.size = 3 * len(self.coordinates)
         self.width = 5
+        self._shortest = np.inf
         for group in self.groups:
             self._place(group)
         self._rows = 3 * self.width + 1
@@ -87,6 +106,8 @@ class PlanarAssembly:
         self._held: Indices = np.zeros(0, dtype=np.int64)
         self._springs: dict[int, tuple[float, float]] = {}
         self.stored = 0.0
+        self._force: Array = np.zeros(self.size)
+        self._largest_force = 1e-6
 
     # -- numbering ---------------------------------------------------------------------------
 
@@ -121,7 +142,9 @@ class PlanarAssembly:
         dofs = self._dofs(group.nodes)
         self.width = max(self.width, int(np.max(dofs.max(axis=1) - dofs.min(axis=1))))
         ends = self.coordinates[group.nodes]
-        group.place(dofs, ends[:, 1] - ends[:, 0])
+        chords = ends[:, 1] - ends[:, 0]
+        self._shortest = min(self._shortest, float(np.min(np.hypot(*chords.T))))
+        group.place(dofs, chords)
 
     def _band_positions(self, dofs: Indices) -> Indices:
         rows, columns = dofs[:, :, None], dofs[:, None, :]
@@ -189,7 +212,27 @@ class PlanarAssembly:
                 mid = 0.5 * (end[dof] + self.displacement[dof])
                 force[dof] += stiffness * (mid - reference)
                 self.band[self._diagonal(dof)] += 0.5 * stiffness
+        self._force = force
         return force
+
+    def resist(self, end: Array) -> Array:
+        """Internal forces (dofs,) at the displacements `end`; groups keep the trial state."""
+        force = np.zeros(self.size)
+        for group, positions in zip(self.groups, self._positions, strict=True):
+            if isinstance(group, ForceGroup):
+                group.resist(force, end)
+            else:
+                group.assemble(force, self.band, positions, self.displacement, end, None)
+        for dof, (stiffness, reference) in self._springs.items():
+            force[dof] += stiffness * (end[dof] - reference)
+        self._force = force
+        return force
+
+    def begin_step(self, duration: float) -> None:
+        """Tell groups whose material depends on the rate how long the next step is, in s."""
+        for group in self.groups:
+            if isinstance(group, RateGroup):
+                group.begin_step(duration)
 
     def add_to_diagonal(self, dof: int, value: float) -> None:
         """Add to the diagonal of the tangent."""
@@ -201,10 +244,19 @@ class PlanarAssembly:
         _kernels.band_product(self.mass, self.width, x, result)
         return result
 
-    def round_off(self, x: Array) -> float:
-        """Residual (N) that rounding of the displacements x leaves with the tangent in `band`."""
+    def allowed_residual(self, tolerance: float, residual: Array, start: Array) -> float:
+        """Largest residual entry (N) with which a step counts as solved.
+
+        Arguments: `tolerance` relative to the largest nodal force so far or load; the first
+        `residual` of the step, a thousandth of which counts as well (a structure at rest has no
+        forces yet); displacements `start`, whose rounding leaves a residual by itself, as does
+        that of the chords.
+        """
+        scale = max(self._largest_force, np.max(np.abs(self.load)), 1e-3 * np.max(np.abs(residual)))
         diagonal = self.band[2 * self.width :: self._rows]
-        return float(ROUNDINGS * np.max(diagonal) * np.max(np.abs(x)))
+        rounded = max(np.max(np.abs(start)), self._shortest)
+        rounding = ROUNDINGS * np.max(np.abs(diagonal)) * rounded
+        return float(max(tolerance * scale, rounding))
 
     def tangent_times(self, x: Array) -> Array:
         """Product of the tangent in `band` with x (dofs,)."""
@@ -240,6 +292,7 @@ class PlanarAssembly:
         for group in self.groups:
             group.commit()
         self.displacement = end.copy()
+        self._largest_force = max(self._largest_force, float(np.max(np.abs(self._force))))
         if velocity is not None:
             self.velocity = velocity
 

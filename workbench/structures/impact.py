@@ -9,14 +9,16 @@ Source: Heng 2017, chapter 3 (percussion form) and chapter 5 (energy-momentum st
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
+from workbench.impact import _kernels as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.ledger import StepEnergies
 from workbench.structures.newton import Solution, newton
@@ -47,8 +49,8 @@ class TimeStep(NamedTuple):
 
     `time` at its end and `length` of it in s; the `striker` at its end; `percussion` of the step
     in N s and the energy `contact_loss` of the step in J; `energies` of the structure;
-    `external_work` of the dead loads in the step in J; `evaluations` of the residual, and `cuts`,
-    how often the step was halved.
+    `external_work` of the dead loads in the step in J; `kinetic` energy of the structure at its
+    end in J; `evaluations` of the residual, and `cuts`, how often the step was halved.
     """
 
     time: float
@@ -58,6 +60,7 @@ class TimeStep(NamedTuple):
     contact_loss: float
     energies: StepEnergies
     external_work: float
+    kinetic: float
     evaluations: int
     cuts: int
 
@@ -82,11 +85,12 @@ def _attempt(
     x0, v0 = assembly.displacement, assembly.velocity
     gamma0 = float(v0[dof]) - striker.velocity
     held = assembly.held
-    touch = striker.velocity - striker.restitution * gamma0
+    restitution = contact.rebound(gamma0, striker.restitution)
+    touch = striker.velocity - restitution * gamma0
     start_momentum = assembly.mass_times(v0) * (2.0 / dt)
     factor = 2.0 / dt**2
 
-    def evaluate(x: Array) -> tuple[Array, float]:
+    def evaluate(x: Array) -> Array:
         force = assembly.assemble(x, weight, factor)
         inertia = assembly.mass_times(x - x0) * factor - start_momentum
         residual = inertia + force - assembly.load
@@ -94,17 +98,20 @@ def _attempt(
             v1 = 2.0 * (x[dof] - x0[dof]) / dt - v0[dof]
             residual[dof] -= striker.mass * (touch - v1) / dt
             assembly.add_to_diagonal(dof, factor * striker.mass)
-        scale = float(max(np.max(np.abs(force)), np.max(np.abs(inertia)), 1e-6))
         residual[held] = 0.0
-        return residual, max(tolerance * scale, assembly.round_off(x))
+        return residual
 
-    found = newton(evaluate, assembly.solve, x0, 25)
+    def allow(residual: Array) -> float:
+        return assembly.allowed_residual(tolerance, residual, x0)
+
+    assembly.begin_step(dt)
+    found = newton(evaluate, allow, assembly.solve, x0, 25)
     v1 = 2.0 * (found.x - x0) / dt - v0
     v1[held] = 0.0
     if closed:
         percussion = striker.mass * (touch - float(v1[dof]))
         return _Attempt(found, v1, percussion, percussion >= 0.0)
-    separation = float(v1[dof]) - striker.velocity + striker.restitution * gamma0
+    separation = float(v1[dof]) - striker.velocity + restitution * gamma0
     return _Attempt(found, v1, 0.0, separation >= 0.0)
 
 
@@ -143,21 +150,44 @@ def impact(
     assembly: PlanarAssembly,
     dof: int,
     striker: PointMass,
-    duration: float,
-    step: float,
+    spans: Sequence[tuple[float, float]],
     weight: float,
     tolerance: float = 1e-8,
     most_cuts: int = 12,
 ) -> Iterator[TimeStep]:
     """Follow an impact at `dof` in the direction of growing displacement.
 
-    Arguments: `assembly` at rest under its dead loads; `striker`; `duration` and nominal `step`
-    in s; `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy exactly, more dissipates
-    grid-scale ringing); `tolerance` of the residual over the largest force or inertia force;
-    `most_cuts`, how often a step may be halved when Newton's method fails.
+    Arguments: `assembly` at rest under its dead loads; `striker`; `spans`, end times and nominal
+    steps of successive parts of the record, both in s; `weight` of the end stresses, 1/2 to 1 (1/2
+    conserves energy exactly, more dissipates grid-scale ringing); `tolerance` of the residual over
+    the largest force; `most_cuts`, how often a step may be halved when Newton's method fails.
     Yields a `TimeStep` after each commit. Raises `SolverError`.
     """
-    count = max(1, round(duration / step))
+    begin = 0.0
+    for end, nominal in spans:
+        if end <= begin:
+            continue
+        for taken in _span(
+            assembly, dof, striker, end - begin, nominal, weight, tolerance, most_cuts, begin
+        ):
+            striker = taken.striker
+            yield taken
+        begin = end
+
+
+def _span(
+    assembly: PlanarAssembly,
+    dof: int,
+    striker: PointMass,
+    duration: float,
+    nominal: float,
+    weight: float,
+    tolerance: float,
+    most_cuts: int,
+    begin: float,
+) -> Iterator[TimeStep]:
+    """A part of the record with one nominal step; steps are halved and doubled back as needed."""
+    count = max(1, ceil(duration / nominal - 1e-9))
     step = duration / count
     level = 0
     index = 0  # in units of step / 2^level
@@ -172,38 +202,48 @@ def impact(
             index *= 2
             if level > most_cuts:
                 raise SolverError(
-                    f"time {index * dt / 2:.6g} s",
+                    f"time {begin + index * dt / 2:.6g} s",
                     residual,
                     f"line search, open and closed contact, steps down to {dt:.3g} s",
                 )
             continue
-        x0 = assembly.displacement
-        x1 = found.solution.x
-        gamma0 = float(assembly.velocity[dof]) - striker.velocity
-        energies = assembly.account(x1, weight)
-        external = float(assembly.load @ (x1 - x0))
-        assembly.commit(x1, found.velocity)
-        velocity = striker.velocity - found.percussion / striker.mass
-        gamma1 = float(found.velocity[dof]) - velocity
-        striker = replace(
-            striker,
-            velocity=velocity,
-            position=striker.position + 0.5 * dt * (striker.velocity + velocity),
-        )
         index += 1
-        time = index * dt
-        yield TimeStep(
-            time,
-            dt,
-            striker,
-            found.percussion,
-            -0.5 * found.percussion * (gamma0 + gamma1),
-            energies,
-            external,
-            evaluations,
-            cuts,
-        )
+        taken = _commit(assembly, dof, striker, found, dt, weight)
+        yield taken._replace(time=begin + index * dt, evaluations=evaluations, cuts=cuts)
+        striker = taken.striker
         evaluations = cuts = 0
         while level > 0 and index % 2 == 0:
             level -= 1
             index //= 2
+
+
+def _commit(
+    assembly: PlanarAssembly,
+    dof: int,
+    striker: PointMass,
+    found: _Attempt,
+    dt: float,
+    weight: float,
+) -> TimeStep:
+    """Commit a solved step and account for its energies."""
+    end = found.solution.x
+    approach = float(assembly.velocity[dof]) - striker.velocity
+    energies = assembly.account(end, weight)
+    external_work = float(assembly.load @ (end - assembly.displacement))
+    assembly.commit(end, found.velocity)
+    assembly.stored = energies.stored
+    velocity = striker.velocity - found.percussion / striker.mass
+    departure = float(found.velocity[dof]) - velocity
+    position = striker.position + 0.5 * dt * (striker.velocity + velocity)
+    return TimeStep(
+        time=0.0,
+        length=dt,
+        striker=replace(striker, velocity=velocity, position=position),
+        percussion=found.percussion,
+        contact_loss=contact.contact_loss(found.percussion, approach, departure),
+        energies=energies,
+        external_work=external_work,
+        kinetic=assembly.kinetic_energy(),
+        evaluations=0,
+        cuts=0,
+    )

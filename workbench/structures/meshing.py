@@ -37,7 +37,7 @@ def graded_lengths(
         graded + (inner - graded_count) * cap,
     )
     nodes = np.where(at <= half_count, position, length - position)
-    return np.diff(nodes)
+    return np.asarray(np.diff(nodes))
 
 
 def halved(lengths: Array, times: int) -> Array:

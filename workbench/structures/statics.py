@@ -33,18 +33,19 @@ def _equilibrium(
     """Solve for equilibrium under `load` with `held` dofs as in `start`; also the reactions."""
     reactions = np.zeros(assembly.size)
 
-    def evaluate(x: Array) -> tuple[Array, float]:
-        force = assembly.assemble(x, None)
-        residual = force - load
+    def evaluate(x: Array) -> Array:
+        residual = assembly.assemble(x, None) - load
         reactions[:] = residual
-        scale = float(max(np.max(np.abs(force)), np.max(np.abs(load)), 1e-6))
         residual[held] = 0.0
-        return residual, max(tolerance * scale, assembly.round_off(x))
+        return residual
+
+    def allow(residual: Array) -> float:
+        return assembly.allowed_residual(tolerance, residual, start)
 
     def solve(right: Array) -> Array | None:
         return assembly.solve(right, held)
 
-    return newton(evaluate, solve, start, iterations=40), reactions
+    return newton(evaluate, allow, solve, start, iterations=40), reactions
 
 
 def _tangent_start(
@@ -63,20 +64,33 @@ def _tangent_start(
     return start
 
 
-def apply_loads(assembly: PlanarAssembly, steps: int = 5, tolerance: float = 1e-10) -> None:
-    """Bring the dead loads of the assembly on in equal steps, and commit.
+def apply_loads(
+    assembly: PlanarAssembly, steps: int = 5, tolerance: float = 1e-10, most_cuts: int = 10
+) -> None:
+    """Bring the dead loads of the assembly on in equal steps, halved where needed, and commit.
 
     Raises `SolverError` when an equilibrium is not found.
     """
-    for k in range(1, steps + 1):
-        share = k / steps
+    done, level = 0, 0  # in units of 1 / (steps 2^level)
+    while done < steps * 2**level:
+        share = (done + 1) / (steps * 2**level)
         found, _ = _equilibrium(
             assembly, share * assembly.load, assembly.displacement, assembly.held, tolerance
         )
         if not found.converged:
-            raise SolverError(f"dead load, share {share:.3g}", found.residual, "load steps")
+            level, done = level + 1, 2 * done
+            if level > most_cuts:
+                raise SolverError(
+                    f"dead load, share {share:.3g}",
+                    found.residual,
+                    f"line search and load steps down to 1/{steps * 2**most_cuts}",
+                )
+            continue
         assembly.stored = assembly.account(found.x, LEDGER_WEIGHT).stored
         assembly.commit(found.x)
+        done += 1
+        while level > 0 and done % 2 == 0:
+            level, done = level - 1, done // 2
 
 
 def push(

@@ -25,6 +25,9 @@ from workbench.structures.corotation._kernels import (
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+BALANCE = 1e-13  # of squash load and of 6 EI / L: inner unknowns are solved to round-off
+INNER_ITERATIONS = 100
+
 
 @njit(cache=True, error_model="numpy")
 def section_response(
@@ -73,11 +76,12 @@ def section_response(
 
 
 @njit(cache=True, error_model="numpy")
-def element_law(
-    deformation: Vector,
+def point_sums(
+    state: Vector,
     length: float,
     xi: Vector,
     weights: Vector,
+    spread: Vector,
     y: Vector,
     area: Vector,
     steel: Vector,
@@ -85,67 +89,224 @@ def element_law(
     plastic_new: NDArray[np.float64],
     local: Vector,
     k: NDArray[np.float64],
-) -> None:
-    """Local forces (N, M1, M2) and their 3 x 3 tangent for given local deformations.
+    coupling: Vector,
+) -> float:
+    """Sums over the points of an element at a given state.
 
-    Arguments: `deformation` (4,), elongation (m), rotations, and the strain difference (see
-    `balance`); `length` in m; points `xi` and `weights` along the
-    element; fibers `y`, `area`; `steel` (E, fy, H) in Pa; committed plastic strains (points, f).
-    Writes `plastic_new`, `local` (3,) and `k` (3, 3).
+    Arguments: `state` (5,): elongation (m), bending rotations of both ends (rad), shear strain
+    (not used here), and the amplitude a of the strain that `spread` (points,) adds along the
+    axis; `length` in m; points `xi` with `weights`; fibers `y`, `area`; `steel` (E, fy, H) in Pa;
+    committed plastic strains (points, f). Writes `plastic_new`, `local` (3,) N, M1, M2, its
+    tangent `k` (3, 3), and `coupling` (4,): derivatives of the force R_a = L sum(w spread N)
+    conjugate to a with respect to the elongation, both rotations and a. Result: R_a.
     """
     E, fy, H = steel[0], steel[1], steel[2]
-    mean = deformation[0] / length
-    b11 = (6.0 * xi[0] - 4.0) / length
-    b12 = (6.0 * xi[0] - 2.0) / length
-    b21 = (6.0 * xi[1] - 4.0) / length
-    b22 = (6.0 * xi[1] - 2.0) / length
-    kappa1 = b11 * deformation[1] + b12 * deformation[2]
-    kappa2 = b21 * deformation[1] + b22 * deformation[2]
-    w1, w2 = weights[0], weights[1]
-    squash = fy * np.sum(area)
-    a = deformation[3]
-    low, high = -np.inf, np.inf
-    for it in range(60):
-        n1, m1, c01, c11, c21 = section_response(
-            mean + w2 * a, kappa1, y, area, E, fy, H, plastic_old[0], plastic_new[0]
+    local[:] = 0.0
+    k[:] = 0.0
+    coupling[:] = 0.0
+    difference = 0.0
+    for g in range(xi.shape[0]):
+        b1 = (6.0 * xi[g] - 4.0) / length
+        b2 = (6.0 * xi[g] - 2.0) / length
+        n, m, c0, c1, c2 = section_response(
+            state[0] / length + spread[g] * state[4],
+            b1 * state[1] + b2 * state[2],
+            y,
+            area,
+            E,
+            fy,
+            H,
+            plastic_old[g],
+            plastic_new[g],
         )
-        n2, m2, c02, c12, c22 = section_response(
-            mean - w1 * a, kappa2, y, area, E, fy, H, plastic_old[1], plastic_new[1]
-        )
-        r = n1 - n2
-        slope = w2 * c01 + w1 * c02
-        if abs(r) <= 1e-12 * squash:
-            break
-        if r > 0.0:
-            high = a
-        else:
-            low = a
-        new = a - r / slope
-        if not (low < new < high):
-            if np.isinf(low) or np.isinf(high):
-                new = a - r / slope
-            else:
-                new = 0.5 * (low + high)
-        if new == a:
-            break
-        a = new
-    deformation[3] = a
-    local[0] = w1 * n1 + w2 * n2
-    local[1] = length * (w1 * b11 * m1 + w2 * b21 * m2)
-    local[2] = length * (w1 * b12 * m1 + w2 * b22 * m2)
-    x0 = w1 * w2 * (c01 - c02)
-    x1 = w1 * w2 * length * (b11 * c11 - b21 * c12)
-    x2 = w1 * w2 * length * (b12 * c11 - b22 * c12)
-    s = 1.0 / (w1 * w2 * length * slope)
-    k[0, 0] = (w1 * c01 + w2 * c02) / length - x0 * x0 * s
-    k[0, 1] = w1 * b11 * c11 + w2 * b21 * c12 - x0 * x1 * s
-    k[0, 2] = w1 * b12 * c11 + w2 * b22 * c12 - x0 * x2 * s
-    k[1, 1] = length * (w1 * b11 * b11 * c21 + w2 * b21 * b21 * c22) - x1 * x1 * s
-    k[1, 2] = length * (w1 * b11 * b12 * c21 + w2 * b21 * b22 * c22) - x1 * x2 * s
-    k[2, 2] = length * (w1 * b12 * b12 * c21 + w2 * b22 * b22 * c22) - x2 * x2 * s
+        w = weights[g]
+        wl = w * length
+        local[0] += w * n
+        local[1] += wl * b1 * m
+        local[2] += wl * b2 * m
+        k[0, 0] += w * c0 / length
+        k[0, 1] += w * b1 * c1
+        k[0, 2] += w * b2 * c1
+        k[1, 1] += wl * b1 * b1 * c2
+        k[1, 2] += wl * b1 * b2 * c2
+        k[2, 2] += wl * b2 * b2 * c2
+        difference += wl * spread[g] * n
+        coupling[0] += w * spread[g] * c0
+        coupling[1] += wl * b1 * spread[g] * c1
+        coupling[2] += wl * b2 * spread[g] * c1
+        coupling[3] += wl * spread[g] * spread[g] * c0
     k[1, 0] = k[0, 1]
     k[2, 0] = k[0, 2]
     k[2, 1] = k[1, 2]
+    return difference
+
+
+@njit(cache=True, error_model="numpy")
+def inside(new: float, low: float, high: float) -> float:
+    """A Newton iterate, or the middle of the bracket if it leaves that; its end if open."""
+    if low < new < high:
+        return new
+    if low == -np.inf:
+        return high
+    if high == np.inf:
+        return low
+    return 0.5 * (low + high)
+
+
+@njit(cache=True, error_model="numpy")
+def balanced_law(
+    state: Vector,
+    length: float,
+    xi: Vector,
+    weights: Vector,
+    spread: Vector,
+    y: Vector,
+    area: Vector,
+    steel: Vector,
+    plastic_old: NDArray[np.float64],
+    plastic_new: NDArray[np.float64],
+    local: Vector,
+    k: NDArray[np.float64],
+    coupling: Vector,
+) -> None:
+    """`point_sums` with the amplitude `state[4]` such that N is the same at both points.
+
+    With linear axial displacement alone, a section that yields under N and M cannot shorten or
+    lengthen freely, because its element's other section is elastic: N is relieved, and the
+    moment capacity overestimated. The force R_a rises with a, so that a safeguarded Newton
+    iteration from the last a finds it. Writes the condensed `k` as well.
+    """
+    tolerance = BALANCE * steel[1] * np.sum(area) * length
+    a = state[4]
+    low, high = -np.inf, np.inf
+    for _ in range(INNER_ITERATIONS):
+        state[4] = a
+        difference = point_sums(
+            state,
+            length,
+            xi,
+            weights,
+            spread,
+            y,
+            area,
+            steel,
+            plastic_old,
+            plastic_new,
+            local,
+            k,
+            coupling,
+        )
+        if abs(difference) <= tolerance:
+            break
+        if difference > 0.0:
+            high = a
+        else:
+            low = a
+        a = inside(a - difference / coupling[3], low, high)
+        if a == state[4]:
+            break
+    for i in range(3):
+        for j in range(3):
+            k[i, j] -= coupling[i] * coupling[j] / coupling[3]
+
+
+@njit(cache=True, error_model="numpy")
+def element_law(
+    state: Vector,
+    theta1: float,
+    theta2: float,
+    shear_stiffness: float,
+    second: float,
+    length: float,
+    xi: Vector,
+    weights: Vector,
+    spread: Vector,
+    y: Vector,
+    area: Vector,
+    steel: Vector,
+    plastic_old: NDArray[np.float64],
+    plastic_new: NDArray[np.float64],
+    local: Vector,
+    k: NDArray[np.float64],
+    coupling: Vector,
+) -> None:
+    """Local forces (N, M1, M2) and their 3 x 3 tangent for given local deformations.
+
+    Arguments: `state` (5,), the elongation, and from the last trial the bending rotations, the
+    shear strain and the axial amplitude, from which the solution starts and into which it is
+    written; end rotations `theta1`, `theta2` against the chord; `shear_stiffness` GA in N (0: no
+    shear strain); `second` moment of area in m4; `spread` (points,), all zero for linear axial
+    displacement; scratch `coupling` (4,); the rest as in `point_sums`.
+
+    The elastic shear strain g, constant along the element, turns both ends against the chord:
+    bending rotations are theta + g, and GA L g + M1 + M2 = 0 fixes g.
+    """
+    balanced = spread[0] != 0.0
+    stiffness = shear_stiffness * length
+    elastic = 6.0 * steel[0] * second / length
+    g = 0.0
+    if shear_stiffness > 0.0:
+        # exact if all fibers respond elastically from the last trial
+        g = state[3]
+        change = theta1 + theta2 - (state[1] - g) - (state[2] - g)
+        g -= elastic * change / (stiffness + 2.0 * elastic)
+    low, high = -np.inf, np.inf
+    tolerance = BALANCE * elastic
+    for _ in range(INNER_ITERATIONS):
+        state[1] = theta1 + g
+        state[2] = theta2 + g
+        state[3] = g
+        if balanced:
+            balanced_law(
+                state,
+                length,
+                xi,
+                weights,
+                spread,
+                y,
+                area,
+                steel,
+                plastic_old,
+                plastic_new,
+                local,
+                k,
+                coupling,
+            )
+        else:
+            point_sums(
+                state,
+                length,
+                xi,
+                weights,
+                spread,
+                y,
+                area,
+                steel,
+                plastic_old,
+                plastic_new,
+                local,
+                k,
+                coupling,
+            )
+        if shear_stiffness <= 0.0:
+            return
+        residual = stiffness * g + local[1] + local[2]
+        pivot = stiffness + k[1, 1] + 2.0 * k[1, 2] + k[2, 2]
+        if abs(residual) <= tolerance:
+            break
+        # the residual rises with g: Newton's step, kept inside the bracket
+        if residual > 0.0:
+            high = g
+        else:
+            low = g
+        g = inside(g - residual / pivot, low, high)
+        if g == state[3]:
+            break
+    for i in range(3):
+        coupling[i] = k[i, 1] + k[i, 2]
+    for i in range(3):
+        for j in range(3):
+            k[i, j] -= coupling[i] * coupling[j] / pivot
 
 
 @njit(cache=True, error_model="numpy")
@@ -164,13 +325,17 @@ def assemble(
     ys: NDArray[np.float64],
     areas: NDArray[np.float64],
     steels: NDArray[np.float64],
+    shear: Vector,
+    second: Vector,
     xi: NDArray[np.float64],
     weights: NDArray[np.float64],
+    spread: NDArray[np.float64],
     plastic_old: NDArray[np.float64],
     local_old: NDArray[np.float64],
+    state_old: NDArray[np.float64],
     plastic_new: NDArray[np.float64],
     local_new: NDArray[np.float64],
-    deformation_new: NDArray[np.float64],
+    state_new: NDArray[np.float64],
 ) -> None:
     """Add forces and tangent of all elements of a group.
 
@@ -180,6 +345,7 @@ def assemble(
     arrays, and its committed (`_old`) and trial (`_new`) states. Writes the trial states.
     """
     k = np.empty((3, 3))
+    coupling = np.empty(4)
     work = np.empty((10, 4))
     for e in range(dofs.shape[0]):
         i1, i2, i3, i4, i5, i6 = dofs[e]
@@ -188,19 +354,24 @@ def assemble(
         d1x, d1y = Dx + q1[i4] - q1[i1], Dy + q1[i5] - q1[i2]
         l1 = math.sqrt(d1x * d1x + d1y * d1y)
         alpha1 = chord_rotation(Dx, Dy, d1x, d1y, 0.5 * (q1[i3] + q1[i6]))
-        deformation = deformation_new[e]
+        state = state_new[e]
         # l - L without cancellation: elements of centimetres carry strains of 1e-6
         ux, uy = d1x - Dx, d1y - Dy
-        deformation[0] = (ux * (d1x + Dx) + uy * (d1y + Dy)) / (l1 + L)
-        deformation[1] = q1[i3] - alpha1
-        deformation[2] = q1[i6] - alpha1
+        state[0] = (ux * (d1x + Dx) + uy * (d1y + Dy)) / (l1 + L)
+        if not (math.isfinite(state[3]) and math.isfinite(state[4])):
+            state[1:] = state_old[e, 1:]  # a wild trial must not spoil the next one
         s = section[e]
         local = local_new[e]
         element_law(
-            deformation,
+            state,
+            q1[i3] - alpha1,
+            q1[i6] - alpha1,
+            shear[s],
+            second[s],
             L,
             xi[e],
             weights[e],
+            spread[e],
             ys[s],
             areas[s],
             steels[s],
@@ -208,6 +379,7 @@ def assemble(
             plastic_new[e],
             local,
             k,
+            coupling,
         )
         if step:
             d0x, d0y = Dx + q0[i4] - q0[i1], Dy + q0[i5] - q0[i2]
@@ -246,12 +418,14 @@ def account(
     ys: NDArray[np.float64],
     areas: NDArray[np.float64],
     steels: NDArray[np.float64],
+    shear: Vector,
     xi: NDArray[np.float64],
     weights: NDArray[np.float64],
+    spread: NDArray[np.float64],
     plastic_old: NDArray[np.float64],
-    deformation_old: NDArray[np.float64],
+    state_old: NDArray[np.float64],
     plastic_new: NDArray[np.float64],
-    deformation_new: NDArray[np.float64],
+    state_new: NDArray[np.float64],
 ) -> tuple[float, float, float, float]:
     """Energies of a step from the committed to the trial state of a group, in J.
 
@@ -267,14 +441,17 @@ def account(
         s = section[e]
         E, fy, H = steels[s, 0], steels[s, 1], steels[s, 2]
         L = lengths[e]
+        sheared = state_new[e, 3]
+        change = sheared - state_old[e, 3]
+        stored += 0.5 * shear[s] * L * sheared * sheared
+        algorithmic += (weight - 0.5) * shear[s] * L * change * change
         for g in range(xi.shape[1]):
             b1 = (6.0 * xi[e, g] - 4.0) / L
             b2 = (6.0 * xi[e, g] - 2.0) / L
-            c = weights[e, 1] if g == 0 else -weights[e, 0]
-            strain0 = deformation_old[e, 0] / L + c * deformation_old[e, 3]
-            strain1 = deformation_new[e, 0] / L + c * deformation_new[e, 3]
-            kappa0 = b1 * deformation_old[e, 1] + b2 * deformation_old[e, 2]
-            kappa1 = b1 * deformation_new[e, 1] + b2 * deformation_new[e, 2]
+            strain0 = state_old[e, 0] / L + spread[e, g] * state_old[e, 4]
+            strain1 = state_new[e, 0] / L + spread[e, g] * state_new[e, 4]
+            kappa0 = b1 * state_old[e, 1] + b2 * state_old[e, 2]
+            kappa1 = b1 * state_new[e, 1] + b2 * state_new[e, 2]
             wl = weights[e, g] * L
             for f in range(ys.shape[1]):
                 p0 = plastic_old[e, g, f]

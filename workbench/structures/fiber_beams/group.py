@@ -21,8 +21,9 @@ class FiberSection:
     """A layered cross section with its material, in SI units.
 
     Arguments: fiber ordinates `y` (f,) and areas `area` (f,); `elastic_modulus`, `yield_stress`
-    and the kinematic `hardening_modulus` in Pa; `mass_per_length` in kg/m. Rotary inertia per
-    length is that mass times I / A of the fibers.
+    and the kinematic `hardening_modulus` in Pa; `mass_per_length` in kg/m; elastic
+    `shear_stiffness` GA in N, or 0 for a beam without shear strain. Rotary inertia per length is
+    the mass times I / A of the fibers.
     """
 
     y: Array
@@ -31,6 +32,7 @@ class FiberSection:
     yield_stress: float
     hardening_modulus: float
     mass_per_length: float
+    shear_stiffness: float = 0.0
 
     @property
     def radius_squared(self) -> float:
@@ -69,14 +71,16 @@ def radau_rule(hinge_at_end: ArrayLike) -> Rule:
 class _State:
     plastic: Array  # (elements, points, fibers) plastic strain
     local: Array  # (elements, 3) N, M1, M2
-    deformation: Array  # (elements, 3) elongation and end rotations against the chord
+    strains: Array  # (elements, 5) elongation, bending rotations, shear strain, axial amplitude
 
 
 class FiberBeams:
     """Two-node co-rotational Bernoulli beams; states are committed by swapping two buffers.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
-    each element has; `sections`; `rule`, points along each element (default: two Gauss points).
+    each element has; `sections`; `rule`, points along each element (default: two Gauss points);
+    `balanced`: the axial strain differs between the two points such that N is the same (without
+    it the axial displacement is linear, as in the classical displacement-based element).
     """
 
     def __init__(
@@ -85,6 +89,7 @@ class FiberBeams:
         section_of: ArrayLike,
         sections: Sequence[FiberSection],
         rule: Rule | None = None,
+        balanced: bool = False,
     ) -> None:
         self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
         self.section_of: Indices = np.asarray(section_of, dtype=np.int64)
@@ -98,8 +103,16 @@ class FiberBeams:
         self._steel = np.array(
             [[s.elastic_modulus, s.yield_stress, s.hardening_modulus] for s in sections]
         )
+        self._shear = np.array([section.shear_stiffness for section in sections])
+        self._second = np.sum(self._y**2 * self._area, axis=1)
         rule = gauss_rule(len(self.nodes)) if rule is None else rule
         self._xi, self._weights = rule.abscissae, rule.weights
+        self._spread = np.zeros_like(self._weights)
+        if balanced:
+            if self._xi.shape[1] != 2:
+                raise ValueError("the axial force can be balanced between two points only")
+            # no mean: sum(w spread) = 0
+            self._spread = self._weights[:, ::-1] * np.array([1.0, -1.0])
         shape = (len(self.nodes), self._xi.shape[1], fibers)
         self._old = self._empty(shape)
         self._new = self._empty(shape)
@@ -109,7 +122,7 @@ class FiberBeams:
 
     @staticmethod
     def _empty(shape: tuple[int, int, int]) -> _State:
-        return _State(np.zeros(shape), np.zeros((shape[0], 3)), np.zeros((shape[0], 4)))
+        return _State(np.zeros(shape), np.zeros((shape[0], 3)), np.zeros((shape[0], 5)))
 
     def place(self, dofs: Indices, chords: Array) -> None:
         """Take from the assembly the dofs (elements, 6) and initial chords (elements, 2) in m."""
@@ -147,13 +160,17 @@ class FiberBeams:
             self._y,
             self._area,
             self._steel,
+            self._shear,
+            self._second,
             self._xi,
             self._weights,
+            self._spread,
             self._old.plastic,
             self._old.local,
+            self._old.strains,
             self._new.plastic,
             self._new.local,
-            self._new.deformation,
+            self._new.strains,
         )
 
     def account(self, weight: float) -> StepEnergies:
@@ -166,12 +183,14 @@ class FiberBeams:
                 self._y,
                 self._area,
                 self._steel,
+                self._shear,
                 self._xi,
                 self._weights,
+                self._spread,
                 self._old.plastic,
-                self._old.deformation,
+                self._old.strains,
                 self._new.plastic,
-                self._new.deformation,
+                self._new.strains,
             )
         )
 
@@ -193,13 +212,18 @@ class FiberBeams:
     @property
     def elongations(self) -> Array:
         """Committed change of chord length of the elements (elements,), in m."""
-        return self._old.deformation[:, 0]
+        return self._old.strains[:, 0]
 
     @property
     def shear_forces(self) -> Array:
         """Committed shear force (M1 + M2) / l of the elements (elements,), in N."""
-        local, state = self._old.local, self._old.deformation
+        local, state = self._old.local, self._old.strains
         return np.asarray((local[:, 1] + local[:, 2]) / (self.lengths + state[:, 0]))
+
+    @property
+    def shear_strains(self) -> Array:
+        """Committed elastic shear strain of the elements (elements,)."""
+        return self._old.strains[:, 3]
 
     @property
     def plastic_strains(self) -> Array:

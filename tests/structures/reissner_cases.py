@@ -1,0 +1,55 @@
+"""Sections and structures that the tests of geometrically exact beams share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.shear_beams import ShearYielding
+from workbench.structures.uniaxial import MILD_STEEL, LinearHardening, MenegottoPinto
+
+E, FY, SIDE, LAYERS = 210e9, 355e6, 0.2, 20
+G = E / 2.6
+DEPTH = ((np.arange(LAYERS) + 0.5) / LAYERS - 0.5) * SIDE
+AREA = np.full(LAYERS, SIDE**2 / LAYERS)
+SHEAR = {"shear_stiffness": G * SIDE**2 * 5.0 / 6.0}
+LAWS = {
+    "perfect": (LinearHardening(E, FY, 1e-6 * E), SHEAR),
+    "hardening": (LinearHardening(E, FY, 1e-2 * E, 2e-2 * E), SHEAR),
+    "rate": (LinearHardening(E, FY, 1e-2 * E, rate=MILD_STEEL), SHEAR),
+    "menegotto-pinto": (MenegottoPinto(E, FY, 0.01), SHEAR),
+    "shear": (ShearYielding(E, G, FY, 1e-6 * E), {"shear_share": np.ones(LAYERS)}),
+}
+
+
+def square(name: str = "perfect", **more: object) -> BeamSection:
+    """A solid square of 0.2 m with one of the laws."""
+    law, shear = LAWS[name]
+    return BeamSection(DEPTH, AREA, law, 314.0, **{**shear, **more})
+
+
+def elastic(radius: float, bending: float = 1.0, shear: float = 1.0) -> BeamSection:
+    """Two elastic fibers: I / A = radius^2, EI = bending, GA = shear times EA."""
+    area = np.full(2, 0.5 * bending / radius**2)
+    law = LinearHardening(1.0, 1e30)
+    return BeamSection(radius * np.array([-1.0, 1.0]), area, law, 1.0, shear * bending / radius**2)
+
+
+def chain(points: object, section: BeamSection, lumped: bool = False) -> PlanarAssembly:
+    """Beams from point to point."""
+    at = np.asarray(points, dtype=float)
+    nodes = np.stack([np.arange(len(at) - 1), np.arange(1, len(at))], axis=1)
+    group = ReissnerBeams(nodes, np.zeros(len(nodes), dtype=np.int64), [section])
+    return PlanarAssembly(at, [group], lumped=lumped)
+
+
+def straight(length: float, elements: int, section: BeamSection, **more: bool) -> PlanarAssembly:
+    """A straight chain along x."""
+    x = np.linspace(0.0, length, elements + 1)
+    return chain(np.stack([x, 0.0 * x], axis=1), section, **more)
+
+
+def tangent_of(assembly: PlanarAssembly) -> np.ndarray:
+    """The tangent in the band as a full matrix."""
+    return np.stack([assembly.tangent_times(e) for e in np.eye(assembly.size)], axis=1)

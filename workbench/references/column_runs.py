@@ -1,0 +1,242 @@
+"""Impact and pushover of a column of beams, from the first step to the response."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import OutOfDomainError
+from workbench.references.column_beams import SEGMENTS, WATCHED, ColumnBeams
+from workbench.references.history import History
+from workbench.responses import (
+    Finding,
+    Response,
+    build_response,
+    peak_contact_force,
+    peak_of,
+    residual_of,
+)
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover
+from workbench.structures.explicit import explicit_impact
+from workbench.structures.impact import PointMass, impact
+from workbench.structures.statics import push
+
+Array = NDArray[np.float64]
+LEAST_YIELD_RATIO = 0.995
+LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
+LARGEST_SHEAR_STRAIN = 0.3  # mean of a segment
+COLLAPSE_SIDEWAYS = 0.9  # displacement of the hit point over the shorter segment
+COLLAPSE_SHORTENING = 0.55  # of the length: the same geometry for a hit at mid-height
+COLLAPSE_CONTRACTION = 0.1  # of the length, along the axis: squashed
+LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
+
+
+def run_impact(
+    scenario: ColumnImpact,
+    beams: ColumnBeams,
+    spans: Sequence[tuple[float, float]],
+    weight: float | None,
+) -> Response:
+    """Hit the column and follow it for the scenario's duration.
+
+    Arguments: `beams` under its axial load; `spans`, end times and time steps of the parts of the
+    record (s); `weight` of the end stresses, or None for explicit steps with central differences
+    (then the time steps are those of the record, and bounds of the explicit ones).
+    Raises `SolverError`, and `OutOfDomainError` when the column collapses.
+    """
+    assembly, striker = beams.assembly, scenario.striker
+    history = History(beams)
+    start = assembly.stored
+    work = loss = 0.0
+    history.record(
+        time=0.0,
+        displacement=0.0,
+        velocity=0.0,
+        striker_velocity=striker.velocity,
+        percussion=0.0,
+        kinetic=scenario.input_energy,
+        external_work=0.0,
+        contact_loss=0.0,
+    )
+    mass = PointMass(striker.mass, striker.velocity, striker.restitution)
+    if weight is None:
+        steps = explicit_impact(assembly, beams.hit, mass, spans, spans[0][1])
+    else:
+        steps = impact(assembly, beams.hit, mass, spans, weight)
+    for taken in steps:
+        history.add(taken.energies, taken.evaluations, taken.cuts)
+        work += taken.external_work
+        loss += taken.contact_loss
+        history.record(
+            time=taken.time,
+            displacement=float(assembly.displacement[beams.hit]),
+            velocity=float(assembly.velocity[beams.hit]),
+            striker_velocity=taken.striker.velocity,
+            percussion=taken.percussion,
+            kinetic=taken.kinetic + taken.striker.kinetic_energy,
+            external_work=work,
+            contact_loss=loss,
+        )
+        _check_standing(beams, taken.time)
+    names = ("displacement", "velocity", "striker_velocity", "percussion", "shortening",
+             "kinetic", "elastic", "dissipated", "external_work", "contact_loss")  # fmt: skip
+    columns = {name: history.column(name) for name in names}
+    stored = columns["kinetic"] + columns["elastic"] + columns["dissipated"]
+    given = scenario.input_energy + start + columns["external_work"]
+    time = history.column("time")
+    peak = peak_of(time, columns["displacement"])
+    warnings = _shear_findings(history) + _impact_findings(history, scenario, bool(peak))
+    response = build_response(
+        {
+            **columns,
+            **peak,
+            **_watched(history),
+            "balance_error": given - stored - columns["contact_loss"],
+            "input_energy": scenario.input_energy,
+            "residual_displacement": (residual_of(time, columns["displacement"]) if peak else None),
+            "peak_force": peak_contact_force(time[1:], columns["percussion"][1:]),
+            "impulse": columns["percussion"].sum(),
+        },
+        time=time,
+        hinges=WATCHED,
+        segments=SEGMENTS,
+        warnings=warnings,
+    )
+    response.attrs.update(history.diagnostics(), time_step=spans[0][1])
+    return response
+
+
+def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Response:
+    """Push the hit point of the column to the scenario's displacement in equal `steps`.
+
+    External work is the trapezoidal sum over the steps. Raises `SolverError`.
+    """
+    assembly = beams.assembly
+    history = History(beams)
+    history.record(displacement=0.0, force=0.0)
+    path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
+    for taken in push(assembly, beams.hit, path):
+        history.add(taken.energies, taken.evaluations, taken.cuts)
+        history.record(displacement=taken.displacement, force=taken.force)
+        _check_hinges(beams, f"{taken.displacement:.4g} m")
+    names = ("displacement", "force", "shortening", "elastic", "dissipated")
+    columns = {name: history.column(name) for name in names}
+    force, displacement = columns["force"], columns["displacement"]
+    pushed = np.concatenate(
+        [[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement))]
+    )
+    head_load = float(assembly.load[beams.head])
+    work = pushed - head_load * (columns["shortening"] - columns["shortening"][0])
+    gained = columns["elastic"] - columns["elastic"][0]
+    warnings = _shear_findings(history)
+    if scenario.displacement > COLLAPSE_SIDEWAYS * _shorter(scenario.column):
+        text = (
+            f"the push to {scenario.displacement:g} m is more than {COLLAPSE_SIDEWAYS:g} of the "
+            "shorter segment: steel would tear before"
+        )
+        warnings.append(Finding("rotation", text))
+    response = build_response(
+        {
+            **columns,
+            **_watched(history),
+            "external_work": work,
+            "balance_error": work - gained - columns["dissipated"],
+            "input_energy": pushed[-1],
+        },
+        steps=steps + 1,
+        hinges=WATCHED,
+        segments=SEGMENTS,
+        warnings=warnings,
+    )
+    response.attrs.update(history.diagnostics())
+    return response
+
+
+def _impact_findings(history: History, scenario: ColumnImpact, peaked: bool) -> list[Finding]:
+    """What a finished impact run tells about its own accuracy."""
+    findings = []
+    if not peaked:
+        text = (
+            f"the displacement still grows at the end of the record, {scenario.duration:g} s: "
+            "extend time.duration to find the peak"
+        )
+        findings.append(Finding("no-peak", text))
+    ratio = history.yield_ratio()
+    if ratio is not None and ratio < LEAST_YIELD_RATIO:
+        text = (
+            f"yield ratio {ratio:.4f} is below {LEAST_YIELD_RATIO}: averaging over the step "
+            "softens yielding fibers; take a smaller time_step or a larger weight"
+        )
+        findings.append(Finding("yield-ratio", text))
+    top = int(np.argmax(history.column("displacement")))
+    damped = history.column("algorithmic")[top] / scenario.input_energy
+    if damped > LARGEST_DAMPING:
+        text = (
+            f"time stepping has dissipated {100 * damped:.1f} % of the impact energy before the "
+            "peak, as waves matter more than the motion of the whole column: raise refinement"
+        )
+        findings.append(Finding("damping", text))
+    return findings
+
+
+def _watched(history: History) -> dict[str, Array]:
+    """The variables of watched sections and segments."""
+    names = ("axial_force", "moment", "plastic_rotation")
+    tables = {name: history.table(name) for name in names}
+    return {**tables, "shear_utilisation": history.shear_utilisation()}
+
+
+def _shorter(column: Column) -> float:
+    return min(column.length_below, column.length_above)
+
+
+def _shear_findings(history: History) -> list[Finding]:
+    """Segments whose shear force has passed the plastic shear resistance, or that slide."""
+    findings = []
+    if history.shear_yields:
+        for segment, strain in zip(SEGMENTS, history.shear_strain(), strict=True):
+            if strain > LARGEST_SHEAR_STRAIN:
+                text = (
+                    f"the segment {segment} the hit point reached a mean shear strain of "
+                    f"{strain:.2f}, above {LARGEST_SHEAR_STRAIN}: the model lets it slide without "
+                    "stretching and misses the catenary action that then sets in"
+                )
+                findings.append(Finding("shear-strain", text))
+        return findings
+    for segment, ratio in zip(SEGMENTS, history.shear_utilisation(), strict=True):
+        if ratio > 1.0:
+            text = (
+                f"the segment {segment} the hit point reached V/Vpl = {ratio:.2f}, but shear does "
+                "not yield in this model: it overestimates the resistance"
+            )
+            findings.append(Finding("shear-reached", text))
+    return findings
+
+
+def _check_standing(beams: ColumnBeams, time: float) -> None:
+    """Raise `OutOfDomainError` when the column has collapsed."""
+    column = beams.column
+    sideways = abs(float(beams.assembly.displacement[beams.hit]))
+    for name, value, limit in (
+        ("the displacement of the hit point", sideways, COLLAPSE_SIDEWAYS * _shorter(column)),
+        ("the shortening", beams.shortening(), COLLAPSE_SHORTENING * column.length),
+        ("the contraction of the axis", beams.contraction(), COLLAPSE_CONTRACTION * column.length),
+    ):
+        if value > limit:
+            raise OutOfDomainError(
+                f"collapse at {time:.4g} s: {name} reaches {value:.3g} m, more than {limit:.3g} m;"
+                " the model means nothing beyond"
+            )
+    _check_hinges(beams, f"{time:.4g} s")
+
+
+def _check_hinges(beams: ColumnBeams, when: str) -> None:
+    """Raise `OutOfDomainError` when a plastic hinge has shortened its element to nothing."""
+    if beams.slightest() < LEAST_LENGTH:
+        raise OutOfDomainError(
+            f"collapse at {when}: a plastic hinge under compression has shortened its element to "
+            f"less than {LEAST_LENGTH:g} of its length; the member crumples (a larger "
+            "smallest_element puts this off)"
+        )

@@ -1,0 +1,123 @@
+"""Reference: co-rotational beam with fiber sections, static and under impact.
+
+Heng 2017, chapter 5: plasticity is distributed along the member (two points per element) and
+across it (fibers), rotations are large, steel is elastic-perfectly plastic. With refinement,
+plasticity localises in single elements: forces and displacements converge to those of hinges of
+zero length, strains do not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.references.column_beams import build_column, fiber_section
+from workbench.references.column_rules import (
+    check_layers,
+    column_mesh,
+    section_findings,
+    time_spans,
+)
+from workbench.references.column_runs import run_impact, run_pushover
+from workbench.responses import Finding, Response
+from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+
+Array = NDArray[np.float64]
+ELEMENTS = ("balanced", "interpolated")
+SMALLEST_SHARE = {"balanced": 1.0 / 12.0, "interpolated": 1.0 / 32.0}  # of the shorter segment
+SMALLEST_DEPTH = {"balanced": 0.3, "interpolated": 0.1}  # of the depth: hinges need room
+PUSH_STEPS = 1000
+
+
+@dataclass(frozen=True)
+class FiberCorotational:
+    """Co-rotational fiber beam.
+
+    Its options: `element`, balanced (one axial force per element, plasticity sampled at the end
+    that is nearer to a potential hinge: hardly depends on the mesh) or interpolated (the classical
+    element with two Gauss points and linear axial displacement); `smallest_element` in m, at both
+    ends of both segments (None: a share of the shorter segment, 1/12 or 1/32 for the two elements,
+    but not below 0.3 or 0.1 of the depth); `largest_element` in m (None: 1/40 of the length under
+    impact, 1/8 in statics); `layers` over the depth of the section; `weight` of the end stresses in
+    a time step (1/2 conserves energy, but does not converge on fine plastic meshes);
+    `hardening_ratio`, the regularising hardening over the elastic modulus; `time_step` in s (None:
+    1/15 of the time of an axial wave along the column, and at first at most 1/200 of the expected
+    time to the peak); `refinement`, how often all elements and steps are
+    halved; `shear_flexible`: elastic shear strain (False: Bernoulli's beam without any).
+    """
+
+    element: str = checked(Choice(ELEMENTS), "balanced")
+    smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
+    largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
+    layers: int = checked(Number(4, 1000, integer=True), 20)
+    weight: float = checked(
+        Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
+    )
+    hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
+    time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
+    refinement: int = checked(Number(0, 6, integer=True), 0)
+    shear_flexible: bool = checked(Flag(), True)
+
+    name: ClassVar[str] = "fiber-corotational"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Plane sections; cubic deflection between nodes; large displacements and rotations.",
+        "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
+        "Elastic shear strain of the shear area (option shear_flexible), no shear yielding.",
+        "Elastic stiffness and strength are both those of the fibers (column.fillets applies to "
+        "both); the mass is that of the rolled profile, distributed along the member.",
+        "Point contact; no local denting, no local buckling, no strain-rate effect, no fracture.",
+        "Plastic elongation of a hinge acts along the member next to it.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+        check_layers(self.layers)
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """Findings common to all member models, and overrides that fibers cannot follow."""
+        y, area = scenario.column.strength_section.fibers(self.layers)
+        return member_findings(scenario) + section_findings(scenario.column, y, area)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a column pushover or a column impact."""
+        return respond(self, scenario, self._solve)
+
+    def mesh(self, scenario: Scenario) -> tuple[Array, Array]:
+        """Element lengths (m) below and above the hit point."""
+        return column_mesh(
+            scenario,
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
+            SMALLEST_SHARE[self.element],
+            SMALLEST_DEPTH[self.element],
+        )
+
+    def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
+        """End times and time steps (s) of the parts of the record, refinement applied."""
+        return time_spans(scenario, self.time_step, self.refinement, self.shear_flexible)
+
+    def _solve(self, scenario: Scenario) -> Response:
+        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
+            section = fiber_section(
+                scenario.column, self.layers, self.hardening_ratio, self.shear_flexible
+            )
+            beams = build_column(
+                scenario.column,
+                section,
+                *self.mesh(scenario),
+                balanced=self.element == "balanced",
+            )
+            if isinstance(scenario, ColumnPushover):
+                return run_pushover(scenario, beams, PUSH_STEPS * 2**self.refinement)
+            return run_impact(scenario, beams, self.time_spans(scenario), self.weight)

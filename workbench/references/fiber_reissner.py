@@ -1,0 +1,190 @@
+"""Reference of record: geometrically exact fiber beam, static and under impact.
+
+Reissner 1972 and Simo 1985: finite stretch, shear and rotation, one point per linear element,
+fibers across the section. The element samples plasticity half its length inside the member, so
+that resistance converges from above at first order in the length of the smallest element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from workbench.errors import InputError
+from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.references.column_beams import ColumnBeams
+from workbench.references.column_rules import (
+    check_layers,
+    column_mesh,
+    section_findings,
+    time_spans,
+)
+from workbench.references.column_runs import run_impact, run_pushover
+from workbench.references.fiber_reissner_column import reissner_column, reissner_section
+from workbench.responses import Finding, Response
+from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+from workbench.sections.shapes import ISection
+from workbench.structures.reissner_beams.fibers import PATTERNS
+from workbench.structures.uniaxial import (
+    MILD_STEEL,
+    CowperSymonds,
+    LinearHardening,
+    MenegottoPinto,
+    UniaxialLaw,
+)
+
+Array = NDArray[np.float64]
+SMALLEST_SHARE = 1.0 / 64.0  # of the shorter segment: peaks within 1 % of the converged ones
+SMALLEST_DEPTH = 0.05  # of the depth
+PUSH_STEPS = 1000
+LAWS = ("linear", "menegotto-pinto")
+
+
+@dataclass(frozen=True)
+class FiberReissner:
+    """Geometrically exact fiber beam.
+
+    Mesh and steps: `smallest_element` in m, at both ends of both segments (None: 1/64 of the
+    shorter segment, but not below 1/20 of the depth); `largest_element` in m (None: 1/40 of the
+    length under impact, 1/8 in statics); `layers` over the depth of the section; `time_step` in s
+    (None: 1/15 of the time of an axial wave along the column, and at first at most 1/200 of the
+    expected time to the peak; a bound and the interval of records if explicit); `refinement`, how
+    often all elements and steps are halved.
+    Solution: `formulation`, compiled kernel or scikit-fem forms (the same response, slowly);
+    `integrator`, implicit with energy-exact steps or explicit central differences with lumped
+    mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, but does not
+    converge on fine plastic meshes).
+    Steel: `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic hardening
+    modulus (or slope of the hardening line) over the elastic one, by default regularisation only;
+    `isotropic_ratio`, isotropic hardening modulus over the elastic one; `rate_sensitive`: yield
+    stress after Cowper and Symonds with `rate_reference` in 1/s and `rate_exponent`;
+    `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the yield
+    stress (None: 0.5 for profiles up to 1.2 times as high as wide, else 0.3);
+    `out_of_straightness`, amplitude of a half sine along the strike over the length.
+    """
+
+    smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
+    largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
+    layers: int = checked(Number(4, 1000, integer=True), 20)
+    time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
+    refinement: int = checked(Number(0, 6, integer=True), 0)
+    formulation: str = checked(Choice(("kernel", "forms")), "kernel")
+    integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
+    weight: float = checked(
+        Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
+    )
+    steel_law: str = checked(Choice(LAWS), "linear")
+    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-7)
+    isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
+    rate_sensitive: bool = checked(Flag(), False)
+    rate_reference: float = checked(Number(1e-3, 1e9, "1/s"), MILD_STEEL.reference_rate)
+    rate_exponent: float = checked(Number(1.0, 50.0), MILD_STEEL.exponent)
+    residual_stress: str = checked(Choice(PATTERNS), "none")
+    residual_ratio: float | None = checked(Number(0.0, 1.0), optional=True)
+    out_of_straightness: float = checked(
+        Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"), 0.0
+    )
+
+    name: ClassVar[str] = "fiber-reissner"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Plane sections that may stretch, shear and turn by any amount.",
+        "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",
+        "Elastic stiffness and strength are both those of the fibers (column.fillets applies to "
+        "both); the mass is that of the rolled profile, distributed along the member.",
+        "Point contact; no local denting, no local buckling, no fracture; rate sensitivity, "
+        "hardening, residual stress and crookedness are options that are off by default.",
+        "Resistance converges from above at first order in the length of the elements.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("reissner1972", "simo1985", "heng2017")
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+        check_layers(self.layers)
+        if self.steel_law == "menegotto-pinto":
+            for name in ("rate_sensitive", "isotropic_ratio"):
+                if getattr(self, name):
+                    raise InputError(
+                        f"option.{name}",
+                        getattr(self, name),
+                        "is not known with steel_law = menegotto-pinto",
+                        "use steel_law = linear",
+                    )
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """Findings common to all member models, and what the fibers cannot follow."""
+        y, area = scenario.column.strength_section.fibers(self.layers)
+        findings = member_findings(scenario) + section_findings(scenario.column, y, area)
+        return findings + pattern_findings(scenario, self.residual_stress)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a column pushover or a column impact."""
+        return respond(self, scenario, self._solve)
+
+    def mesh(self, scenario: Scenario) -> tuple[Array, Array]:
+        """Element lengths (m) below and above the hit point."""
+        return column_mesh(
+            scenario,
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
+            SMALLEST_SHARE,
+            SMALLEST_DEPTH,
+        )
+
+    def law(self, scenario: Scenario) -> UniaxialLaw:
+        """The law of the fibers."""
+        steel = scenario.column.steel
+        modulus = steel.elastic_modulus
+        if self.steel_law == "menegotto-pinto":
+            return MenegottoPinto(modulus, steel.yield_stress, self.hardening_ratio)
+        rate = CowperSymonds(self.rate_reference, self.rate_exponent)
+        return LinearHardening(
+            modulus,
+            steel.yield_stress,
+            self.hardening_ratio * modulus,
+            self.isotropic_ratio * modulus,
+            rate if self.rate_sensitive else None,
+        )
+
+    def beams(self, scenario: Scenario) -> ColumnBeams:
+        """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
+        section = reissner_section(
+            scenario.column,
+            self.law(scenario),
+            self.layers,
+            self.residual_stress,
+            self.residual_ratio,
+        )
+        return reissner_column(
+            scenario.column,
+            section,
+            *self.mesh(scenario),
+            crookedness=self.out_of_straightness,
+            forms=self.formulation == "forms",
+            lumped=self.integrator == "explicit",
+        )
+
+    def _solve(self, scenario: Scenario) -> Response:
+        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
+            beams = self.beams(scenario)
+            if isinstance(scenario, ColumnPushover):
+                return run_pushover(scenario, beams, PUSH_STEPS * 2**self.refinement)
+            spans = time_spans(scenario, self.time_step, self.refinement)
+            weight = self.weight if self.integrator == "implicit" else None
+            return run_impact(scenario, beams, spans, weight)
+
+
+def pattern_findings(scenario: Scenario, pattern: str) -> list[Finding]:
+    """Refusal of residual stresses in a section without a known pattern."""
+    if pattern == "none" or isinstance(scenario.column.section.shape, ISection):
+        return []
+    text = f"option.residual_stress = {pattern}: patterns are known for I sections only, use none"
+    return [Finding("residual-stress", text, refusal=True)]
