@@ -15,6 +15,8 @@ from workbench.structures.meshing import graded_lengths, halved
 
 Array = NDArray[np.float64]
 LARGEST_SHARE = {ColumnImpact.KIND: 1.0 / 40.0, ColumnPushover.KIND: 1.0 / 8.0}  # of the length
+LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
+LARGEST_IN_IMPACT = 0.06  # of the length
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
 WAVE_STEPS = 15.0  # time steps while an axial wave passes the column, at least
 LEAST_STEPS = 200.0  # time steps of a record, at least
@@ -50,6 +52,31 @@ def column_mesh(
         for length in (column.length_below, column.length_above)
     )
     return below, above
+
+
+def mesh_findings(scenario: Scenario, below: Array, above: Array) -> list[Finding]:
+    """Element lengths (m) for which the result is known to be off by several percent.
+
+    Arguments: element lengths `below` and `above` the hit point of elements that sample
+    plasticity in their middle.
+    """
+    findings = []
+    shorter = min((below, above), key=np.sum)
+    excess = 0.5 * (shorter[0] + shorter[-1]) / np.sum(shorter)
+    if excess > LARGEST_EXCESS:
+        text = (
+            f"elements of {shorter[0]:.3g} m next to the hinges overestimate the resistance of a "
+            f"segment of {np.sum(shorter):.3g} m by about {100 * excess:.0f} %: refine"
+        )
+        findings.append(Finding("mesh", text))
+    largest = max(below.max(), above.max())
+    if isinstance(scenario, ColumnImpact) and largest > LARGEST_IN_IMPACT * scenario.column.length:
+        text = (
+            f"elements of {largest:.3g} m inside the segments are too long for travelling plastic "
+            "hinges, peaks may be several percent off: reduce largest_element"
+        )
+        findings.append(Finding("mesh", text))
+    return findings
 
 
 def time_spans(

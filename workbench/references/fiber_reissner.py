@@ -22,6 +22,7 @@ from workbench.references.column_beams import ColumnBeams
 from workbench.references.column_rules import (
     check_layers,
     column_mesh,
+    mesh_findings,
     section_findings,
     time_spans,
 )
@@ -122,6 +123,7 @@ class FiberReissner:
         """Findings common to all member models, and what the fibers cannot follow."""
         y, area = scenario.column.strength_section.fibers(self.layers)
         findings = member_findings(scenario) + section_findings(scenario.column, y, area)
+        findings += mesh_findings(scenario, *self.mesh(scenario))
         return findings + pattern_findings(scenario, self.residual_stress)
 
     def simulate(self, scenario: Scenario) -> Response:

@@ -20,6 +20,7 @@ from workbench.references.column_beams import ColumnBeams
 from workbench.references.column_rules import (
     check_layers,
     column_mesh,
+    mesh_findings,
     section_findings,
     time_spans,
 )
@@ -88,6 +89,7 @@ class FiberShear:
         y, area = scenario.column.strength_section.fibers(self.layers)
         common = [f for f in member_findings(scenario) if f.subject != "shear"]
         findings = common + section_findings(scenario.column, y, area)
+        findings += mesh_findings(scenario, *self.mesh(scenario))
         return findings + pattern_findings(scenario, self.residual_stress)
 
     def simulate(self, scenario: Scenario) -> Response:

@@ -1,0 +1,247 @@
+"""The solid as a model: beam limits, plastic limits, shear capacity, ledger, mesh, contract."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.references.solid import SolidPlaneStress
+from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.scenarios import Column, ColumnPushover
+from workbench.sections import Section, find, rectangle, square
+from workbench.testing import check_model
+
+HEB = find("HEB 220")
+LOADED = {"fillets": False, "axial_load": 0.5e6, "restraint_stiffness": 1e7}
+THESIS = Column(HEB, 0.8, 3.2, **LOADED)  # Heng 2017, figure 5.8
+MIDDLE = Column(HEB, 2.0, 2.0, **LOADED)
+SQUARE = Column(square(0.2), 0.8, 3.2, **LOADED)
+
+
+def push(column: Column, displacement: float, **options) -> Response:
+    response = SolidPlaneStress(**options).simulate(ColumnPushover("push", column, displacement))
+    assert outcome_of(response) is Outcome.OK, response.attrs["message"]
+    return response
+
+
+def force_at(response: Response, displacement: float) -> float:
+    """Force in MN."""
+    return 1e-6 * float(np.interp(displacement, response["displacement"], response["force"]))
+
+
+@pytest.fixture(scope="module")
+def thesis_push() -> Response:
+    return push(THESIS, 0.3)
+
+
+# --- elastic and plastic limits -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("section", "shear_area", "length", "excess"),
+    [
+        (rectangle(0.2, 0.1), 5 / 6 * 0.02, 4.0, 0.006),
+        (rectangle(0.2, 0.1), 5 / 6 * 0.02, 8.0, 0.003),
+        (HEB.without_fillets(), 0.0095 * (0.22 - 0.016), 8.0, 0.012),
+    ],
+)
+@pytest.mark.parametrize(("ends", "factor"), [(("clamped", "guided"), 192), (("pinned",) * 2, 48)])
+def test_elastic_stiffness_is_timoshenkos(
+    section: Section, shear_area: float, length: float, excess: float, ends, factor: int
+) -> None:
+    column = Column(section, length / 2, length / 2, base=ends[0], head=ends[1])
+    response = push(column, 1e-5)
+    modulus = column.steel.elastic_modulus
+    bending = length**3 / (factor * modulus * section.second_moment)
+    shear = length / (4.0 * modulus / 2.6 * shear_area)
+    ratio = float(response["force"][-1] / response["displacement"][-1]) * (bending + shear)
+    # stiffer by what the rigid end and hit sections hold back, which falls with h / length
+    assert 1.0 < ratio < 1.0 + excess
+
+
+@pytest.mark.parametrize(("ends", "hinges"), [(("clamped", "guided"), 8), (("pinned",) * 2, 4)])
+def test_slender_bar_collapses_at_its_plastic_moment(ends, hinges: int) -> None:
+    column = Column(rectangle(0.05, 0.1), 1.0, 1.0, base=ends[0], head=ends[1])
+    response = push(column, 0.08)
+    limit = hinges * column.properties.plastic_moment / column.length
+    # above the beam's limit load only by the lateral restraint at held sections (at most 15 %)
+    assert 1.0 < float(response["force"][-1]) / limit < 1.05
+    assert response["shear_utilisation"].max() < 0.05
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.4])
+def test_axial_load_takes_from_the_plastic_moment(share: float) -> None:
+    column = Column(rectangle(0.1, 0.1), 1.0, 1.0)
+    squash, moment = column.properties.squash_load, column.properties.plastic_moment
+    response = push(replace(column, axial_load=share * squash), 0.02)
+    # rectangle: m = 1 - n^2; mechanism with P v: F l = 8 M - 4 P v (0.68 of 8 M_p at n = 0.4)
+    limit = (8.0 * (1.0 - share**2) * moment - 4.0 * share * squash * 0.02) / column.length
+    assert 1.0 < float(response["force"][-1]) / limit < 1.09
+
+
+def test_short_web_yields_in_shear_at_its_plastic_resistance(thesis_push) -> None:
+    below, above = thesis_push["shear_utilisation"].values
+    # V_pl = t_w (h - t_f) f_y / sqrt(3); the flanges' roots carry a few per cent on top
+    assert below == pytest.approx(1.0, abs=0.04)
+    assert above < 0.45
+    bending = 2.0 * THESIS.properties.plastic_moment / 0.8 / THESIS.properties.shear_resistance
+    assert bending > 1.7  # what a beam without shear yielding would need
+
+
+@pytest.mark.parametrize(
+    ("column", "at", "forces", "tolerance"),
+    [
+        # an independent implementation of the same continuum on another mesh of like fineness
+        (MIDDLE, (0.1, 0.2), (0.519, 0.513), 0.015),
+        (SQUARE, (0.1, 0.3), (2.333, 2.662), 0.02),
+    ],
+)
+def test_force_of_an_independent_implementation(column, at, forces, tolerance: float) -> None:
+    response = push(column, at[-1])
+    for displacement, force in zip(at, forces, strict=True):
+        assert force_at(response, displacement) == pytest.approx(force, rel=tolerance)
+
+
+def test_thesis_column_against_an_independent_implementation(thesis_push) -> None:
+    at = (0.02, 0.05, 0.1, 0.2, 0.3)
+    for displacement, force in zip(at, (0.498, 0.521, 0.480, 0.535, 0.721), strict=True):
+        assert force_at(thesis_push, displacement) == pytest.approx(force, rel=0.02)
+    # 40 % below the shear-free plastic mechanism: 2 M_N (1 / 0.8 + 1 / 3.2), m = 0.9349
+    mechanism = 2.0 * 0.9349 * THESIS.properties.plastic_moment * (1 / 0.8 + 1 / 3.2) * 1e-6
+    assert force_at(thesis_push, 0.05) < 0.65 * mechanism
+
+
+# --- numerics -------------------------------------------------------------------------------
+
+
+def test_ledger_closes_at_second_order_in_the_step(thesis_push) -> None:
+    balance = np.abs(thesis_push["balance_error"]).max() / thesis_push["input_energy"]
+    assert 1e-9 < float(balance) < 5e-5
+    halved = push(THESIS, 0.1, step=1.25e-3)
+    coarse = push(THESIS, 0.1, step=2.5e-3)
+    errors = [float(np.abs(r["balance_error"][-1]) / r["input_energy"]) for r in (coarse, halved)]
+    assert errors[0] / errors[1] > 3.0
+    assert force_at(halved, 0.1) == pytest.approx(force_at(coarse, 0.1), rel=2e-3)
+    assert np.all(np.diff(thesis_push["dissipated"]) >= 0.0)
+    assert float(thesis_push["dissipated"][0]) == 0.0
+
+
+def test_hardening_regularises_what_perfect_plasticity_leaves_to_the_mesh() -> None:
+    drift = {}
+    for hardening in (1e-6, 1e-2):
+        options = {"hardening_ratio": hardening, "step": 5e-3}
+        coarse, fine = (push(MIDDLE, 0.1, refinement=r, **options) for r in (0, 1))
+        drift[hardening] = force_at(fine, 0.1) / force_at(coarse, 0.1) - 1.0
+        subjects = {finding.subject for finding in warnings_of(coarse)}
+        assert ("mesh" in subjects) == (hardening < 1e-3)
+    assert -0.10 < drift[1e-6] < -0.03  # falls with the mesh, and says so
+    assert abs(drift[1e-2]) < 0.005
+
+
+def test_turning_the_column_upside_down_changes_nothing() -> None:
+    forces = []
+    for below, above in ((0.8, 1.6), (1.6, 0.8)):
+        column = Column(HEB, below, above, fillets=False, head="fixed")
+        response = push(column, 0.08)
+        forces.append(response["force"].values)
+        assert np.ptp(response["shortening"].values) == 0.0
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-5, atol=1.0)
+
+
+def test_restraint_spring_pulls_the_column_into_catenary() -> None:
+    free = push(replace(MIDDLE, restraint_stiffness=0.0), 0.2)
+    tied = push(MIDDLE, 0.2)
+    assert force_at(tied, 0.01) == pytest.approx(force_at(free, 0.01), rel=0.005)
+    assert force_at(tied, 0.2) > 1.2 * force_at(free, 0.2)
+    assert float(tied["shortening"][0]) == float(free["shortening"][0]) > 0.0
+    assert float(tied["shortening"][-1]) < float(free["shortening"][-1])
+
+
+def test_pinned_ends_weaken_the_column() -> None:
+    forces = [
+        force_at(push(replace(MIDDLE, base=base, head=head), 0.05), 0.05)
+        for base, head in (("clamped", "guided"), ("pinned", "guided"), ("pinned", "pinned"))
+    ]
+    assert forces[0] > forces[1] > forces[2]
+    # mechanism without axial force: 8, 6 and 4 M_p / l; P v takes a little more from the pinned
+    assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.1)
+    assert forces[1] / forces[0] == pytest.approx(0.75, abs=0.1)
+
+
+def test_folded_kinks_are_announced() -> None:
+    response = push(SQUARE, 0.25)
+    subjects = [finding.subject for finding in warnings_of(response)]
+    assert "localisation" in subjects
+    assert response.attrs["largest_strain"] > 0.8
+    assert response.attrs["least_area_ratio"] > 0.02
+    early = push(SQUARE, 0.1)
+    assert "localisation" not in [finding.subject for finding in warnings_of(early)]
+
+
+# --- contract -------------------------------------------------------------------------------
+
+
+def test_keeps_the_contract_of_models() -> None:
+    short = ColumnPushover("short", THESIS, 0.01)
+    elastic = ColumnPushover("elastic", replace(THESIS, axial_load=0.0), 1e-4)
+    model = SolidPlaneStress(step=2.5e-4)
+    check_model(model, [short, elastic], energy_tolerance=2e-5)
+
+
+def test_refuses_impacts_and_buckling_columns(thesis_impact) -> None:
+    response = SolidPlaneStress().simulate(thesis_impact)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    slender = Column(rectangle(0.02, 0.1), 2.0, 2.0, axial_load=3e5)
+    response = SolidPlaneStress().simulate(ColumnPushover("slender", slender, 0.01))
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "buckles" in response.attrs["message"]
+
+
+def test_says_which_overrides_it_leaves_out_but_not_that_shear_is_missing() -> None:
+    findings = SolidPlaneStress().domain(
+        ColumnPushover("push", replace(THESIS, second_moment=8091e-8, plastic_moment=285e3), 0.01)
+    )
+    assert [finding.subject for finding in findings] == ["section"]
+    assert "column.second_moment = 8.091e-05" in findings[0].text
+    assert "plastic_moment" not in findings[0].text
+
+
+def test_failure_to_converge_is_a_typed_outcome(monkeypatch) -> None:
+    monkeypatch.setattr("workbench.references.solid.push.ITERATIONS", 1)
+    response = SolidPlaneStress().simulate(ColumnPushover("push", THESIS, 0.02))
+    assert outcome_of(response) is Outcome.NOT_CONVERGED
+    assert "axial load, share" in response.attrs["message"]
+
+
+def test_path_starts_finely_and_meets_its_end() -> None:
+    for displacement, step in ((0.3, None), (1e-5, None), (0.1, 0.03), (0.01, 1e-4)):
+        path = SolidPlaneStress(step=step).path(ColumnPushover("push", THESIS, displacement))
+        assert path[0] == 0.0
+        assert path[-1] == pytest.approx(displacement, rel=1e-14)
+        steps = np.diff(path)
+        assert np.all(steps > 0.0)
+        assert steps[0] < 0.2 * steps.max()
+        assert steps.max() <= (step or 0.0025) * (1.0 + 1e-12)
+
+
+# --- long -----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_refinement_ladder_of_the_thesis_column() -> None:
+    ladder = [push(THESIS, 0.2, refinement=r) for r in range(3)]
+    forces = np.array([[force_at(r, v) for v in (0.02, 0.05, 0.1, 0.2)] for r in ladder])
+    change = np.diff(forces, axis=0) / forces[:-1]
+    # shear governs: 0.1 % at first; kinks lower it by a few per cent later
+    assert np.all(np.abs(change[:, 0]) < 0.002)
+    assert np.all(np.abs(change) < 0.05)
+
+
+@pytest.mark.slow
+def test_hardened_ladder_converges() -> None:
+    ladder = [push(MIDDLE, 0.1, refinement=r, hardening_ratio=0.01) for r in range(3)]
+    forces = [force_at(r, 0.1) for r in ladder]
+    assert abs(forces[2] - forces[1]) < 0.7 * abs(forces[1] - forces[0])
+    assert forces[2] == pytest.approx(forces[1], rel=2e-3)

@@ -1,0 +1,171 @@
+"""Point kernels of the solid: tangents, objectivity, yield surface, hardening, squeeze guard."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.linalg import polar
+
+from workbench.references.solid import _kernels
+
+Array = NDArray[np.float64]
+E, NU, FY = 210e9, 0.3, 355e6
+
+
+class Point(NamedTuple):
+    nominal: Array
+    tangent: Array
+    strain: Array
+    stress: Array
+    plastic: Array
+    hardened: float
+
+
+def point(F: Array, plastic: Array | None = None, hardened: float = 0.0, H: float = 0.0) -> Point:
+    P, A, strain, new, stress = (np.zeros(n) for n in (4, (4, 4), 3, 3, 3))
+    committed = np.zeros(3) if plastic is None else plastic
+    steel = np.array([E, NU, FY, H])
+    value = _kernels.point(
+        F, committed, hardened, steel, strain, new, stress, P, A, np.zeros((3, 8))
+    )
+    return Point(P, A, strain, stress, new, value)
+
+
+def differences(F: Array, step: float, **state) -> Array:
+    """Eighth-order central differences of the nominal stress."""
+    columns = []
+    for i in range(4):
+        d = np.zeros(4)
+        d[i] = step
+        total = np.zeros(4)
+        for k, weight in enumerate((4 / 5, -1 / 5, 4 / 105, -1 / 280), start=1):
+            pair = point(F + k * d, **state).nominal - point(F - k * d, **state).nominal
+            total += weight * pair
+        columns.append(total / step)
+    return np.array(columns).T
+
+
+def turned(angle: float, F: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return (np.array([[c, -s], [s, c]]) @ F.reshape(2, 2)).ravel()
+
+
+def equivalent(T: Array) -> float:
+    return float(np.sqrt(T[0] ** 2 - T[0] * T[1] + T[1] ** 2 + 3.0 * T[2] ** 2))
+
+
+def state(seed: int) -> tuple[Array, Array]:
+    """A large rotation with a large strain, and committed plastic strain some yield strains off."""
+    random = np.random.default_rng(seed)
+    stretch = np.eye(2) + 0.3 * random.uniform(-1.0, 1.0, (2, 2))
+    F = turned(random.uniform(-3.0, 3.0), stretch.ravel())
+    strain = point(F).strain
+    plastic = strain + random.uniform(-4.0, 4.0, 3) * FY / E
+    return F, plastic
+
+
+@pytest.mark.parametrize("hardening", [0.0, 1e-6, 0.02])
+@pytest.mark.parametrize("seed", range(12))
+def test_tangent_is_the_derivative_of_stress(seed: int, hardening: float) -> None:
+    F, plastic = state(seed)
+    given_state = {"plastic": plastic, "hardened": 0.01, "H": hardening * E}
+    exact = point(F, **given_state).tangent
+    measured = differences(F, 2e-5, **given_state)
+    scale = np.max(np.abs(exact))
+    # 2e-5 is a hundredth of the yield strain; what is left is the round-off of F near 1
+    assert np.max(np.abs(measured - exact)) < 1e-10 * scale
+    assert np.max(np.abs(exact - exact.T)) < 1e-15 * scale
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_elastic_tangent_to_round_off(seed: int) -> None:
+    F, _ = state(seed)
+    state_elastic = {"plastic": point(F).strain}  # no stress: only turning and elasticity
+    exact = point(F, **state_elastic).tangent
+    measured = differences(F, 1e-4, **state_elastic)
+    assert np.max(np.abs(measured - exact)) < 1e-10 * np.max(np.abs(exact))
+
+
+def test_strain_is_that_of_the_polar_decomposition() -> None:
+    for seed in range(20):
+        F, _ = state(seed)
+        _, stretch = polar(F.reshape(2, 2))
+        expected = [stretch[0, 0] - 1.0, stretch[1, 1] - 1.0, 2.0 * stretch[0, 1]]
+        np.testing.assert_allclose(point(F).strain, expected, atol=2e-15)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.floats(-3.1, 3.1))
+def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
+    F, plastic = state(seed)
+    expected = turned(angle, point(F, plastic).nominal)
+    # strains are differences of numbers near 1: their round-off is 1e-16 against stress / E
+    np.testing.assert_allclose(
+        point(turned(angle, F), plastic).nominal, expected, rtol=0.0, atol=1e-15 * E
+    )
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3), st.floats(0.0, 0.05))
+def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H: float) -> None:
+    plastic, T, C = np.zeros(3), np.zeros(3), np.zeros((3, 3))
+    hardened = _kernels.plane_stress_return(
+        np.array(strain), np.zeros(3), 0.0, E, NU, FY, H * E, plastic, T, C
+    )
+    compliance = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
+    np.testing.assert_allclose(compliance @ T + plastic, strain, atol=1e-15)
+    strength = FY + H * E * hardened
+    assert equivalent(T) <= strength * (1.0 + 1e-13)
+    if hardened == 0.0:
+        assert not plastic.any()
+        return
+    assert equivalent(T) == pytest.approx(strength, rel=1e-13)
+    normal = 1.5 / equivalent(T) * np.array(
+        [(2 * T[0] - T[1]) / 3, (2 * T[1] - T[0]) / 3, 2 * T[2]]
+    )  # fmt: skip
+    np.testing.assert_allclose(plastic, hardened * normal, rtol=1e-11, atol=1e-16)
+    assert np.min(np.linalg.eigvalsh(C)) > -1e-6 * E
+
+
+def test_uniaxial_hardening_has_the_slope_of_the_bar() -> None:
+    H = 0.01 * E
+    strains = np.array([0.02, 0.04])
+    stress = []
+    for e in strains:
+        low, high = -e, e  # lateral strain with no lateral stress, by bisection
+        for _ in range(80):
+            lateral = 0.5 * (low + high)
+            found = point(np.array([1.0 + lateral, 0.0, 0.0, 1.0 + e]), H=H)
+            low, high = (lateral, high) if found.stress[0] < 0.0 else (low, lateral)
+        stress.append(found.stress[1])
+    slope = (stress[1] - stress[0]) / (strains[1] - strains[0])
+    assert slope == pytest.approx(E * H / (E + H), rel=1e-9)
+    assert stress[0] == pytest.approx(FY + slope * (0.02 - FY / E), rel=1e-9)
+
+
+def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
+    tall = 1.4
+    short = np.array([0.08, 0.02, 0.1 * _kernels.SQUEEZED])
+    normal = []
+    for c in short:
+        F = turned(0.7, np.array([c, 0.01, 0.0, tall]))
+        plastic = point(F).strain
+        exact = point(F, plastic).tangent
+        measured = differences(F, 1e-5 * c, plastic=plastic)
+        assert np.max(np.abs(measured - exact)) < 1e-7 * np.max(np.abs(exact))
+        normal.append(point(np.array([c, 0.0, 0.0, tall]), plastic=plastic).nominal[0])
+    assert normal[1] < normal[2] < normal[0] < 0.0
+    limit = _kernels.SQUEEZED / tall
+    just = [np.array([limit * (1.0 + d), 0.0, 0.0, tall]) for d in (1e-9, -1e-9)]
+    before, after = (point(F, plastic=point(just[0]).strain).nominal for F in just)
+    np.testing.assert_allclose(after, before, atol=1e-3 * FY)
+
+
+@pytest.mark.parametrize("F", [[-1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 1.0, 0.0], [np.nan, 0, 0, 1]])
+def test_material_turned_inside_out_has_no_answer(F: list[float]) -> None:
+    assert np.isnan(point(np.array(F)).hardened)

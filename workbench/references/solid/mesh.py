@@ -1,0 +1,133 @@
+"""The mesh of a column as a plane continuum of variable thickness, taken from scikit-fem.
+
+The section's height runs along x, the column's axis along y. Thickness is the width b(x) of the
+section; rows of elements end where the section's plates do, so that no element sees a jump.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
+
+from workbench.scenarios import Column
+from workbench.sections import Section
+from workbench.sections.bands import half_integrals
+from workbench.structures.meshing import graded_lengths, halved
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_ROWS = 4  # per height of the section, before refinement; a flange has at least one
+SMALLEST, LARGEST = 1.0 / 6.0, 1.0  # element lengths over the section's height
+_GROWTH = 1.4
+_ORDER = 5  # 3 x 3 Gauss points
+
+
+@dataclass(frozen=True)
+class SolidMesh:
+    """Tables of the discretised column, all in SI units.
+
+    `area` of the section, `lengths` below and above the hit section, `smallest` length of an
+    element along the axis; `gradients` (elements, points, nodes, 2) of the shape functions;
+    `weights` (elements, points), thickness times area; `dofs` (elements, 2 nodes), x and y in
+    turn; `size`, number of dofs; `places` (2, size), where the node of each dof is, in m; `base`,
+    `hit` and `head`: x dofs and y dofs of these sections, both from left to right.
+    """
+
+    area: float
+    lengths: tuple[float, float]
+    smallest: float
+    gradients: Array
+    weights: Array
+    dofs: Indices
+    size: int
+    places: Array
+    base: tuple[Indices, Indices]
+    hit: tuple[Indices, Indices]
+    head: tuple[Indices, Indices]
+
+
+def row_edges(section: Section, refinement: int = 0) -> Array:
+    """Heights (m, rising) of the mesh lines across the section.
+
+    They hold the faces of all plates, and the ends of fillets; `refinement` halves each row so
+    many times.
+    """
+    faces = {edge for band in section.shape.bands for edge in (band.bottom, band.top)}
+    upper = [0.0]
+    for low, high in pairwise(sorted(faces)):
+        rows = max(1, round((high - low) / section.height * _ROWS)) * 2**refinement
+        upper.extend(float(x) for x in np.linspace(low, high, rows + 1)[1:])
+    return np.array([-x for x in upper[:0:-1]] + upper)
+
+
+def axial_positions(column: Column, smallest: float | None = None, refinement: int = 0) -> Array:
+    """Positions (m, rising) of the mesh lines along the column, dense at ends and hit section.
+
+    Arguments: `smallest` element length in m (None: a sixth of the section's height);
+    `refinement`, how often all elements are halved.
+    """
+    height = column.section.height
+    least = smallest or SMALLEST * height
+    parts = [
+        halved(graded_lengths(length, least, max(LARGEST * height, least), _GROWTH), refinement)
+        for length in (column.length_below, column.length_above)
+    ]
+    return np.concatenate([[0.0], np.cumsum(np.concatenate(parts))])
+
+
+def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 0) -> SolidMesh:
+    """Mesh the column with nine-node quadrilaterals.
+
+    Arguments: `column`, of which the section that gives the strength is meshed; `smallest`
+    element length in m; `refinement`, how often all elements are halved in both directions.
+    """
+    section = column.strength_section
+    along = axial_positions(column, smallest, refinement)
+    mesh = MeshQuad.init_tensor(row_edges(section, refinement), along)
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=_ORDER)
+    # shape function 2 n + i belongs to node n and direction i
+    gradients = np.stack([basis.basis[i][0].grad[0] for i in range(0, basis.Nbfun, 2)])
+    horizontal = np.zeros(basis.N, dtype=bool)
+    horizontal[basis.element_dofs[0::2]] = True
+    hit = along[np.argmin(np.abs(along - column.length_below))]
+    return SolidMesh(
+        area=section.area,
+        lengths=(column.length_below, column.length_above),
+        smallest=float(np.diff(along).min()),
+        gradients=np.ascontiguousarray(gradients.transpose(2, 3, 0, 1)),
+        weights=basis.dx * _thickness(section, mesh, basis),
+        dofs=np.ascontiguousarray(basis.element_dofs.T.astype(np.int64)),
+        size=int(basis.N),
+        places=basis.doflocs,
+        base=_section_dofs(basis.doflocs, horizontal, along[0]),
+        hit=_section_dofs(basis.doflocs, horizontal, hit),
+        head=_section_dofs(basis.doflocs, horizontal, along[-1]),
+    )
+
+
+def _thickness(section: Section, mesh: MeshQuad, basis: Basis) -> Array:
+    """Width of the section at the quadrature points, scaled to the exact area of each row."""
+    width = section.width_at(np.asarray(basis.global_coordinates())[0])
+    ends = np.abs(mesh.p[0][mesh.t])  # no element straddles the centroid
+    area, _, _ = half_integrals(section.shape.bands, np.stack([ends.min(0), ends.max(0)]))
+    length = np.ptp(mesh.p[1][mesh.t], axis=0)
+    scale = (area[1] - area[0]) * length / np.sum(basis.dx * width, axis=1)
+    thickness: Array = width * scale[:, None]
+    return thickness
+
+
+def _section_dofs(
+    places: Array, horizontal: NDArray[np.bool_], at: float
+) -> tuple[Indices, Indices]:
+    """Horizontal and vertical dofs of the nodes of a section, both from left to right."""
+    there = np.abs(places[1] - at) < 1e-9
+    pair = []
+    for direction in (horizontal, ~horizontal):
+        found = np.flatnonzero(there & direction)
+        pair.append(found[np.argsort(places[0, found])])
+    return pair[0], pair[1]

@@ -1,0 +1,117 @@
+"""Reference: the column as an elastic-plastic solid in plane stress, pushed quasi-statically.
+
+Nine-node elements of the thickness of the section at each height, nominal (Biot) strain with
+additive von Mises plasticity, so that N <= A f_y holds as in the beam theories. What beams leave
+out is in: shear yielding of the web, transverse stress at supports and plastic kinks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from workbench.fields import Number, check_fields, checked
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.references.solid.assembly import SolidAssembly
+from workbench.references.solid.mesh import solid_mesh
+from workbench.references.solid.push import apply_load
+from workbench.references.solid.run import run_pushover
+from workbench.references.solid.supports import supports_of
+from workbench.responses import Finding, Response
+from workbench.scenarios import Column, ColumnPushover, Scenario
+
+Array = NDArray[np.float64]
+STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
+LEAST_STEPS = 20
+FIRST_STEP, STEP_GROWTH = 0.125, 1.25  # the knee of the curve comes early
+
+
+@dataclass(frozen=True)
+class SolidPlaneStress:
+    """Plane-stress solid.
+
+    Options:
+    `smallest_element` in m along the axis, at the ends and at the hit section (None: a sixth of
+    the section's height); `refinement`, how often all elements are halved in both directions;
+    `hardening_ratio`, isotropic hardening modulus over Young's modulus; `step` of the push in m
+    (None: 1/320 of the shorter segment; the first ones are smaller).
+    """
+
+    smallest_element: float | None = checked(Number(1e-3, 10.0, "m"), optional=True)
+    refinement: int = checked(Number(0, 4, integer=True), 0)
+    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
+    step: float | None = checked(Number(1e-6, 1.0, "m"), optional=True)
+
+    name: ClassVar[str] = "solid-plane-stress"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Plane stress in layers of the width of the section: no shear lag, no torsion, no local or "
+        "lateral buckling; flanges and web stay plane.",
+        "Von Mises plasticity, additive in the nominal strain U - I: the nominal stress is limited "
+        "(N <= A f_y), there is no necking; Poisson's ratio 0.3.",
+        "Elastic stiffness and strength are both those of the strength section.",
+        "End sections are rigid plates, clamped or turning about their centroid; the hit section "
+        "moves sideways as one. No local denting, no rate effect, no fracture.",
+        "Perfect plasticity has no length of its own: plastic kinks shrink with the mesh, the web "
+        "is crushed in them, and resistance governed by bending falls with each refinement; a "
+        "hardening_ratio of 0.01 makes it converge.",
+        "A point squeezed below a fifth of its area stiffens, so that it cannot vanish.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("simo-hughes1998", "heng2017")
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """Buckling under the axial load, and overrides that a solid cannot follow."""
+        findings = [found for found in member_findings(scenario) if found.subject != "shear"]
+        return findings + _override_findings(scenario.column)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a column pushover."""
+        return respond(self, scenario, self._solve)
+
+    def path(self, scenario: ColumnPushover) -> Array:
+        """Displacements (m) of the hit section at the steps of the push, from zero."""
+        column, final = scenario.column, scenario.displacement
+        shorter = min(column.length_below, column.length_above)
+        step = min(self.step or shorter / STEPS_PER_SEGMENT, final / LEAST_STEPS)
+        growing = FIRST_STEP * STEP_GROWTH ** np.arange(int(final / step) + LEAST_STEPS)
+        at = np.concatenate([[0.0], np.cumsum(step * np.minimum(growing, 1.0))])
+        last = int(np.searchsorted(at, final * (1.0 - 1e-12)))
+        return np.asarray(at[: last + 1] * (final / at[last]))
+
+    def _solve(self, scenario: ColumnPushover) -> Response:
+        column = scenario.column
+        with threadpool_limits(1, user_api="blas"):
+            mesh = solid_mesh(column, self.smallest_element, self.refinement)
+            supports = supports_of(mesh, column.base, column.head)
+            assembly = SolidAssembly(mesh, supports, column.steel, self.hardening_ratio)
+            apply_load(assembly, column.axial_load)
+            return run_pushover(column, assembly, self.path(scenario))
+
+
+def _override_findings(column: Column) -> list[Finding]:
+    """Overrides of section values that differ from those of the meshed section by over 1 %."""
+    section, steel = column.strength_section, column.steel
+    values = {
+        "area": section.area,
+        "second_moment": section.second_moment,
+        "plastic_moment": section.plastic_moment(steel),
+        "squash_load": section.squash_load(steel),
+    }
+    differing = [
+        f"column.{key} = {getattr(column, key):.5g} against {value:.5g}"
+        for key, value in values.items()
+        if getattr(column, key) is not None and abs(getattr(column, key) / value - 1.0) > 0.01
+    ]
+    if not differing:
+        return []
+    text = "the solid takes its shape from the section alone and leaves overrides out: "
+    return [Finding("section", text + ", ".join(differing))]

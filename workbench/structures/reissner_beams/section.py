@@ -1,0 +1,84 @@
+"""A layered cross section with its law, its shear stiffness and its initial stresses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.structures.shear_beams import ShearYielding
+from workbench.structures.uniaxial import UniaxialLaw
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class BeamSection:
+    """Fibers of a section, in SI units.
+
+    Arguments: fiber ordinates `y` (f,) and areas `area` (f,); `law` of all fibers;
+    `mass_per_length` in kg/m (rotary inertia is that times I / A of the fibers);
+    `shear_stiffness` GA in N of the elastic shear strain, 0 if the fibers carry the shear force;
+    `shear_share` (f,), the shear strain of a fiber over that of the section (1 in a web, 0 in a
+    flange; only with a law that yields in shear); `initial_stress` (f,) in Pa, self-equilibrated.
+    """
+
+    y: Array
+    area: Array
+    law: UniaxialLaw | ShearYielding
+    mass_per_length: float
+    shear_stiffness: float = 0.0
+    shear_share: Array | None = None
+    initial_stress: Array | None = None
+
+    @property
+    def radius_squared(self) -> float:
+        """Square of the radius of gyration, I / A, in m2."""
+        return float(np.sum(self.y**2 * self.area) / np.sum(self.area))
+
+
+class SectionTables(NamedTuple):
+    """Sections as arrays for the kernels: which one an element has, laws, and fibers (s, f)."""
+
+    of: Indices
+    code: Indices
+    parameters: Array
+    y: Array
+    area: Array
+    share: Array
+    initial: Array
+    shear: Array
+
+
+def section_tables(of: Indices, sections: Sequence[BeamSection]) -> SectionTables:
+    """Arrays of all sections; sections with fewer fibers get empty ones.
+
+    Arguments: `of` (elements,), which of the `sections` each element has.
+    """
+    fibers = max(len(section.y) for section in sections)
+
+    def filled(rows: Sequence[Array | None]) -> Array:
+        table = np.zeros((len(sections), fibers))
+        for i, row in enumerate(rows):
+            if row is not None:
+                table[i, : len(row)] = row
+        return table
+
+    strains = [
+        None if s.initial_stress is None else s.initial_stress / s.law.elastic_modulus
+        for s in sections
+    ]
+    return SectionTables(
+        of,
+        np.array([section.law.code for section in sections], dtype=np.int64),
+        np.stack([section.law.parameters() for section in sections]),
+        filled([section.y for section in sections]),
+        filled([section.area for section in sections]),
+        filled([section.shear_share for section in sections]),
+        filled(strains),
+        np.array([section.shear_stiffness for section in sections]),
+    )

@@ -1,0 +1,152 @@
+"""Stress updates of one fiber, always from the committed state of the step.
+
+Parameters p are (E, H, fy, ...). Linear law: p[3] isotropic modulus; with rate p[4], p[5], the
+Cowper-Symonds D and q. Menegotto-Pinto: p[3] b, p[4] R0, p[5] cR1, p[6] cR2. The first state of
+every law is the plastic strain, so that stress = E (strain - plastic strain) always.
+Sources: Simo and Hughes 1998, boxes 1.5 and 1.6; Menegotto and Pinto 1973; Filippou et al. 1983.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED = 0, 1, 2, 3
+RATE_ITERATIONS = 60
+
+
+@njit(cache=True, error_model="numpy")
+def rate_flow(excess, resistance, fy, D, q, duration):
+    """Plastic strain of a step with Cowper-Symonds overstress, and d(strain)/d(excess).
+
+    Solves resistance g + fy (g / (D dt))^(1/q) = excess for the plastic strain g, where
+    `excess` is the trial stress above the static yield stress. In x = (g / (D dt))^(1/q) the left
+    side is convex and rising, so that Newton's method from above is monotone.
+    """
+    scale = resistance * D * duration
+    x = min(excess / fy, (excess / scale) ** (1.0 / q))
+    for _ in range(RATE_ITERATIONS):
+        power = scale * x ** (q - 1.0)
+        change = (power * x + fy * x - excess) / (q * power + fy)
+        x -= change
+        if abs(change) <= 1e-15 * x:
+            break
+    strain_slope = D * duration * q * x ** (q - 1.0)  # dg/dx
+    return D * duration * x**q, strain_slope / (resistance * strain_slope + fy)
+
+
+@njit(cache=True, error_model="numpy")
+def linear(E, H, fy, Hi, eps, plastic, accumulated):
+    """Linear hardening: stress, tangent, and the new plastic and accumulated plastic strain."""
+    trial = E * (eps - plastic) - H * plastic
+    excess = abs(trial) - fy - Hi * accumulated
+    modulus = E
+    if excess > 0.0:
+        resistance = E + H + Hi
+        flow = excess / resistance
+        modulus = E * (H + Hi) / resistance
+        plastic += math.copysign(flow, trial)
+        accumulated += flow
+    return E * (eps - plastic), modulus, plastic, accumulated
+
+
+@njit(cache=True, error_model="numpy")
+def linear_rate(E, H, fy, Hi, D, q, duration, eps, plastic, accumulated):
+    """Linear hardening with Cowper-Symonds overstress over a step of `duration` (s)."""
+    if duration == np.inf:
+        return linear(E, H, fy, Hi, eps, plastic, accumulated)
+    trial = E * (eps - plastic) - H * plastic
+    excess = abs(trial) - fy - Hi * accumulated
+    modulus = E
+    if excess > 0.0:
+        flow, slope = rate_flow(excess, E + H + Hi, fy, D, q, duration)
+        modulus = E * (1.0 - E * slope)
+        plastic += math.copysign(flow, trial)
+        accumulated += flow
+    return E * (eps - plastic), modulus, plastic, accumulated
+
+
+@njit(cache=True, error_model="numpy")
+def menegotto_pinto(p, eps, old, new, f):
+    """Menegotto-Pinto: stress and tangent of fiber `f`; `old` and `new` are states (9, fibers).
+
+    States: plastic strain, strain; strain and stress at the last reversal; those where its
+    elastic line meets the hardening line; largest and smallest strain; direction (0: virgin).
+    """
+    E, fy, b = p[0], p[2], p[3]
+    yielding = fy / E
+    for k in range(9):
+        new[k, f] = old[k, f]
+    last = old[1, f]
+    change = eps - last
+    direction = old[8, f]
+    if change == 0.0:
+        if direction == 0.0:
+            return E * (eps - old[0, f]), E
+    elif direction == 0.0:
+        direction = math.copysign(1.0, change)
+        new[2, f] = new[3, f] = 0.0
+        new[4, f], new[5, f] = direction * yielding, direction * fy
+        new[6, f], new[7, f] = yielding, -yielding
+    elif change * direction < 0.0:
+        direction = -direction
+        stress = E * (last - old[0, f])
+        new[2, f], new[3, f] = last, stress
+        if direction > 0.0:
+            new[7, f] = min(old[7, f], last)
+        else:
+            new[6, f] = max(old[6, f], last)
+        # where the elastic line from the reversal meets the hardening line
+        meeting = (direction * fy * (1.0 - b) - stress + E * last) / (E * (1.0 - b))
+        new[4, f] = meeting
+        new[5, f] = direction * fy + b * E * (meeting - direction * yielding)
+    new[8, f] = direction
+    extreme = new[6, f] if direction > 0.0 else new[7, f]
+    excursion = abs(extreme - new[4, f]) / yielding
+    R = p[4] * (1.0 - p[5] * excursion / (p[6] + excursion))
+    span = new[4, f] - new[2, f]
+    x = (eps - new[2, f]) / span
+    # 1 / (1 + |x|^R)^(1/R), written so that large |x|^R do not overflow
+    size = abs(x)
+    if size <= 1.0:
+        power = size**R
+        root = (1.0 + power) ** (-1.0 / R)
+        bend = root / (1.0 + power)
+    else:
+        power = size**-R
+        root = (1.0 + power) ** (-1.0 / R) / size
+        bend = root * power / (1.0 + power)
+    ratio = (new[5, f] - new[3, f]) / span
+    stress = new[3, f] + (b * x + (1.0 - b) * x * root) * (new[5, f] - new[3, f])
+    new[0, f] = eps - stress / E
+    new[1, f] = eps
+    return stress, ratio * (b + (1.0 - b) * bend)
+
+
+@njit(cache=True, error_model="numpy")
+def follow(code, p, duration, strains, states, result):
+    """Lead one fiber along `strains` (n,); stress and tangent go to `result` (n, 2).
+
+    `states` (2, states) are zero: committed and new.
+    """
+    old = states[0].copy().reshape(-1, 1)
+    new = states[1].copy().reshape(-1, 1)
+    for i in range(strains.shape[0]):
+        if code == LINEAR:
+            stress, modulus, new[0, 0], new[1, 0] = linear(
+                p[0], p[1], p[2], p[3], strains[i], old[0, 0], old[1, 0]
+            )
+        elif code == LINEAR_RATE:
+            stress, modulus, new[0, 0], new[1, 0] = linear_rate(
+                p[0], p[1], p[2], p[3], p[4], p[5], duration, strains[i], old[0, 0], old[1, 0]
+            )
+        else:
+            stress, modulus = menegotto_pinto(p, strains[i], old, new, 0)
+        result[i, 0], result[i, 1] = stress, modulus
+        old, new = new, old

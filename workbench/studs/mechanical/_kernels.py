@@ -1,0 +1,163 @@
+"""Laws of the concrete around a stud, as scalar links between degrees of freedom.
+
+A link has the deformation s = sign (q_a - q_b) and the force f(s), which acts as sign f on a and
+-sign f on b (b < 0: the ground). `factor` scales a link, `cap` limits a slide; both are kept
+during a step. States: (largest s, smallest s) of bearings, (largest s, -) of the cone, plastic
+slide of the slide. Laws rise as f = F (1 - exp(-K s / F)) and unload with the slope K.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+BEARING, CONE, CONTACT, SLIDE = 0, 1, 2, 3
+
+
+@njit(cache=True, error_model="numpy")
+def bearing_side(s: float, largest: float, K: float, F: float) -> tuple[float, float]:
+    """Force and slope of one side of a bearing at s, pressed to `largest` before.
+
+    Beyond `largest` the envelope; below it a line of slope K, and a gap where that falls to zero.
+    """
+    if F <= 0.0:
+        return 0.0, 0.0
+    if s >= largest:
+        if s <= 0.0:
+            return 0.0, 0.0
+        decay = math.exp(-K * s / F)
+        return F * (1.0 - decay), K * decay
+    top = F * (1.0 - math.exp(-K * largest / F))
+    f = top - K * (largest - s)
+    if f <= 0.0:
+        return 0.0, 0.0
+    return f, K
+
+
+@njit(cache=True, error_model="numpy")
+def bearing(
+    s: float, largest: float, smallest: float, K: float, F: float
+) -> tuple[float, float, float, float]:
+    """Two-sided bearing: force, slope, new largest and smallest s."""
+    front, k_front = bearing_side(s, largest, K, F)
+    rear, k_rear = bearing_side(-s, -smallest, K, F)
+    return front - rear, k_front + k_rear, max(largest, s), min(smallest, s)
+
+
+@njit(cache=True, error_model="numpy")
+def cone_envelope(s: float, K: float, F: float, peak: float, end: float) -> tuple[float, float]:
+    """First loading of the cone: a parabola of initial slope K up to F at `peak`, then a line to
+    zero at `end`. K peak / F must be 2 or the parabola's own slope 2 F / peak is used.
+    """
+    if s <= 0.0:
+        return 0.0, 0.0
+    if s <= peak:
+        x = s / peak
+        return F * x * (2.0 - x), 2.0 * F / peak * (1.0 - x)
+    if s >= end:
+        return 0.0, 0.0
+    return F * (end - s) / (end - peak), -F / (end - peak)
+
+
+@njit(cache=True, error_model="numpy")
+def cone(
+    s: float, largest: float, K: float, F: float, peak: float, end: float
+) -> tuple[float, float, float]:
+    """Cone in tension with softening: force, slope, new largest s.
+
+    Unloading loses the slope in proportion to the load that is left, so that the crack stays open;
+    pressed beyond that, the cone rests on the slab with the slope K.
+    """
+    if s >= largest:
+        f, k = cone_envelope(s, K, F, peak, end)
+        if s > 0.0:
+            return f, k, s
+        return K * s, K, largest
+    top, _ = cone_envelope(largest, K, F, peak, end)
+    slope = K * top / F if largest > peak else K
+    rest = largest - top / slope if slope > 0.0 else largest - F / K
+    rest = max(rest, 0.0)
+    if s <= rest:
+        return K * (s - rest), K, largest
+    slope = top / (largest - rest)
+    return slope * (s - rest), slope, largest
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(
+    q: Vector,
+    a: Indices,
+    b: Indices,
+    sign: Vector,
+    law: Indices,
+    parameters: NDArray[np.float64],
+    factor: Vector,
+    cap: Vector,
+    old: NDArray[np.float64],
+    new: NDArray[np.float64],
+    force: Vector,
+    slope: Vector,
+) -> None:
+    """Forces and slopes (links,) of all links at displacements `q`, from committed states `old`.
+
+    Arguments: dofs `a`, `b` and `sign` (links,); `law` codes; `parameters` (links, 4): K, F, peak,
+    end; `factor` and `cap` (links,); states (links, 2). Writes `new`, `force`, `slope`.
+    """
+    for i in range(a.shape[0]):
+        s = q[a[i]] - (q[b[i]] if b[i] >= 0 else 0.0)
+        s *= sign[i]
+        K, F = parameters[i, 0], parameters[i, 1]
+        if law[i] == BEARING:
+            f, k, large, small = bearing(s, old[i, 0], old[i, 1], K, F * cap[i])
+            force[i] = factor[i] * f
+            slope[i] = factor[i] * k
+            new[i, 0] = large
+            new[i, 1] = small
+        elif law[i] == CONE:
+            force[i], slope[i], new[i, 0] = cone(
+                s, old[i, 0], K, F, parameters[i, 2], parameters[i, 3]
+            )
+        elif law[i] == CONTACT:
+            force[i] = K * s if s > 0.0 else 0.0
+            slope[i] = K if s > 0.0 else 0.0
+        else:
+            trial = K * (s - old[i, 0])
+            limit = F * cap[i]
+            if abs(trial) <= limit:
+                force[i] = trial
+                slope[i] = K
+                new[i, 0] = old[i, 0]
+            else:
+                force[i] = math.copysign(limit, trial)
+                # a trace of the slope keeps the structure stable when all else has yielded
+                slope[i] = 0.0
+                new[i, 0] = s - force[i] / K
+
+
+@njit(cache=True, error_model="numpy")
+def scatter(
+    force: Vector,
+    band: Vector,
+    rows: int,
+    width: int,
+    a: Indices,
+    b: Indices,
+    sign: Vector,
+    f: Vector,
+    k: Vector,
+) -> None:
+    """Add the link forces to `force` (dofs,) and their slopes to the flat `band`."""
+    for i in range(a.shape[0]):
+        force[a[i]] += sign[i] * f[i]
+        band[a[i] * rows + 2 * width] += k[i]
+        if b[i] >= 0:
+            force[b[i]] -= sign[i] * f[i]
+            band[b[i] * rows + 2 * width] += k[i]
+            band[b[i] * rows + 2 * width + a[i] - b[i]] -= k[i]
+            band[a[i] * rows + 2 * width + b[i] - a[i]] -= k[i]

@@ -1,0 +1,122 @@
+"""Columns of a table of tests as arrays in SI units, and the rows that a fit may use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.errors import InputError
+from workbench.studs.schema import HEADED, NO_PREDAMAGE
+
+Array = NDArray[np.float64]
+
+ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318
+DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 and ACI 318
+NORMAL_WEIGHT_FROM = 2160.0  # kg/m3
+
+
+def shank_area(diameter: ArrayLike) -> Array:
+    """Area of the shank, pi d^2 / 4, in m2, for diameters in m."""
+    return np.asarray(0.25 * np.pi * np.square(np.asarray(diameter, float)))
+
+
+def concrete_modulus(strength: ArrayLike, density: ArrayLike | None = None) -> Array:
+    """Modulus of concrete in Pa from its mean cylinder strength (Pa) and density (kg/m3).
+
+    Without a density 4733 sqrt(fc), with one 0.043 w^1.5 sqrt(fc), both in MPa (ACI 318).
+    """
+    root = np.sqrt(np.asarray(strength, float) / 1e6)
+    if density is None:
+        return np.asarray(ACI_MODULUS * root)
+    return np.asarray(DENSITY_MODULUS * np.asarray(density, float) ** 1.5 * root)
+
+
+@dataclass(frozen=True)
+class Specimens:
+    """Tests as arrays (n,) in SI units; NaN where not reported.
+
+    `diameter`, `height`, `embedment` in m; `concrete_strength`, `concrete_modulus`,
+    `ultimate_strength`, in Pa; `shear`, `tension` per stud in N; `slip_at_max` in m.
+    `modulus_measured` says where the modulus was measured and not taken from a formula.
+    """
+
+    campaign: NDArray[np.object_]
+    specimen: NDArray[np.object_]
+    diameter: Array
+    height: Array
+    embedment: Array
+    concrete_strength: Array
+    concrete_modulus: Array
+    modulus_measured: NDArray[np.bool_]
+    density: Array
+    ultimate_strength: Array
+    shear: Array
+    tension: Array
+    slip_at_max: Array
+
+    @property
+    def area(self) -> Array:
+        """Area of the shank, in m2."""
+        return shank_area(self.diameter)
+
+    def __len__(self) -> int:
+        return len(self.diameter)
+
+
+def specimens(table: pd.DataFrame) -> Specimens:
+    """The tests of a table (schema `TESTS`) in SI units.
+
+    Where the modulus of the concrete was not measured it is 4733 sqrt(fc) MPa; with a density
+    below 2160 kg/m3, 0.043 w^1.5 sqrt(fc) MPa.
+    """
+    strength = _si(table, "fcm_MPa", 1e6)
+    measured = _si(table, "Ecm_MPa", 1e6)
+    density = _si(table, "density_kg_per_m3", 1.0)
+    light = density < NORMAL_WEIGHT_FROM
+    modulus = np.where(light, concrete_modulus(strength, density), concrete_modulus(strength))
+    known = np.isfinite(measured)
+    return Specimens(
+        campaign=table["campaign"].to_numpy(object),
+        specimen=table["specimen"].to_numpy(object),
+        diameter=_si(table, "diameter_mm", 1e-3),
+        height=_si(table, "height_mm", 1e-3),
+        embedment=_si(table, "embedment_mm", 1e-3),
+        concrete_strength=strength,
+        concrete_modulus=np.where(known, measured, modulus),
+        modulus_measured=known,
+        density=density,
+        ultimate_strength=_si(table, "fu_MPa", 1e6),
+        shear=_si(table, "shear_kN", 1e3),
+        tension=_si(table, "tension_kN", 1e3),
+        slip_at_max=_si(table, "slip_at_max_mm", 1e-3),
+    )
+
+
+def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
+    if column not in table.columns:
+        return np.full(len(table), np.nan)
+    return np.asarray(table[column].to_numpy(float) * factor)
+
+
+def undamaged_headed_studs(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows that a fit of the undamaged headed stud may use.
+
+    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear. Raises `InputError` when
+    none is left, saying what took the rows away.
+    """
+    conditions = {
+        "use_for_fit is 0": table["use_for_fit"] == 1.0,
+        "another connector than a headed stud": table["connector"] == HEADED,
+        "after pre-damage": table["predamage"] == NO_PREDAMAGE,
+        "no shear_kN": np.isfinite(table["shear_kN"].to_numpy(float)),
+    }
+    kept = np.ones(len(table), bool)
+    for condition in conditions.values():
+        kept &= np.asarray(condition)
+    if not kept.any():
+        lost = "; ".join(f"{name}: {int((~np.asarray(c)).sum())}" for name, c in conditions.items())
+        raise InputError("table", f"{len(table)} rows", f"holds no undamaged headed stud ({lost})")
+    return table[kept].reset_index(drop=True)

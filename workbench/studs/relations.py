@@ -1,0 +1,85 @@
+"""Relations between damage and what is left: R(D), damage D from 0 to 1, R = 1 undamaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.errors import InputError
+from workbench.studs.quantities import Array
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A form of R(D): `parameters` with `lower`, `upper` bounds and `start`; `formula` in words."""
+
+    name: str
+    formula: str
+    parameters: tuple[str, ...]
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    start: tuple[float, ...]
+    value: Callable[[Array, Array], Array]
+    source: str
+
+    def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
+        """What is left (n,) at damage levels (n,) for parameters (p,)."""
+        d = np.asarray(level, float)
+        if np.any((d < 0.0) | (d > 1.0)):
+            raise InputError("level", float(np.max(np.abs(d))), "damage lies from 0 to 1")
+        return self.value(d, np.asarray(theta, float))
+
+
+@dataclass(frozen=True)
+class MechanicalCurve:
+    """What a mechanical model predicts to be left: `level` (n,), `ratio` (n,) with a band.
+
+    `low` and `high` (n,) bound the prediction over its unknown parameters; `predamage`,
+    `measure` and `quantity` as in `fit_residual`; `basis` says what it was calibrated on. Levels
+    rise from 0, where the ratio is 1.
+    """
+
+    level: Array
+    ratio: Array
+    low: Array
+    high: Array
+    predamage: str
+    measure: str
+    quantity: str
+    basis: str
+
+    def __post_init__(self) -> None:
+        shapes = {np.shape(v) for v in (self.level, self.ratio, self.low, self.high)}
+        if len(shapes) > 1 or len(self.level) < 2 or np.any(np.diff(self.level) <= 0.0):
+            raise InputError("mechanical", shapes, "must be curves over rising levels")
+
+    def relation(self) -> Relation:
+        """The prediction as a relation without parameters, linear between its levels.
+
+        Beyond the last level it has no value (NaN).
+        """
+
+        def value(d: Array, theta: Array) -> Array:
+            return np.interp(d, self.level, self.ratio, right=np.nan)
+
+        return Relation(
+            "mechanical", "prediction of the mechanical model", (), (), (), (), value, self.basis
+        )
+
+
+RELATIONS: dict[str, Relation] = {
+    relation.name: relation
+    for relation in (
+        Relation("none", "R = 1: no loss", (), (), (), (),
+                 lambda d, p: np.ones_like(d), "the null hypothesis"),
+        Relation("linear", "R = 1 - c D", ("c",), (0.0,), (1.0,), (0.3,),
+                 lambda d, p: 1.0 - p[0] * d, "after Oehlers 1990 (abstract only)"),
+        Relation("power", "R = 1 - c D^p", ("c", "p"), (0.0, 0.1), (1.0, 10.0), (0.4, 1.2),
+                 lambda d, p: 1.0 - p[0] * d ** p[1], "empirical"),
+        Relation("exponential", "R = exp(-c D)", ("c",), (0.0,), (20.0,), (0.4,),
+                 lambda d, p: np.exp(-p[0] * d), "empirical"),
+    )
+}  # fmt: skip

@@ -1,0 +1,223 @@
+"""Shear resistance of headed studs in solid slabs: EN 1994, AISC 360, Ollgaard, Roik.
+
+All forms are the smaller of a steel term, c_s A_s f_u, and a concrete term, c_c times sqrt(f_c
+E_c) over d^2 or A_s. They differ in their factors, and in whether material values are
+characteristic or mean. Units: SI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.errors import InputError, OutOfDomainError
+from workbench.studs.quantities import Array, Specimens, shank_area
+
+LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
+EN1994_PARTIAL_FACTOR = 1.25
+STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1
+KSI, KIP, INCH = 6.894757e6, 4448.222, 0.0254  # Pa, N, m
+
+
+class Level(StrEnum):
+    """What a strength value stands for."""
+
+    MEAN = "mean"
+    CHARACTERISTIC = "characteristic"
+    NOMINAL = "nominal"
+
+
+@dataclass(frozen=True, slots=True)
+class ShearModel:
+    """A formula of shear resistance: min(c_s A_s f_u, c_c alpha X sqrt(f_c E_c)).
+
+    `steel_factor` c_s (infinite: no steel term); `concrete_factor` c_c; `over_area`, X is A_s,
+    otherwise d^2; `reduces_stocky`, alpha = 0.2 (h/d + 1) for 3 <= h/d < 4 (EN 1994); `level` of
+    the value with the material values meant for it; `source`.
+    """
+
+    name: str
+    title: str
+    steel_factor: float
+    concrete_factor: float
+    over_area: bool
+    reduces_stocky: bool
+    level: Level
+    source: str
+
+    def steel(self, diameter: ArrayLike, ultimate_strength: ArrayLike) -> Array:
+        """Steel term (n,) in N for diameters (m) and tensile strengths (Pa)."""
+        if np.isinf(self.steel_factor):
+            return np.full(np.broadcast(diameter, ultimate_strength).shape, np.inf)
+        return np.asarray(
+            self.steel_factor * shank_area(diameter) * np.asarray(ultimate_strength, float)
+        )
+
+    def concrete(
+        self, diameter: ArrayLike, height: ArrayLike, strength: ArrayLike, modulus: ArrayLike
+    ) -> Array:
+        """Concrete term (n,) in N for diameters and heights (m), strength and modulus (Pa).
+
+        Raises `OutOfDomainError` for studs below h/d = 3 where the formula has no value.
+        """
+        d = np.asarray(diameter, float)
+        size = shank_area(d) if self.over_area else d * d
+        factor = self.concrete_factor * self._stockiness(d, np.asarray(height, float))
+        product = np.asarray(strength, float) * np.asarray(modulus, float)
+        return np.asarray(factor * size * np.sqrt(product))
+
+    def _stockiness(self, diameter: Array, height: Array) -> Array:
+        if not self.reduces_stocky:
+            return np.ones(np.broadcast(diameter, height).shape)
+        slenderness = height / diameter
+        if np.any(slenderness < LEAST_SLENDERNESS):
+            raise OutOfDomainError(
+                f"{self.title} has no value for a stud of height over diameter "
+                f"{np.nanmin(slenderness):.3g}: it starts at {LEAST_SLENDERNESS:g}"
+            )
+        # np.minimum keeps NaN: without a height there is no value, rather than alpha = 1
+        return np.minimum(0.2 * (slenderness + 1.0), 1.0)
+
+    def resistance(
+        self,
+        diameter: ArrayLike,
+        height: ArrayLike,
+        strength: ArrayLike,
+        modulus: ArrayLike,
+        ultimate_strength: ArrayLike,
+    ) -> Array:
+        """Resistance (n,) in N; arguments as in `steel` and `concrete`."""
+        return np.minimum(
+            self.steel(diameter, ultimate_strength),
+            self.concrete(diameter, height, strength, modulus),
+        )
+
+    def of(self, tests: Specimens) -> Array:
+        """Resistance (n,) of tested specimens with their mean material values, in N.
+
+        NaN where a value that the formula needs was not reported.
+        """
+        return self.resistance(
+            tests.diameter,
+            tests.height,
+            tests.concrete_strength,
+            tests.concrete_modulus,
+            tests.ultimate_strength,
+        )
+
+    def governed_by_steel(self, tests: Specimens) -> NDArray[np.bool_]:
+        """Whether the steel term governs (n,)."""
+        steel = self.steel(tests.diameter, tests.ultimate_strength)
+        concrete = self.concrete(
+            tests.diameter, tests.height, tests.concrete_strength, tests.concrete_modulus
+        )
+        return np.asarray(steel < concrete)
+
+    def findings(self, tests: Specimens) -> list[str]:
+        """Sentences on tests outside the range that the code states; empty when all are in."""
+        rules = _RANGES.get(self.name.removesuffix("-mean"), ())
+        result = []
+        for quantity, low, high, words in rules:
+            values = _quantity(tests, quantity)
+            outside = int(np.sum((values < low) | (values > high)))
+            if outside:
+                result.append(f"{outside} of {len(tests)} tests outside {words} of {self.title}")
+        return result
+
+    def scaled(self, *, steel: float | None = None, concrete: float | None = None) -> ShearModel:
+        """The same formula with other factors (a fitted form of it)."""
+        return replace(
+            self,
+            steel_factor=self.steel_factor if steel is None else steel,
+            concrete_factor=self.concrete_factor if concrete is None else concrete,
+        )
+
+
+_ROUND = 1e-9  # bounds are quoted to few digits
+_RANGES = {
+    "en1994": (
+        ("diameter", 0.016 - _ROUND, 0.025 + _ROUND, "d = 16 to 25 mm"),
+        ("ultimate_strength", 0.0, 500e6 * (1 + _ROUND), "f_u up to 500 MPa"),
+        ("density", 1750.0 - _ROUND, np.inf, "densities from 1750 kg/m3"),
+    ),
+    "aisc360": (("slenderness", 5.0 - _ROUND, np.inf, "h/d from 5"),),
+}
+
+
+def _quantity(tests: Specimens, name: str) -> Array:
+    if name == "slenderness":
+        return np.asarray(tests.height / tests.diameter)
+    return np.asarray(getattr(tests, name))
+
+
+_EN_SOURCE = "EN 1994-1-1:2004, 6.6.3.1 (secondary transcriptions)"
+SHEAR_MODELS: dict[str, ShearModel] = {
+    model.name: model
+    for model in (
+        ShearModel("en1994", "EN 1994-1-1", 0.8, 0.29, False, True, Level.CHARACTERISTIC,
+                   _EN_SOURCE),
+        ShearModel("roik-mean", "Roik, mean values (the mean form of EN 1994-1-1)", 1.0, 0.374,
+                   False, True, Level.MEAN, "Roik et al., mean values behind EN 1994-1-1 "
+                   "(secondary transcription; another one prints 0.372)"),
+        ShearModel("aisc360", "AISC 360-22, solid slab (Rg = 1, Rp = 0.75)", 0.75, 0.5, True,
+                   False, Level.NOMINAL, "AISC 360-22, I8.2a"),
+        ShearModel("ollgaard", "Ollgaard, Slutter and Fisher 1971", np.inf, 0.5, True, False,
+                   Level.MEAN, "Ollgaard, Slutter and Fisher 1971, simplified form (recalled)"),
+    )
+}  # fmt: skip
+
+
+def aisc360(group_factor: float = 1.0, position_factor: float = 0.75) -> ShearModel:
+    """AISC 360-22 with the factors R_g and R_p of a deck (`Deck.factors_aisc360`)."""
+    return SHEAR_MODELS["aisc360"].scaled(steel=group_factor * position_factor)
+
+
+def shear_model(name: str) -> ShearModel:
+    """The shear model of this name. Raises `InputError`."""
+    if name not in SHEAR_MODELS:
+        raise InputError("model", name, "must be one of " + ", ".join(SHEAR_MODELS))
+    return SHEAR_MODELS[name]
+
+
+def design_resistance(
+    model: ShearModel,
+    diameter: ArrayLike,
+    height: ArrayLike,
+    strength: ArrayLike,
+    modulus: ArrayLike,
+    ultimate_strength: ArrayLike,
+    partial_factor: float = EN1994_PARTIAL_FACTOR,
+) -> Array:
+    """Design value in N: the characteristic resistance over the partial factor.
+
+    Arguments as in `ShearModel.resistance`, with characteristic material values. Raises
+    `InputError` for a model of mean values, whose design value is a matter of EN 1990 D.8.
+    """
+    if model.level is not Level.CHARACTERISTIC:
+        raise InputError(
+            "model", model.name, f"gives {model.level} values, not characteristic ones",
+            "use `evaluate_d8` for a design value",
+        )  # fmt: skip
+    value = model.resistance(diameter, height, strength, modulus, ultimate_strength)
+    return np.asarray(value / partial_factor)
+
+
+def characteristic_strength(mean_strength: ArrayLike) -> Array:
+    """Characteristic concrete strength f_ck = f_cm - 8 MPa, in Pa (EN 1992-1-1, table 3.1)."""
+    return np.asarray(np.asarray(mean_strength, float) - STRENGTH_MARGIN)
+
+
+def ollgaard_regression(
+    diameter: ArrayLike, strength: ArrayLike, modulus: ArrayLike
+) -> Array:
+    """The regression behind Ollgaard's rule, Q = 1.106 A_s f_c^0.3 E_c^0.44 (kip, inch), in N.
+
+    Arguments: diameters (m), concrete strength and modulus (Pa). Source: Ollgaard, Slutter and
+    Fisher 1971, recalled, not read again.
+    """
+    area = shank_area(diameter) / INCH**2
+    fc, ec = np.asarray(strength, float) / KSI, np.asarray(modulus, float) / KSI
+    return np.asarray(1.106 * area * fc**0.3 * ec**0.44 * KIP)

@@ -1,0 +1,182 @@
+"""EN 1990 Annex D.8: characteristic and design resistance from tests and a resistance function.
+
+Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again). Every intermediate value of the
+procedure is kept in the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from math import exp, inf, log, prod, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.errors import InputError
+from workbench.studs.quantities import Array
+from workbench.studs.statistics.quantiles import characteristic_factor, design_factor
+
+K_INFINITE = 1.64  # the limits as the standard prints them
+KD_INFINITE = 3.04
+MANY_TESTS = 100  # from here on the scatter counts as known
+
+
+@dataclass(frozen=True, slots=True)
+class D8:
+    """Result of EN 1990 D.8 with all intermediate values.
+
+    `count`; correction factor `b`; `s_delta`, standard deviation of the logarithms of the errors
+    and `V_delta`, their coefficient of variation; `V_rt` of the resistance function from its basic
+    variables, `V_r` in all; `Q`, `Q_rt`, `Q_delta` and weights `alpha_rt`, `alpha_delta`; factors
+    `k_n`, `k_dn`; theoretical resistance at mean values `r_m` (N); `r_k`, `r_d` (N);
+    `gamma_m`, r_k / r_d; nominal resistance `r_nominal` (N, or None) and `gamma_m_star`,
+    r_nominal / r_d (or None).
+    """
+
+    count: int
+    b: float
+    s_delta: float
+    V_delta: float
+    V_rt: float
+    V_r: float
+    Q: float
+    Q_rt: float
+    Q_delta: float
+    alpha_rt: float
+    alpha_delta: float
+    k_n: float
+    k_dn: float
+    r_m: float
+    r_k: float
+    r_d: float
+    gamma_m: float
+    r_nominal: float | None
+    gamma_m_star: float | None
+
+    def to_dict(self) -> dict[str, float | int | None]:
+        """All values by name; resistances in N."""
+        return asdict(self)
+
+
+def errors_of(experimental: ArrayLike, theoretical: ArrayLike) -> tuple[float, Array]:
+    """Correction factor b and logarithms Delta_i = ln(r_e / (b r_t)) of the errors (n,).
+
+    Arguments: `experimental` and `theoretical` resistances (n,), positive. Raises `InputError`.
+    """
+    e = np.atleast_1d(np.asarray(experimental, float))
+    t = np.atleast_1d(np.asarray(theoretical, float))
+    if e.shape != t.shape or e.ndim != 1:
+        raise InputError("tests", (e.shape, t.shape), "must be pairs of resistances")
+    if not (np.all(np.isfinite(e) & np.isfinite(t)) and np.all(e > 0.0) and np.all(t > 0.0)):
+        raise InputError("tests", "resistances", "must be positive numbers")
+    b = float(np.sum(e * t) / np.sum(t * t))
+    return b, np.log(e / (b * t))
+
+
+def evaluate_d8(
+    experimental: ArrayLike,
+    theoretical: ArrayLike,
+    *,
+    variations: Mapping[str, float] | None = None,
+    sensitivities: Mapping[str, float] | None = None,
+    resistance: float | None = None,
+    nominal: float | None = None,
+    scatter_count: int | None = None,
+) -> D8:
+    """Characteristic and design resistance by EN 1990 D.8.
+
+    Arguments: `experimental` and `theoretical` resistances (n,) in N of the tests, with measured
+    values of the basic variables; `variations`, coefficients of variation of the basic variables
+    in structures to come; `sensitivities`, exponents of the variables in the resistance function,
+    (x / g) dg/dx at mean values (default 1: a product); `resistance`, g_rt at the mean values of
+    the design in N (default: mean of `theoretical`); `nominal` design-function value in N, for
+    gamma_M*; `scatter_count`, tests behind the scatter where sub-sets were formed (D.8.2.2.5).
+    Raises `InputError` for fewer than two tests.
+    """
+    b, delta = errors_of(experimental, theoretical)
+    n = len(delta)
+    if n < 2:
+        raise InputError("tests", n, "must be two or more", "see `from_prior_knowledge` (D.8.4)")
+    s_delta = float(np.std(delta, ddof=1))
+    v_delta = sqrt(exp(s_delta**2) - 1.0)
+    v_rt = _variation(dict(variations or {}), dict(sensitivities or {}))
+    v_r = sqrt((1.0 + v_delta**2) * (1.0 + v_rt**2) - 1.0)
+    q, q_rt, q_delta = (sqrt(log(v**2 + 1.0)) for v in (v_r, v_rt, v_delta))
+    alpha_rt, alpha_delta = (0.0, 0.0) if q == 0.0 else (q_rt / q, q_delta / q)
+    counted = scatter_count or n
+    many = counted >= MANY_TESTS
+    k_n = K_INFINITE if many else characteristic_factor(counted)
+    k_dn = KD_INFINITE if many else design_factor(counted)
+    r_m = float(np.mean(theoretical)) if resistance is None else resistance
+
+    def value(k_infinite: float, k_limited: float) -> float:
+        weighted = k_infinite * alpha_rt * q_rt + k_limited * alpha_delta * q_delta
+        return b * r_m * exp(-weighted - 0.5 * q * q)
+
+    r_k, r_d = value(K_INFINITE, k_n), value(KD_INFINITE, k_dn)
+    return D8(
+        count=n, b=b, s_delta=s_delta, V_delta=v_delta, V_rt=v_rt, V_r=v_r,
+        Q=q, Q_rt=q_rt, Q_delta=q_delta, alpha_rt=alpha_rt, alpha_delta=alpha_delta,
+        k_n=k_n, k_dn=k_dn, r_m=r_m, r_k=r_k, r_d=r_d, gamma_m=r_k / r_d,
+        r_nominal=nominal, gamma_m_star=None if nominal is None else nominal / r_d,
+    )  # fmt: skip
+
+
+def _variation(variations: dict[str, float], sensitivities: dict[str, float]) -> float:
+    unknown = set(sensitivities) - set(variations)
+    if unknown:
+        raise InputError("sensitivities", ", ".join(sorted(unknown)), "have no variation given")
+    for name, v in variations.items():
+        if not 0.0 <= v < 2.0:
+            raise InputError(f"variations.{name}", v, "must be a share from 0 to below 2")
+    if not sensitivities:
+        return sqrt(prod(1.0 + v**2 for v in variations.values()) - 1.0)  # (D.16)
+    return sqrt(sum((sensitivities.get(x, 1.0) * v) ** 2 for x, v in variations.items()))  # (D.18)
+
+
+def sensitivities_of(
+    resistance: Callable[[Mapping[str, float]], float], means: Mapping[str, float]
+) -> dict[str, float]:
+    """Exponents (x / g) dg/dx of a resistance function at mean values, by central differences.
+
+    Arguments: `resistance`, g of the basic variables by name; their `means`.
+    """
+    result = {}
+    base = dict(means)
+    centre = resistance(base)
+    for name, mean in means.items():
+        step = 1e-4 * mean
+        high, low = resistance({**base, name: mean + step}), resistance({**base, name: mean - step})
+        result[name] = (high - low) / (2.0 * step) * mean / centre
+    return result
+
+
+def from_prior_knowledge(resistances: ArrayLike, variation: float) -> tuple[float, float]:
+    """Characteristic resistance from one to three tests with V_r known beforehand (D.8.4).
+
+    Arguments: `resistances` (1..3,) of tests of one kind, `variation` V_r from earlier tests.
+    Result: r_k in the unit of the tests, and the factor eta_k on the test (one) or the mean (two
+    or three). Raises `InputError` for more tests, or when a test is off the mean by over 10 %.
+    """
+    r = np.atleast_1d(np.asarray(resistances, float))
+    if not 1 <= len(r) <= 3 or not np.all(r > 0.0):
+        raise InputError("resistances", len(r), "must be one to three positive values")
+    mean = float(np.mean(r))
+    if len(r) == 1:
+        factor = 0.9 * exp(-2.31 * variation - 0.5 * variation**2)
+    else:
+        if np.max(np.abs(r / mean - 1.0)) > 0.1:
+            raise InputError(
+                "resistances", r.tolist(), "must lie within 10 % of their mean for D.8.4",
+                "make more tests and use `evaluate_d8`",
+            )  # fmt: skip
+        factor = exp(-2.0 * variation - 0.5 * variation**2)
+    return factor * mean, factor
+
+
+def factor_table(counts: tuple[float, ...] = (3, 4, 5, 6, 8, 10, 20, 30, inf)) -> list[
+    tuple[float, float, float]
+]:
+    """Rows (n, k_n, k_d,n) for V unknown, from the definition of the factors."""
+    return [(n, characteristic_factor(n), design_factor(n)) for n in counts]

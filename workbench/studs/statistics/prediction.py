@@ -1,0 +1,152 @@
+"""What a fitted mixed model says of a new test in a new campaign.
+
+Given the ratio of variances lambda, a new test is Student-distributed. As few campaigns hardly
+tell lambda, its restricted likelihood is integrated over sqrt(lambda) with equal weights (Gelman
+2006 recommends the uniform density on the standard deviation); this needs three campaigns, with
+fewer the integral does not exist and no prediction for a new campaign is made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.errors import InputError
+from workbench.studs.quantities import Array
+from workbench.studs.statistics.mixed import (
+    Estimate,
+    Problem,
+    criterion_at,
+    fit,
+    jacobian,
+    subset,
+)
+
+LEAST_CAMPAIGNS = 3
+LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
+POINTS = 80
+
+
+@dataclass(frozen=True)
+class _Mixture:
+    """Student distributions (points,): `weight`, `theta` (points, p), `scale2`, `inverse`, `nu`."""
+
+    weight: Array
+    theta: Array
+    ratio: Array
+    variance: Array
+    inverse: Array
+    nu: int
+
+
+def _mixture(estimate: Estimate) -> _Mixture:
+    given = estimate.problem
+    free = np.flatnonzero(~estimate.at_bound)
+    # fine near zero, where the likelihood changes; its tail falls like a power
+    r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, POINTS)])
+    values, thetas, variances, inverses = [], [], [], []
+    theta = estimate.theta
+    for each in r:
+        value, variance, solved = criterion_at(given, float(each) ** 2, theta, free)
+        if solved.stuck.any():
+            raise InputError("prediction", given.names, "is not defined at a bound of a parameter")
+        values.append(value)
+        thetas.append(solved.theta)
+        variances.append(variance)
+        inverses.append(np.linalg.pinv(solved.normal))
+        theta = solved.theta
+    likelihood = np.exp(-0.5 * (np.array(values) - min(values)))
+    weight = likelihood * np.gradient(r)
+    return _Mixture(
+        weight / weight.sum(), np.array(thetas), r, np.array(variances), np.array(inverses),
+        given.count - len(free),
+    )  # fmt: skip
+
+
+def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
+    """Value (n,) below which a `share` of new tests in a new campaign lies, in the unit of y.
+
+    Arguments: `held`, a problem whose rows describe the new tests (its y is not used). Raises
+    `InputError` for fewer than three campaigns behind the estimate.
+    """
+    from scipy.optimize import brentq
+    from scipy.special import stdtr
+
+    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
+        raise InputError(
+            "campaigns", estimate.problem.campaigns,
+            f"must be {LEAST_CAMPAIGNS} or more for a prediction of a new campaign",
+            "fewer do not tell how much campaigns differ",
+        )  # fmt: skip
+    mixture = _mixture(estimate)
+    free = np.flatnonzero(~estimate.at_bound)
+    x = jacobian(held, estimate.theta, free)
+    middle = held.predict(estimate.theta)
+    rows, index = np.unique(np.column_stack([x, middle]), axis=0, return_inverse=True)
+    result = np.empty(len(rows))
+    for i, row in enumerate(rows):
+        slope = row[:-1]
+        spread = np.einsum("j,kjl,l->k", slope, mixture.inverse, slope)
+        scale = np.sqrt(mixture.variance * (1.0 + mixture.ratio**2 + spread))
+        centre = row[-1] + (mixture.theta[:, free] - estimate.theta[free]) @ slope
+
+        def below(y: float, centre: Array = centre, scale: Array = scale) -> float:
+            return float(mixture.weight @ stdtr(mixture.nu, (y - centre) / scale)) - share
+
+        width = 10.0 * float(np.max(scale[mixture.weight > 1e-12]))
+        low = high = float(row[-1])
+        while below(low) > 0.0:
+            low -= width
+        while below(high) < 0.0:
+            high += width
+        result[i] = brentq(below, low, high, xtol=1e-9 * width)
+    return np.asarray(result[index.ravel()])
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A campaign predicted from all others: `campaign`, `count`, mean error and root mean square.
+
+    `bias` and `rms` in the unit of y; `covered`, share of its tests inside the prediction
+    interval (None if the other campaigns are too few for one).
+    """
+
+    campaign: str
+    count: int
+    bias: float
+    rms: float
+    covered: float | None
+
+
+def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[LeftOut]:
+    """Predict every campaign from the others. Raises `InputError` for fewer than two campaigns,
+    or where the others cannot be fitted.
+    """
+    if given.campaigns < 2:
+        raise InputError("campaigns", given.campaigns, "must be two or more to leave one out")
+    result = []
+    for label in given.labels:
+        outside, inside = given.without(label)
+        estimate = fit(subset(given, outside))
+        held = subset(given, inside)
+        error = held.y - held.predict(estimate.theta)
+        covered = coverage(estimate, held, confidence)
+        result.append(
+            LeftOut(
+                label, len(inside), float(np.mean(error)), float(np.sqrt(np.mean(error**2))),
+                covered,
+            )
+        )  # fmt: skip
+    return result
+
+
+def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | None:
+    """Share of the tests of `held` inside their prediction interval; None with too few campaigns."""
+    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
+        return None
+    low, high = (
+        predictive_quantile(estimate, held, share)
+        for share in (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+    )
+    return float(np.mean((held.y >= low) & (held.y <= high)))
