@@ -23,9 +23,13 @@ SEGMENTS = ("below", "above")
 
 
 class ColumnElements(ElementGroup, Protocol):
-    """What a column reads off its element group, committed and in SI units."""
+    """What a column reads off its element group, committed and in SI units.
+
+    `crumples`: whether an element means nothing once a plastic hinge has shortened it to nothing.
+    """
 
     lengths: Array
+    crumples: bool
 
     @property
     def local_forces(self) -> Array:
@@ -111,7 +115,9 @@ class ColumnBeams:
         return -float(np.sum(self.beams.elongations))
 
     def slightest(self) -> float:
-        """Least length of an element over its initial length."""
+        """Least length of an element over its initial length, where that must not vanish."""
+        if not self.beams.crumples:
+            return 1.0
         return float(np.min(1.0 + self.beams.elongations / self.beams.lengths))
 
     @property

@@ -111,7 +111,8 @@ def run_impact(
 def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Response:
     """Push the hit point of the column to the scenario's displacement in equal `steps`.
 
-    External work is the trapezoidal sum over the steps. Raises `SolverError`.
+    External work is the trapezoidal sum over the steps. Raises `SolverError`, and
+    `OutOfDomainError` when a hinge crumples.
     """
     assembly = beams.assembly
     history = History(beams)

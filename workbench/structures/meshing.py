@@ -42,4 +42,4 @@ def graded_lengths(
 
 def halved(lengths: Array, times: int) -> Array:
     """Element lengths after halving every element `times` times."""
-    return np.repeat(lengths, 2**times) / 2**times
+    return np.asarray(np.repeat(lengths, 2**times) / 2**times)

@@ -484,8 +484,7 @@ def plastic_rotations(
 ) -> None:
     """Plastic curvature of each element integrated along it (rad), into `result` (elements,).
 
-    The plastic curvature of a section is -sum(eps_p y A) / sum(y^2 A): what bends the section
-    when its stresses are removed.
+    That of a section is -sum(eps_p y A) / sum(y^2 A): what bends it when its stresses are removed.
     """
     for e in range(lengths.shape[0]):
         s = section[e]

@@ -83,6 +83,8 @@ class FiberBeams:
     it the axial displacement is linear, as in the classical displacement-based element).
     """
 
+    crumples = True  # the direction of a chord without length is undefined
+
     def __init__(
         self,
         nodes: ArrayLike,

@@ -32,6 +32,8 @@ class ReissnerBeams:
     each element has; `sections`. Raises `InputError` from the laws of the sections.
     """
 
+    crumples = False  # a short element turns into a hinge that may shorten by more than its length
+
     def __init__(
         self, nodes: ArrayLike, section_of: ArrayLike, sections: Sequence[BeamSection]
     ) -> None:

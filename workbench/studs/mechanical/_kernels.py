@@ -18,6 +18,7 @@ Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 BEARING, CONE, CONTACT, SLIDE = 0, 1, 2, 3
+CONE_REST = 0.02  # of the cone's strength, carried by the rubble of a broken cone
 
 
 @njit(cache=True, error_model="numpy")
@@ -29,11 +30,13 @@ def bearing_side(s: float, largest: float, K: float, F: float) -> tuple[float, f
     if F <= 0.0:
         return 0.0, 0.0
     if s >= largest:
-        if s <= 0.0:
+        if s < 0.0:
             return 0.0, 0.0
-        decay = math.exp(-K * s / F)
-        return F * (1.0 - decay), K * decay
-    top = F * (1.0 - math.exp(-K * largest / F))
+        if s == 0.0:
+            return 0.0, 0.5 * K  # both sides together have the slope K
+        lost = math.expm1(-K * s / F)
+        return -F * lost, K * (1.0 + lost)
+    top = -F * math.expm1(-K * largest / F)
     f = top - K * (largest - s)
     if f <= 0.0:
         return 0.0, 0.0
@@ -51,9 +54,10 @@ def bearing(
 
 
 @njit(cache=True, error_model="numpy")
-def cone_envelope(s: float, K: float, F: float, peak: float, end: float) -> tuple[float, float]:
-    """First loading of the cone: a parabola of initial slope K up to F at `peak`, then a line to
-    zero at `end`. K peak / F must be 2 or the parabola's own slope 2 F / peak is used.
+def cone_envelope(s: float, F: float, peak: float, end: float) -> tuple[float, float]:
+    """First loading of the cone: a parabola up to F at `peak`, then a line to nearly zero at `end`.
+
+    Its initial slope is 2 F / peak. Beyond `end` a small rest is left.
     """
     if s <= 0.0:
         return 0.0, 0.0
@@ -61,8 +65,9 @@ def cone_envelope(s: float, K: float, F: float, peak: float, end: float) -> tupl
         x = s / peak
         return F * x * (2.0 - x), 2.0 * F / peak * (1.0 - x)
     if s >= end:
-        return 0.0, 0.0
-    return F * (end - s) / (end - peak), -F / (end - peak)
+        return CONE_REST * F, 0.0
+    slope = -(1.0 - CONE_REST) * F / (end - peak)
+    return F + slope * (s - peak), slope
 
 
 @njit(cache=True, error_model="numpy")
@@ -74,12 +79,10 @@ def cone(
     Unloading loses the slope in proportion to the load that is left, so that the crack stays open;
     pressed beyond that, the cone rests on the slab with the slope K.
     """
-    if s >= largest:
-        f, k = cone_envelope(s, K, F, peak, end)
-        if s > 0.0:
-            return f, k, s
-        return K * s, K, largest
-    top, _ = cone_envelope(largest, K, F, peak, end)
+    if s >= largest and s > 0.0:
+        f, k = cone_envelope(s, F, peak, end)
+        return f, k, s
+    top, _ = cone_envelope(largest, F, peak, end)
     slope = K * top / F if largest > peak else K
     rest = largest - top / slope if slope > 0.0 else largest - F / K
     rest = max(rest, 0.0)
@@ -144,20 +147,22 @@ def evaluate(
 def scatter(
     force: Vector,
     band: Vector,
-    rows: int,
-    width: int,
+    positions: Indices,
     a: Indices,
     b: Indices,
     sign: Vector,
     f: Vector,
     k: Vector,
 ) -> None:
-    """Add the link forces to `force` (dofs,) and their slopes to the flat `band`."""
+    """Add the link forces to `force` (dofs,) and their slopes to the flat `band`.
+
+    `positions` (links, 4): where the entries (a, a), (a, b), (b, a), (b, b) are.
+    """
     for i in range(a.shape[0]):
         force[a[i]] += sign[i] * f[i]
-        band[a[i] * rows + 2 * width] += k[i]
+        band[positions[i, 0]] += k[i]
         if b[i] >= 0:
             force[b[i]] -= sign[i] * f[i]
-            band[b[i] * rows + 2 * width] += k[i]
-            band[b[i] * rows + 2 * width + a[i] - b[i]] -= k[i]
-            band[a[i] * rows + 2 * width + b[i] - a[i]] -= k[i]
+            band[positions[i, 1]] -= k[i]
+            band[positions[i, 2]] -= k[i]
+            band[positions[i, 3]] += k[i]

@@ -1,0 +1,111 @@
+"""The shear-yielding reference: published plateau, independent numbers, limits, contract."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.fiber_shear import FiberShear
+from workbench.responses import Outcome, outcome_of, warnings_of
+from workbench.scenarios import ColumnPushover
+from workbench.sections import section_from
+from workbench.structures.reissner_beams.fibers import section_fibers
+from workbench.testing import check_model
+
+AT = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+
+
+def force_at(response, displacement) -> np.ndarray:
+    assert outcome_of(response) is Outcome.OK, response.attrs["message"]
+    return np.interp(displacement, response["displacement"], response["force"]) / 1e6
+
+
+def subjects(findings) -> set[str]:
+    return {finding.subject for finding in findings}
+
+
+def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
+    scenarios = [
+        replace(thesis_impact.at_velocity(5.0), duration=0.03),
+        ColumnPushover("push", thesis_impact.column, 0.1),
+    ]
+    check_model(FiberShear(smallest_element=0.05), scenarios)
+
+
+def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
+    """An independent solution of the same equations, to three digits; the mesh is not printed."""
+    push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
+    response = FiberShear(smallest_element=0.025).simulate(push)
+    expected = [0.464, 0.512, 0.510, 0.508, 0.511, 0.521, 0.537, 0.545, 0.548]
+    np.testing.assert_allclose(force_at(response, AT), expected, rtol=5e-3)
+    assert {"shear-strain"} <= subjects(warnings_of(response))
+    plastic = thesis_impact.column.properties.shear_resistance
+    assert 0.9 < float(response["shear_utilisation"][0]) < 1.0
+    assert force_at(response, 0.2) > plastic / 1e6
+
+
+def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
+    for velocity, expected in ((10.0, 0.148), (15.0, 0.327)):
+        impact = replace(thesis_impact.at_velocity(velocity), duration=0.06)
+        response = FiberShear(smallest_element=0.025).simulate(impact)
+        assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.01)
+        error = np.abs(response["balance_error"]).max() / response["input_energy"]
+        assert float(error) < 1e-8
+        assert ("shear-strain" in subjects(warnings_of(response))) == (velocity > 10.0)
+
+
+def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
+    """Segments of 2 m (V / Vpl = 0.72) and the stocky square section (0.22), h = 0.05 m."""
+    long = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
+    side = section_from({"side": 0.2}, "section")
+    square = replace(
+        thesis_impact.column, section=side, area=None, second_moment=None,
+        plastic_moment=None, squash_load=None,
+    )  # fmt: skip
+    for column, at, shearing, plain, tolerance in (
+        (long, [0.1, 0.2], [0.522, 0.546], [0.533, 0.547], 0.02),
+        (square, [0.1, 0.3], [2.231, 2.557], [2.242, 2.583], 0.005),
+    ):
+        push = ColumnPushover("push", column, at[-1] + 0.01)
+        with_shear, without = (
+            force_at(model(smallest_element=0.05, largest_element=10.0).simulate(push), at)
+            for model in (FiberShear, FiberReissner)
+        )
+        assert np.all(with_shear < without)
+        np.testing.assert_allclose(with_shear, shearing, rtol=tolerance)
+        np.testing.assert_allclose(without, plain, rtol=tolerance)
+        assert np.all(with_shear > 0.97 * without)
+
+
+def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
+    impact = replace(thesis_impact.at_velocity(8.0), duration=0.035)
+    peaks = [
+        float(FiberShear(smallest_element=0.1, **more).simulate(impact)["peak_displacement"])
+        for more in ({"integrator": "explicit"}, {"time_step": 2e-5})
+    ]
+    assert peaks[0] == pytest.approx(peaks[1], rel=5e-3)
+
+
+def test_shear_is_no_warning_of_its_own(thesis_impact) -> None:
+    assert "shear" in subjects(FiberReissner().domain(thesis_impact))
+    assert "shear" not in subjects(FiberShear().domain(thesis_impact))
+
+
+@pytest.mark.parametrize(
+    ("shape", "tolerance"),
+    [
+        ({"side": 0.2}, 1e-12),
+        ({"height": 0.2, "width": 0.1, "wall": 0.01}, 0.06),
+        ({"diameter": 0.2, "wall": 0.01}, 5e-3),
+    ],
+)
+def test_shear_shares_add_up_to_the_shear_area(shape, tolerance) -> None:
+    """A tube's walls count between its flanges only, its shear area to their middles."""
+    section = section_from(shape, "section")
+    fibers = section_fibers(section, 20)
+    carried = float(np.sum(fibers.area * fibers.share))
+    assert carried == pytest.approx(section.shear_area, rel=tolerance)
+    assert carried <= section.shear_area * (1.0 + 5e-3)

@@ -1,0 +1,1 @@
+"""Mechanical model of a stud: fiber beam on bearing concrete with anchorage."""

@@ -1,0 +1,217 @@
+"""Calibration of the mechanical model on push-out tests, and its check on other campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from workbench.errors import InputError, SolverError
+from workbench.studs.identity import RowIdentity, identity_of
+from workbench.studs.mechanical.driving import push_out
+from workbench.studs.mechanical.parameters import Stud, Surroundings
+from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
+
+FREE = ("bearing_factor", "foundation_factor", "slide_capacity")
+OBSERVED = ("strength", "stiffness", "slip")
+STIFFNESS_LEVEL = 0.4
+LEAST_SCATTER = 0.05  # of logarithms: tests never repeat better, whatever few replicates say
+STEPS = 120
+DIFFERENCE = 0.05  # of the logarithm of a parameter: wide against the steps of the curves
+
+
+def stud_of(row: pd.Series) -> Stud:
+    """The stud of a row of a table of tests. Raises `InputError` for missing or impossible values."""
+    table = pd.DataFrame([row])
+    test = specimens(table)
+    values = {
+        "diameter": test.diameter[0],
+        "height": test.height[0],
+        "concrete_strength": test.concrete_strength[0],
+        "concrete_modulus": test.concrete_modulus[0],
+        "ultimate_strength": test.ultimate_strength[0],
+    }
+    for name, value in values.items():
+        if not np.isfinite(value):
+            where = f"{row['campaign']} {row['specimen']}"
+            raise InputError(f"{where}: {name}", None, "must be known for the mechanical model")
+    optional = {
+        "yield_stress": ("fy_MPa", 1e6), "head_diameter": ("head_diameter_mm", 1e-3),
+        "collar_diameter": ("collar_diameter_mm", 1e-3), "collar_height": ("collar_height_mm", 1e-3),
+    }  # fmt: skip
+    more = {
+        name: float(row[column]) * factor
+        for name, (column, factor) in optional.items()
+        if np.isfinite(row[column])
+    }
+    return Stud(**{name: float(v) for name, v in values.items()}, **more)
+
+
+def predict_rows(table: pd.DataFrame, around: Surroundings) -> pd.DataFrame:
+    """Test and prediction of every undamaged headed stud of a table that the model can answer.
+
+    Columns: campaign, specimen, and for strength (N), stiffness (secant at 40 %, N/m) and slip (m,
+    at the largest load in the test, at rupture in the model) the test, the prediction and their
+    ratio; NaN where a test does not report it.
+    """
+    rows = complete_rows(table)
+    return _compare(rows, _predictions(rows, around))
+
+
+def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
+    """Undamaged headed studs with all values that the model needs. Raises `InputError`."""
+    rows = undamaged_headed_studs(table)
+    test = specimens(rows)
+    known = np.isfinite(
+        [test.diameter, test.height, test.concrete_strength, test.ultimate_strength]
+    ).all(axis=0)
+    if not known.any():
+        raise InputError("table", len(table), "holds no test that the mechanical model can answer")
+    return rows[known].reset_index(drop=True)
+
+
+def _predictions(rows: pd.DataFrame, around: Surroundings) -> Array:
+    """Strength, stiffness and slip at rupture (rows, 3); equal studs are solved once."""
+    solved: dict[Stud, tuple[float, float, float]] = {}
+    result = np.empty((len(rows), 3))
+    for i, (_, row) in enumerate(rows.iterrows()):
+        stud = stud_of(row)
+        if stud not in solved:
+            curve = push_out(stud, around, steps=STEPS)
+            solved[stud] = (curve.strength, curve.secant(STIFFNESS_LEVEL), float(curve.slip[-1]))
+        result[i] = solved[stud]
+    return result
+
+
+def _observations(rows: pd.DataFrame) -> Array:
+    test = specimens(rows)
+    stiffness = rows["secant_40_kN_per_mm"].to_numpy(float) * 1e6
+    return np.column_stack([test.shear, stiffness, test.slip_at_max])
+
+
+def _compare(rows: pd.DataFrame, predicted: Array) -> pd.DataFrame:
+    observed = _observations(rows)
+    columns: dict[str, Any] = {"campaign": rows["campaign"], "specimen": rows["specimen"]}
+    for k, name in enumerate(OBSERVED):
+        columns[f"{name}_test"] = observed[:, k]
+        columns[f"{name}_model"] = predicted[:, k]
+        columns[f"{name}_ratio"] = observed[:, k] / predicted[:, k]
+    return pd.DataFrame(columns)
+
+
+@dataclass(frozen=True)
+class MechanicalFit:
+    """A calibrated mechanical model.
+
+    `around`, its parameters; `free`, those calibrated, with `standard_errors` of their logarithms
+    (within the campaigns used; a new campaign may differ by more); `rows`, test and prediction of
+    the calibration tests; `scatter`, standard deviation of the log ratio by quantity.
+    """
+
+    around: Surroundings
+    free: tuple[str, ...]
+    standard_errors: dict[str, float]
+    rows: pd.DataFrame
+    scatter: dict[str, float]
+    identity: RowIdentity
+
+    @property
+    def basis(self) -> str:
+        """What the model was calibrated on, in one sentence."""
+        campaigns = ", ".join(sorted(self.identity.campaigns))
+        return f"mechanical model calibrated on {len(self.rows)} undamaged push-outs of {campaigns}"
+
+    def validate(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Test and prediction of tests that the calibration has not seen (see `predict_rows`).
+
+        Raises `InputError` when a row was used for the calibration, also under another name.
+        """
+        rows = complete_rows(table)
+        self.identity.refuse_overlap(rows)
+        return predict_rows(rows, self.around)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the rows, ready for JSON (SI)."""
+        return {
+            "parameters": asdict(self.around),
+            "free": list(self.free),
+            "standard_errors": self.standard_errors,
+            "scatter": self.scatter,
+            "tests": len(self.rows),
+            "campaigns": sorted(self.identity.campaigns),
+        }
+
+
+def calibrate(
+    table: pd.DataFrame,
+    *,
+    start: Surroundings | None = None,
+    free: Sequence[str] = FREE,
+) -> MechanicalFit:
+    """Calibrate parameters of the model on the undamaged push-outs of a table.
+
+    Least squares of the logarithms of strength, secant stiffness and slip at the largest load,
+    each over its own scatter between equal specimens. Arguments: `start`, parameters to start
+    from and to hold; `free`, names to calibrate. Raises `InputError`, `SolverError`.
+    """
+    from scipy.optimize import least_squares
+
+    begin = start or Surroundings()
+    for name in free:
+        if name not in asdict(begin):
+            raise InputError("free", name, "must be one of " + ", ".join(asdict(begin)))
+    rows = complete_rows(table)
+    observed = np.log(_observations(rows))
+    scatter = _replicate_scatter(rows, observed)
+    known = np.isfinite(observed)
+    if known.sum() <= len(free):
+        raise InputError("table", len(rows), f"must give more than {len(free)} observations")
+
+    def around(theta: Array) -> Surroundings:
+        return replace(begin, **dict(zip(free, np.exp(theta).tolist(), strict=True)))
+
+    def residual(theta: Array) -> Array:
+        error = (np.log(_predictions(rows, around(theta))) - observed) / scatter
+        return np.asarray(error[known])
+
+    theta = np.log([float(getattr(begin, name)) for name in free])
+    found = least_squares(
+        residual, theta, diff_step=DIFFERENCE, x_scale=1.0, xtol=2e-3, ftol=1e-4, max_nfev=20
+    )
+    if not found.success:
+        raise SolverError("calibration of the stud", float(found.cost), "20 evaluations")
+    best = around(found.x)
+    compared = _compare(rows, _predictions(rows, best))
+    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    covariance *= 2.0 * found.cost / max(int(known.sum()) - len(free), 1)
+    ratios = np.log(compared[[f"{name}_ratio" for name in OBSERVED]].to_numpy(float))
+    return MechanicalFit(
+        best, tuple(free),
+        dict(zip(free, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
+        compared,
+        {name: _spread(ratios[:, k]) for k, name in enumerate(OBSERVED)},
+        identity_of(rows),
+    )  # fmt: skip
+
+
+def _spread(values: Array) -> float:
+    kept = values[np.isfinite(values)]
+    return float(np.std(kept, ddof=1)) if len(kept) > 1 else float("nan")
+
+
+def _replicate_scatter(rows: pd.DataFrame, observed: Array) -> Array:
+    """Standard deviation (3,) of the logarithms between equal studs, pooled."""
+    keys = ["diameter_mm", "height_mm", "fcm_MPa", "fu_MPa"]
+    result = np.full(3, LEAST_SCATTER)
+    for k in range(3):
+        values = pd.Series(observed[:, k])
+        groups = values.groupby([rows[key].to_numpy() for key in keys])
+        deviation = values - groups.transform("mean")
+        freedom = int(values.notna().sum() - groups.mean().notna().sum())
+        if freedom > 0:
+            pooled = float(np.sqrt((deviation**2).sum() / freedom))
+            result[k] = max(pooled, LEAST_SCATTER)
+    return result

@@ -1,0 +1,241 @@
+"""Drive a stud: push-out, pull-out, and one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from workbench.errors import OutOfDomainError, SolverError
+from workbench.structures.statics import apply_loads, push
+from workbench.studs.mechanical.parameters import Stud, Surroundings
+from workbench.studs.mechanical.structure import StudStructure
+from workbench.studs.quantities import Array
+
+STEPS = 240
+
+
+@dataclass(frozen=True)
+class ShearCurve:
+    """A push-out: `slip` (n,) m, `load` (n,) N per stud; of it `friction` and `collar` (n,) N.
+
+    `tension` in the shank at its base (n,) N, `uplift` of the flange (n,) m; `failed`, the shank
+    tore (or a dead load pulled the stud out) at the last point.
+    """
+
+    slip: Array
+    load: Array
+    friction: Array
+    collar: Array
+    tension: Array
+    uplift: Array
+    failed: bool
+
+    @property
+    def strength(self) -> float:
+        """Largest load, in N."""
+        return float(np.max(self.load))
+
+    @property
+    def slip_at_strength(self) -> float:
+        """Slip at the largest load, in m."""
+        return float(self.slip[int(np.argmax(self.load))])
+
+    def strength_within(self, slip: float) -> float:
+        """Largest load up to a slip (m), in N."""
+        return float(np.max(self.load[self.slip <= slip * (1.0 + 1e-9)]))
+
+    def secant(self, level: float = 0.4) -> float:
+        """Secant stiffness at a share of the strength, in N/m."""
+        target = level * self.strength
+        rising = np.maximum.accumulate(self.load)
+        slip = float(np.interp(target, rising, self.slip))
+        return target / slip
+
+    def chord(self, low: float = 0.1, high: float = 0.4) -> float:
+        """Chord stiffness between two shares of the strength, in N/m."""
+        rising = np.maximum.accumulate(self.load)
+        ends = np.interp([low * self.strength, high * self.strength], rising, self.slip)
+        return float((high - low) * self.strength / (ends[1] - ends[0]))
+
+
+@dataclass(frozen=True)
+class PullCurve:
+    """A pull-out: `uplift` (n,) m and `load` (n,) N; what failed (``cone``, ``steel``, ``head`` or
+    ``none``); uplift and damage of the cone when unloaded, `residual_uplift` (m) and `damage`.
+    """
+
+    uplift: Array
+    load: Array
+    failure: str
+    residual_uplift: float
+    damage: float
+
+    @property
+    def strength(self) -> float:
+        """Largest load, in N."""
+        return float(np.max(self.load))
+
+    @property
+    def uplift_at_strength(self) -> float:
+        """Uplift at the largest load, in m."""
+        return float(self.uplift[int(np.argmax(self.load))])
+
+
+def _steps(end: float, first: float, count: int) -> Array:
+    """Rising path to `end`, `first` m to begin with: fine at the start, where stiffness is read."""
+    share = np.linspace(0.0, 1.0, count + 1)[1:]
+    power = max(np.log(first / end) / np.log(share[0]), 1.0)
+    return np.asarray(end * share**power)
+
+
+def shear(structure: StudStructure, slip: float, steps: int = STEPS) -> ShearCurve:
+    """Push the flange of a structure in its present state by `slip` (m), to failure at most.
+
+    Under a dead load on the flange the curve also ends where the anchorage cannot carry it any
+    more. Raises `SolverError` when no equilibrium is found otherwise.
+    """
+    structure.assembly.release([structure.slip_dof])
+    origin = float(structure.assembly.displacement[structure.slip_dof])
+    start = -float(structure.assembly.displacement[structure.uplift_dof])
+    rows = [(0.0, 0.0, 0.0, 0.0, structure.base_tension, start)]
+    failed = False
+    done = 0.0
+    for target in _steps(slip, 2e-6, steps):
+        try:
+            (step,) = push(structure.assembly, structure.slip_dof, np.array([target - done]))
+            structure.update()
+        except (OutOfDomainError, SolverError) as error:
+            loaded = structure.assembly.load[structure.uplift_dof] != 0.0
+            if loaded and (isinstance(error, OutOfDomainError) or structure.anchorage_exhausted):
+                failed = True  # no equilibrium beyond: the dead load has pulled the stud out
+                break
+            raise
+        done = float(structure.assembly.displacement[structure.slip_dof]) - origin
+        friction = structure.friction()
+        collar = float(structure.links.forces[structure.collar])
+        uplift = -float(structure.assembly.displacement[structure.uplift_dof])
+        rows.append(
+            (done, step.force + friction, friction, collar, structure.base_tension, uplift)
+        )
+        if structure.ruptured:
+            failed = True
+            break
+    columns = np.array(rows).T
+    names = [field.name for field in fields(ShearCurve)][:-1]
+    return ShearCurve(**dict(zip(names, columns, strict=True)), failed=failed)
+
+
+def pull(
+    structure: StudStructure, uplift: float, steps: int = STEPS, *, unload: bool = True
+) -> PullCurve:
+    """Lift the flange by `uplift` (m) without slip, then let it go.
+
+    Ends where the shank tears. Raises `SolverError` when no equilibrium is found.
+    """
+    dof = structure.uplift_dof
+    rows = [(0.0, 0.0)]
+    failure = "none"
+    done = 0.0
+    for target in _steps(uplift, 2e-6, steps):
+        try:
+            (step,) = push(structure.assembly, dof, np.array([-(target - done)]))
+            structure.update()
+        except OutOfDomainError:
+            failure = "steel"
+            break
+        done = -float(structure.assembly.displacement[dof])
+        rows.append((done, -step.force))
+        if structure.ruptured:
+            failure = "steel"
+            break
+    loads = np.array(rows)
+    if failure == "none":
+        failure = _failure(structure)
+    if unload and failure != "steel":
+        _let_go(structure, float(loads[-1, 1]))
+    left = -float(structure.assembly.displacement[dof])
+    return PullCurve(loads[:, 0], loads[:, 1], failure, left, structure.cone_damage)
+
+
+def _failure(structure: StudStructure) -> str:
+    if structure.cone_damage > 0.0:
+        return "cone"
+    link = structure.links.links[structure.pressure]
+    return "head" if structure.links.forces[structure.pressure] > 0.97 * link.strength else "none"
+
+
+def _let_go(structure: StudStructure, load: float) -> None:
+    """Lower the flange until it is free of load."""
+    if load <= 0.0:
+        return
+    dof = structure.uplift_dof
+    rest = load
+    step_size = 1e-6
+    for _ in range(400):
+        before = rest
+        (step,) = push(structure.assembly, dof, np.array([step_size]))
+        structure.update()
+        rest = -step.force
+        if abs(rest) <= 1e-4 * load:
+            return
+        slope = (before - rest) / step_size
+        # towards zero along the secant, with growing steps while that is far
+        wanted = rest / slope if slope > 0.0 else step_size
+        step_size = float(np.clip(wanted, -4.0 * abs(step_size), 4.0 * abs(step_size)))
+    raise SolverError("unloading of the pull-out", abs(rest) / load, "400 secant steps")
+
+
+def push_out(
+    stud: Stud,
+    around: Surroundings,
+    slip: float | None = None,
+    *,
+    tension: float = 0.0,
+    steps: int = STEPS,
+    refinement: int = 0,
+) -> ShearCurve:
+    """Push-out of an undamaged stud to `slip` in m (None: to rupture), or to rupture.
+
+    Arguments: constant `tension` on the flange in N, `steps`, `refinement` of the elements. Raises
+    `SolverError`, also when the stud cannot bear the tension alone.
+    """
+    structure = StudStructure(stud, around, refinement)
+    if tension > 0.0:
+        structure.assembly.load[structure.uplift_dof] = -tension
+        apply_loads(structure.assembly, steps=20)
+        structure.update()
+    return shear(structure, _wide(stud, around) if slip is None else slip, steps)
+
+
+def _wide(stud: Stud, around: Surroundings) -> float:
+    return (1.2 * around.slide_capacity + 0.3) * stud.diameter
+
+
+def pull_out(
+    stud: Stud, around: Surroundings, uplift: float | None = None, *, steps: int = STEPS
+) -> PullCurve:
+    """Pull-out of an undamaged stud to `uplift` in m (None: to the end of the cone), or to rupture."""
+    structure = StudStructure(stud, around)
+    far = _far(stud, around) if uplift is None else uplift
+    return pull(structure, far, steps, unload=False)
+
+
+def _far(stud: Stud, around: Surroundings) -> float:
+    return (1.05 * around.cone_end + 1.3 * around.rupture_strain) * stud.embedment
+
+
+def pull_then_push(
+    stud: Stud,
+    around: Surroundings,
+    uplift: float,
+    slip: float | None = None,
+    *,
+    steps: int = STEPS,
+) -> tuple[PullCurve, ShearCurve | None]:
+    """Pull the stud to `uplift` (m), unload, then push it out (None if it tore in the pull-out)."""
+    structure = StudStructure(stud, around)
+    pulled = pull(structure, uplift, steps)
+    if pulled.failure == "steel":
+        return pulled, None
+    return pulled, shear(structure, _wide(stud, around) if slip is None else slip, steps)

@@ -1,0 +1,105 @@
+"""A stud and the parameters of the concrete around it, for the mechanical model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+from workbench.errors import InputError
+from workbench.fields import Number, check_fields, checked
+
+_LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
+_STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
+STEEL_MODULUS, SHEAR_MODULUS, DENSITY = 210e9, 81e9, 7850.0
+# usual proportions of a headed stud, ISO 13918, as shares of the diameter
+HEAD_DIAMETER, HEAD_HEIGHT, COLLAR_DIAMETER, COLLAR_HEIGHT = 1.65, 0.5, 1.25, 0.27
+YIELD_SHARE = 0.8  # of the tensile strength, where the yield stress was not measured
+
+
+@dataclass(frozen=True)
+class Stud:
+    """A headed stud in a solid slab.
+
+    Arguments: `diameter` and `height` in m; mean `concrete_strength` and `concrete_modulus`,
+    `ultimate_strength` in Pa; `yield_stress` (None: 0.8 of the ultimate strength) in Pa; sizes of
+    head and weld collar in m (None: usual proportions of ISO 13918).
+    """
+
+    diameter: float = checked(_LENGTH)
+    height: float = checked(_LENGTH)
+    concrete_strength: float = checked(_STRESS)
+    concrete_modulus: float = checked(Number(3e9, 9e10, "Pa"))
+    ultimate_strength: float = checked(_STRESS)
+    yield_stress: float | None = checked(_STRESS, optional=True)
+    head_diameter: float | None = checked(_LENGTH, optional=True)
+    head_height: float | None = checked(_LENGTH, optional=True)
+    collar_diameter: float | None = checked(_LENGTH, optional=True)
+    collar_height: float | None = checked(Number(0.0, 0.05, "m"), optional=True)
+
+    def __post_init__(self) -> None:
+        check_fields(self, "stud")
+        for name, share in (
+            ("head_diameter", HEAD_DIAMETER), ("head_height", HEAD_HEIGHT),
+            ("collar_diameter", COLLAR_DIAMETER), ("collar_height", COLLAR_HEIGHT),
+        ):  # fmt: skip
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, share * self.diameter)
+        if self.yield_stress is None:
+            object.__setattr__(self, "yield_stress", YIELD_SHARE * self.ultimate_strength)
+        if not self.head_diameter > self.diameter:  # type: ignore[operator]
+            raise InputError("stud.head_diameter", self.head_diameter, "must exceed the diameter")
+        if self.embedment < 2.0 * self.diameter:
+            raise InputError(
+                "stud.height", self.height, "must leave an embedment of two diameters or more"
+            )
+
+    @property
+    def area(self) -> float:
+        """Area of the shank in m2."""
+        return 0.25 * pi * self.diameter**2
+
+    @property
+    def embedment(self) -> float:
+        """Effective embedment, from the slab's surface to the underside of the head, in m."""
+        return self.height - float(self.head_height or 0.0)
+
+    @property
+    def tensile_strength(self) -> float:
+        """Tensile strength of the shank, A_s f_u, in N."""
+        return self.area * self.ultimate_strength
+
+    @property
+    def shear_strength(self) -> float:
+        """Plastic shear strength of the shank, A_s f_u / sqrt(3), in N (von Mises)."""
+        return self.tensile_strength / sqrt(3.0)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Parameters of the model. Calibrated on push-out tests (`calibrate`):
+
+    `bearing_factor`, bearing strength of concrete over its cylinder strength; `foundation_factor`,
+    foundation modulus per length over the modulus of concrete; `slide_capacity`, shear slide at
+    rupture over the diameter. Assumed: `friction` between flange and slab; `head_factor`, pressure
+    under the head over cylinder strength at pull-through; `cone_factor`, mean factor of the
+    cone; `cone_peak` and `cone_end`, opening of the cone at its peak and at zero load over
+    the embedment; `cone_loss`, share of the bearing strength (on shank, collar and head) that a
+    fully formed cone takes away;
+    `rupture_strain`, mean axial plastic strain at rupture.
+    """
+
+    bearing_factor: float = checked(Number(0.5, 40.0), 6.0)
+    foundation_factor: float = checked(Number(0.01, 10.0), 0.5)
+    slide_capacity: float = checked(Number(0.01, 2.0), 0.3)
+    friction: float = checked(Number(0.0, 1.0), 0.4)
+    head_factor: float = checked(Number(2.0, 40.0), 12.0)
+    cone_factor: float = checked(Number(5.0, 30.0), 16.8)
+    cone_peak: float = checked(Number(1e-4, 0.05), 0.005)
+    cone_end: float = checked(Number(1e-3, 0.5), 0.06)
+    cone_loss: float = checked(Number(0.0, 1.0), 0.5)
+    rupture_strain: float = checked(Number(0.01, 0.5), 0.12)
+
+    def __post_init__(self) -> None:
+        check_fields(self, "surroundings")
+        if self.cone_end <= self.cone_peak:
+            raise InputError("surroundings.cone_end", self.cone_end, "must exceed cone_peak")

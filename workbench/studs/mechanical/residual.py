@@ -1,0 +1,144 @@
+"""What the mechanical model predicts to be left of a stud after a pull-out, with its band.
+
+The band runs over the parameters that no test at hand tells: what a cone takes from the bearing
+strength, where it ends, and the friction of the flange.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.errors import InputError
+from workbench.studs.mechanical.driving import PullCurve, ShearCurve, pull_out, pull_then_push, push_out
+from workbench.studs.mechanical.parameters import Stud, Surroundings
+from workbench.studs.quantities import Array
+from workbench.studs.relations import MechanicalCurve
+
+LEVELS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
+STEPS = 120
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Values of the unknown parameters that span the band."""
+
+    cone_loss: tuple[float, ...] = (0.0, 1.0)
+    cone_end: tuple[float, ...] = (0.03, 0.12)
+    friction: tuple[float, ...] = (0.0, 0.6)
+
+    def around(self, middle: Surroundings) -> list[Surroundings]:
+        """The middle, and one parameter after the other at its ends."""
+        result = [middle]
+        for name in ("cone_loss", "cone_end", "friction"):
+            result += [replace(middle, **{name: value}) for value in getattr(self, name)]
+        return result
+
+
+def failing_uplift(pulled: PullCurve, measure: str) -> float:
+    """Uplift (m) that counts as level 1 of a pull-out.
+
+    ``displacement ratio``: where the load has fallen to 20 % of its peak, or the shank tears;
+    ``load ratio``: at the peak. Raises `InputError` for other measures.
+    """
+    if measure == "load ratio":
+        return pulled.uplift_at_strength
+    if measure != "displacement ratio":
+        raise InputError("measure", measure, "must be displacement ratio or load ratio")
+    peak = int(np.argmax(pulled.load))
+    fallen = np.flatnonzero(pulled.load[peak:] <= LOST * pulled.strength)
+    return float(pulled.uplift[peak + fallen[0]] if len(fallen) else pulled.uplift[-1])
+
+
+def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
+    """Uplift (m) of a level of damage, 0 to 1, of a pull-out."""
+    if not 0.0 <= level <= 1.0:
+        raise InputError("level", level, "damage lies from 0 to 1")
+    if measure == "displacement ratio":
+        return level * failing_uplift(pulled, measure)
+    failing_uplift(pulled, measure)
+    peak = int(np.argmax(pulled.load))
+    rising = np.maximum.accumulate(pulled.load[: peak + 1])
+    return float(np.interp(level * pulled.strength, rising, pulled.uplift[: peak + 1]))
+
+
+def residual_ratios(
+    stud: Stud, around: Surroundings, levels: Array, measure: str
+) -> tuple[Array, Array]:
+    """Strength and stiffness (10 to 40 %) over those of the undamaged stud (levels,) each.
+
+    Strength counts up to the slip at which the undamaged stud tears. A stud torn in the pull-out
+    has nothing left.
+    """
+    whole = push_out(stud, around, steps=STEPS)
+    end = float(whole.slip[-1])
+    pulled = pull_out(stud, around, steps=STEPS)
+    strength, stiffness = np.ones(len(levels)), np.ones(len(levels))
+    for i, level in enumerate(levels):
+        if level == 0.0:
+            continue
+        _, after = pull_then_push(
+            stud, around, uplift_at(pulled, float(level), measure), steps=STEPS
+        )
+        strength[i], stiffness[i] = _ratio(after, whole, end)
+    return strength, stiffness
+
+
+def _ratio(after: ShearCurve | None, whole: ShearCurve, end: float) -> tuple[float, float]:
+    if after is None:
+        return 0.0, 0.0
+    return after.strength_within(end) / whole.strength, after.chord() / whole.chord()
+
+
+def residual_curve(
+    stud: Stud,
+    around: Surroundings,
+    quantity: str = "strength",
+    *,
+    measure: str = "displacement ratio",
+    levels: tuple[float, ...] = LEVELS,
+    spread: Spread | None = None,
+    basis: str = "mechanical model, not calibrated",
+) -> MechanicalCurve:
+    """Predict what is left after a pull-out to several levels, with a band.
+
+    Arguments: `quantity` ``strength`` or ``stiffness``; `measure` of the level (see
+    `failing_uplift`); rising `levels` from 0; `spread` of the unknown parameters; `basis`, what the
+    parameters rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
+    """
+    if quantity not in ("strength", "stiffness"):
+        raise InputError("quantity", quantity, "must be strength or stiffness")
+    at = np.asarray(levels, float)
+    which = 0 if quantity == "strength" else 1
+    curves = np.array(
+        [
+            residual_ratios(stud, each, at, measure)[which]
+            for each in (spread or Spread()).around(around)
+        ]
+    )
+    return MechanicalCurve(
+        at, curves[0], curves.min(axis=0), curves.max(axis=0), "pull-out", measure, quantity, basis
+    )
+
+
+def interaction_points(
+    stud: Stud, around: Surroundings, shares: tuple[float, ...] = (0.0, 0.25, 0.5, 0.75, 0.9)
+) -> tuple[Array, Array]:
+    """Tension over the pull-out strength, and the shear that is left over the shear strength.
+
+    The tension is held while the stud is pushed out, up to the slip at which it tears without
+    tension. Result: both ratios (n + 1,), the last point being the pull-out itself.
+    """
+    whole = push_out(stud, around, steps=STEPS)
+    end = float(whole.slip[-1])
+    strength = pull_out(stud, around, steps=STEPS).strength
+    shear = [
+        push_out(stud, around, tension=share * strength, steps=STEPS).strength_within(end)
+        / whole.strength
+        for share in shares
+    ]
+    return np.array([*shares, 1.0]), np.array([*shear, 0.0])
+
+

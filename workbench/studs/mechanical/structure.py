@@ -1,0 +1,206 @@
+"""The stud as a fiber beam on a bearing foundation, with its anchorage, as a structure.
+
+The stud lies along x, from the flange (x = 0) to the head; u is along x, v along the slip. Besides
+the nodes of the stud there are the flange, which drives v, and the cone of concrete above the head.
+
+    flange --slide-- base of the stud ==== shank in bearings ==== head --pressure-- cone --crack-- slab
+    flange --collar-- slab      flange --contact-- cone (its surface carries the flange)
+
+The flange turns nothing and moves with the base along x. While it rests on the slab the pull on the
+head closes over the contact, so that the cone is not loaded; when the flange is lifted, it is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.errors import OutOfDomainError
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.fiber_beams import FiberBeams, FiberSection
+from workbench.structures.meshing import graded_lengths
+from workbench.studs.mechanical import _kernels
+from workbench.studs.mechanical.links import AXIAL, GROUND, LATERAL, Link, Links
+from workbench.studs.mechanical.parameters import (
+    DENSITY,
+    SHEAR_MODULUS,
+    STEEL_MODULUS,
+    Stud,
+    Surroundings,
+)
+from workbench.studs.quantities import Array
+from workbench.studs.tension import Cone, head_area
+
+LAYERS = 16
+SMALLEST_SHARE, LARGEST_SHARE = 0.2, 0.6  # element lengths over the diameter
+STIFF = 30.0  # contact and slide over the axial stiffness of a diameter of shank: nearly rigid
+BOND_SHARE = 0.01  # bond of the shank over its tensile strength
+RUPTURE_STRETCH = 2.0  # diameters from the base over which the axial strain is averaged
+
+
+def round_section(stud: Stud) -> FiberSection:
+    """Layers of the round shank; hardening from yield to the ultimate strength at 15 % strain."""
+    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, LAYERS + 1)
+    r = 0.5 * stud.diameter
+    # exact areas and centroids of the strips between heights r sin(angle)
+    area = np.diff(r * r * (angle + np.sin(angle) * np.cos(angle)))
+    first = np.diff(-2.0 / 3.0 * r**3 * np.cos(angle) ** 3)
+    yield_stress = float(stud.yield_stress or stud.ultimate_strength)
+    hardening = max((stud.ultimate_strength - yield_stress) / 0.15, 1e-5 * STEEL_MODULUS)
+    return FiberSection(
+        y=first / area,
+        area=area,
+        elastic_modulus=STEEL_MODULUS,
+        yield_stress=yield_stress,
+        hardening_modulus=hardening,
+        mass_per_length=DENSITY * stud.area,
+        shear_stiffness=0.9 * SHEAR_MODULUS * stud.area,
+    )
+
+
+class StudStructure:
+    """A stud in its slab, ready to be driven. `refinement` halves the elements so often."""
+
+    def __init__(self, stud: Stud, around: Surroundings, refinement: int = 0) -> None:
+        self.stud, self.around = stud, around
+        d = stud.diameter
+        lengths = graded_lengths(stud.embedment, SMALLEST_SHARE * d, LARGEST_SHARE * d)
+        lengths = np.repeat(lengths, 2**refinement) / 2**refinement
+        self.depth: Array = np.concatenate([[0.0], np.cumsum(lengths)])
+        self.tributary = np.convolve(lengths, [0.5, 0.5])
+        count = len(lengths)
+        self.head, self.flange, self.cone = count, count + 1, count + 2
+        nodes = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
+        self.beams = FiberBeams(nodes, np.zeros(count, dtype=np.int64), [round_section(stud)])
+        self.links = Links(self._make_links())
+        x = np.concatenate([self.depth, [0.0, stud.embedment]])
+        self.assembly = PlanarAssembly(
+            np.stack([x, np.zeros_like(x)], axis=1), [self.beams, self.links]
+        )
+        dof = self.assembly.dof
+        self.slip_dof, self.uplift_dof = dof(self.flange, "v"), dof(0, "u")
+        self.assembly.hold(
+            [dof(0, "rotation"), dof(self.flange, "u"), dof(self.flange, "rotation"),
+             dof(self.cone, "v"), dof(self.cone, "rotation"), self.slip_dof]
+        )  # fmt: skip
+        self.update()
+
+    @property
+    def cone_strength(self) -> float:
+        """Mean strength of the concrete cone, in N."""
+        return Cone(self.stud.embedment).resistance(
+            self.stud.concrete_strength, self.around.cone_factor
+        )
+
+    def _make_links(self) -> list[Link]:
+        stud, around = self.stud, self.around
+        d, fc, ec = stud.diameter, stud.concrete_strength, stud.concrete_modulus
+        modulus = around.foundation_factor * ec
+        pressure = around.bearing_factor * fc
+        rigid = STIFF * STEEL_MODULUS * stud.area / d
+        collar_d, collar_h = float(stud.collar_diameter or d), float(stud.collar_height or 0.0)
+        head = head_area(d, float(stud.head_diameter or d))
+        cone = self.cone_strength
+        peak = around.cone_peak * stud.embedment
+        links = [
+            Link(_kernels.BEARING, node, GROUND, LATERAL, modulus * share, pressure * d * share)
+            for node, share in enumerate(self.tributary)
+        ]
+        self.slide, self.collar = len(links), len(links) + 1
+        self.pressure, self.crack, self.contact = (len(links) + k for k in (2, 3, 4))
+        return [
+            *links,
+            Link(_kernels.SLIDE, self.flange, 0, LATERAL, rigid, stud.shear_strength),
+            Link(_kernels.BEARING, self.flange, GROUND, LATERAL,
+                 modulus * max(collar_h, 1e-6), pressure * collar_d * max(collar_h, 1e-6)),
+            # u of the head falls when it is pulled: the cone is the first end
+            Link(_kernels.BEARING, self.cone, self.head, AXIAL, ec * np.sqrt(head),
+                 around.head_factor * fc * head),
+            Link(_kernels.CONE, self.cone, GROUND, AXIAL, 2.0 * cone / peak, cone, -1.0,
+                 peak, around.cone_end * stud.embedment),
+            Link(_kernels.CONTACT, 0, self.cone, AXIAL, rigid),
+            # bond of the shank: little, but it keeps a stud in place that has come loose
+            Link(_kernels.SLIDE, self.cone, self.head, AXIAL, 0.1 * ec * np.sqrt(head),
+                 BOND_SHARE * stud.tensile_strength),
+        ]  # fmt: skip
+
+    # -- what follows the committed state ----------------------------------------------------
+
+    @property
+    def gap(self) -> float:
+        """Distance of the flange from the surface of the concrete, in m, not below zero."""
+        return max(-float(self.links.deformations[self.contact]), 0.0)
+
+    @property
+    def base_tension(self) -> float:
+        """Axial force in the shank at its base, in N."""
+        return float(self.beams.local_forces[0, 0])
+
+    @property
+    def anchorage_exhausted(self) -> bool:
+        """Whether the cone or the pressure under the head has come to its limit."""
+        forces, links = self.links.forces, self.links.links
+        opened = float(self.links.deformations[self.crack])
+        crushed = float(forces[self.pressure]) > 0.97 * links[self.pressure].strength
+        return opened > 0.8 * links[self.crack].peak or crushed
+
+    @property
+    def cone_damage(self) -> float:
+        """Share of the cone's strength that is lost for good, 0 to 1."""
+        opened = float(self.links.states[self.crack, 0])
+        link = self.links.links[self.crack]
+        if opened <= link.peak:
+            return 0.0
+        left, _ = _kernels.cone_envelope(opened, link.strength, link.peak, link.end)
+        return float(1.0 - left / link.strength)
+
+    @property
+    def axial_strain(self) -> float:
+        """Mean plastic axial strain over two diameters from the base."""
+        elements = self.depth[1:] <= RUPTURE_STRETCH * self.stud.diameter + 1e-12
+        area = self.beams.sections[0].area
+        plastic = self.beams.plastic_strains.mean(axis=1) @ area / area.sum()
+        weights = np.diff(self.depth)[elements]
+        return float(np.average(plastic[elements], weights=weights))
+
+    @property
+    def slide_ratio(self) -> float:
+        """Plastic shear slide at the base over the diameter."""
+        return abs(float(self.links.states[self.slide, 0])) / self.stud.diameter
+
+    @property
+    def ruptured(self) -> bool:
+        """Whether the shank is torn: shear slide and axial stretch, each over its capacity, add."""
+        return (
+            self.slide_ratio / self.around.slide_capacity
+            + max(self.axial_strain, 0.0) / self.around.rupture_strain
+            >= 1.0
+        )
+
+    def update(self) -> None:
+        """Take embedment, damage of the cone and the tension in the shank over into the links.
+
+        They lag behind by one step, so steps must be small.
+        """
+        u = self.assembly.displacement
+        moved = np.array([u[self.assembly.dof(node, "u")] for node in range(self.head + 1)])
+        cone = u[self.assembly.dof(self.cone, "u")]
+        # a node that is drawn out of the concrete has no bearing
+        depth = self.depth + moved - cone
+        # the concrete of a node reaches half its length up; that of the base lies below it alone
+        above = np.concatenate([[self.tributary[0]], 0.5 * self.tributary[1:]])
+        share = np.clip((depth + above) / self.tributary, 0.0, 1.0)
+        # a broken cone bears less and gives more: strength and stiffness fall together
+        loss = 1.0 - self.around.cone_loss * self.cone_damage
+        self.links.factor[: self.head + 1] = np.maximum(share * loss, 1e-9)
+        height = float(self.stud.collar_height or 0.0)
+        left = max(1.0 - self.gap / height, 0.0) if height > 0.0 else 0.0
+        self.links.factor[self.collar] = max(left * loss, 1e-9)
+        self.links.cap[self.pressure] = max(loss, 0.05)
+        ratio = self.base_tension / self.stud.tensile_strength
+        if abs(ratio) >= 1.0:
+            raise OutOfDomainError("the shank is loaded beyond its tensile strength")
+        self.links.cap[self.slide] = max(np.sqrt(1.0 - ratio * ratio), 0.02)
+
+    def friction(self) -> float:
+        """Friction between flange and slab while it slips, in N."""
+        return self.around.friction * max(float(self.links.forces[self.contact]), 0.0)
