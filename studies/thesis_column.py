@@ -27,9 +27,9 @@ REFERENCE = "fiber, fine"
 LADDER = ("fiber, coarse", "fiber, medium", REFERENCE)
 
 models = {
-    "fiber, coarse": FiberCorotational(refinement=0),
-    "fiber, medium": FiberCorotational(refinement=1),
-    "fiber, fine": FiberCorotational(refinement=2),
+    "fiber, coarse": FiberCorotational(refinement=-1),
+    "fiber, medium": FiberCorotational(refinement=0),
+    "fiber, fine": FiberCorotational(refinement=1),
     "4-DOF": FourDof(),
     "4-DOF, linear yield": FourDof(alpha=1.0, beta=1.0),
     "SDOF analytic": SingleDof(resistance="analytic"),

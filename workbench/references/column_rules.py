@@ -41,14 +41,16 @@ def column_mesh(
 
     Arguments: lengths of the `smallest` and `largest` element in m (None: a `share` of the shorter
     segment, but not below `depth` times the depth of the section; 1/40 of the length under
-    impact, 1/8 in statics); how often all are halved.
+    impact, 1/8 in statics); how often all are halved (negative: doubled).
     """
     column = scenario.column
     shorter = min(column.length_below, column.length_above)
     largest = largest or LARGEST_SHARE[scenario.KIND] * column.length
     smallest = smallest or max(min(share * shorter, largest), depth * column.section.height)
+    coarser = 2.0 ** max(-refinement, 0)
+    smallest, largest = coarser * smallest, coarser * max(largest, smallest)
     below, above = (
-        halved(graded_lengths(length, smallest, max(largest, smallest)), refinement)
+        halved(graded_lengths(length, smallest, largest), max(refinement, 0))
         for length in (column.length_below, column.length_above)
     )
     return below, above
@@ -87,7 +89,7 @@ def time_spans(
     Arguments: `time_step` in s (None: from the time of an axial wave and the time to the peak);
     `shear_flexible`, whether elastic shear strain counts in the time to the peak.
     """
-    duration, halvings = scenario.duration, 2**refinement
+    duration, halvings = scenario.duration, 2.0**refinement
     if time_step is not None:
         return [(duration, time_step / halvings)]
     column = scenario.column

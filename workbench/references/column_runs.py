@@ -26,6 +26,7 @@ from workbench.structures.statics import push
 Array = NDArray[np.float64]
 LEAST_YIELD_RATIO = 0.995
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
+LEAST_STEPS_TO_PEAK = 30
 LARGEST_SHEAR_STRAIN = 0.3  # mean of a segment
 COLLAPSE_SIDEWAYS = 0.9  # displacement of the hit point over the shorter segment
 COLLAPSE_SHORTENING = 0.55  # of the length: the same geometry for a hit at mid-height
@@ -172,6 +173,9 @@ def _impact_findings(history: History, scenario: ColumnImpact, peaked: bool) -> 
         )
         findings.append(Finding("yield-ratio", text))
     top = int(np.argmax(history.column("displacement")))
+    if peaked and top < LEAST_STEPS_TO_PEAK:
+        text = f"the peak comes after {top} time steps only: reduce time_step"
+        findings.append(Finding("time-step", text))
     damped = history.column("algorithmic")[top] / scenario.input_energy
     if damped > LARGEST_DAMPING:
         text = (

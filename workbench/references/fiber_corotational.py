@@ -30,7 +30,7 @@ from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 
 Array = NDArray[np.float64]
-ELEMENTS = ("balanced", "interpolated")
+ELEMENTS = ("interpolated", "balanced")
 SMALLEST_SHARE = {"balanced": 1.0 / 12.0, "interpolated": 1.0 / 32.0}  # of the shorter segment
 SMALLEST_DEPTH = {"balanced": 0.3, "interpolated": 0.1}  # of the depth: hinges need room
 PUSH_STEPS = 1000
@@ -40,20 +40,21 @@ PUSH_STEPS = 1000
 class FiberCorotational:
     """Co-rotational fiber beam.
 
-    Its options: `element`, balanced (one axial force per element, plasticity sampled at the end
-    that is nearer to a potential hinge: hardly depends on the mesh) or interpolated (the classical
-    element with two Gauss points and linear axial displacement); `smallest_element` in m, at both
-    ends of both segments (None: a share of the shorter segment, 1/12 or 1/32 for the two elements,
-    but not below 0.3 or 0.1 of the depth); `largest_element` in m (None: 1/40 of the length under
-    impact, 1/8 in statics); `layers` over the depth of the section; `weight` of the end stresses in
-    a time step (1/2 conserves energy, but does not converge on fine plastic meshes);
-    `hardening_ratio`, the regularising hardening over the elastic modulus; `time_step` in s (None:
-    1/15 of the time of an axial wave along the column, and at first at most 1/200 of the expected
-    time to the peak); `refinement`, how often all elements and steps are
-    halved; `shear_flexible`: elastic shear strain (False: Bernoulli's beam without any).
+    Its options: `element`, interpolated (the classical element with two Gauss points and linear
+    axial displacement) or balanced (one axial force per element, plasticity sampled at the end
+    that is nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the
+    member only); `smallest_element` in m, at both ends of both segments (None: 1/32 of the
+    shorter segment, 1/12 for balanced elements, but not below 0.1 or 0.3 of the depth);
+    `largest_element` in m (None: 1/40 of the length under impact, 1/8 in statics); `layers` over
+    the depth of the section; `weight` of the end stresses in a time step (1/2 conserves energy,
+    but does not converge on fine plastic meshes); `hardening_ratio`, the regularising hardening
+    over the elastic modulus; `time_step` in s (None: 1/15 of the time of an axial wave along the
+    column, and at first at most 1/200 of the expected time to the peak); `refinement`, how often
+    all these elements and steps are halved (-1: doubled); `shear_flexible`: elastic shear strain
+    (False: Bernoulli's beam without any).
     """
 
-    element: str = checked(Choice(ELEMENTS), "balanced")
+    element: str = checked(Choice(ELEMENTS), "interpolated")
     smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
     layers: int = checked(Number(4, 1000, integer=True), 20)
@@ -62,7 +63,7 @@ class FiberCorotational:
     )
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(0, 6, integer=True), 0)
+    refinement: int = checked(Number(-2, 6, integer=True), 1)
     shear_flexible: bool = checked(Flag(), True)
 
     name: ClassVar[str] = "fiber-corotational"
@@ -75,7 +76,6 @@ class FiberCorotational:
         "Elastic stiffness and strength are both those of the fibers (column.fillets applies to "
         "both); the mass is that of the rolled profile, distributed along the member.",
         "Point contact; no local denting, no local buckling, no strain-rate effect, no fracture.",
-        "Plastic elongation of a hinge acts along the member next to it.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
@@ -119,5 +119,5 @@ class FiberCorotational:
                 balanced=self.element == "balanced",
             )
             if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, PUSH_STEPS * 2**self.refinement)
+                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
             return run_impact(scenario, beams, self.time_spans(scenario), self.weight)

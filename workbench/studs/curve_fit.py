@@ -55,9 +55,9 @@ def parameter_names(law: str) -> tuple[str, ...]:
     return tuple(name for name, *_ in _BOUNDS[law])
 
 
-def make_law(law: str, parameters: dict[str, float], slip_capacity: float | None = None) -> (
-    OllgaardLaw | BilinearLaw | RationalLaw
-):
+def make_law(
+    law: str, parameters: dict[str, float], slip_capacity: float | None = None
+) -> OllgaardLaw | BilinearLaw | RationalLaw:
     """The law of this name with fitted parameters (SI)."""
     extra = {} if law != "bilinear" or slip_capacity is None else {"slip_capacity": slip_capacity}
     return law_kind(law)(**parameters, **extra)
@@ -120,7 +120,7 @@ def fit_curve(
     found = _best(
         lambda begin: least_squares(residual, begin, bounds=(low, high), loss=loss,
                                     f_scale=LOSS_SCALE, xtol=1e-12, ftol=1e-12, gtol=1e-12),
-        [start, *([] if law != "rational" else [_from_peak(start, s, y, low, high)])],
+        [start, *([_from_peak(start, s, y, low, high)] if "peak_slip" in names else [])],
     )  # fmt: skip
     values = np.clip(np.exp(found), np.exp(low), np.exp(high))
     parameters = {**dict(zip(names, values.tolist(), strict=True)), **fixed}
@@ -138,7 +138,7 @@ def fit_curve(
 
 def _from_peak(start: Array, slip: Array, ratio: Array, low: Array, high: Array) -> Array:
     peak = max(float(slip[int(np.argmax(ratio))]), 1e-4)
-    return np.clip(np.concatenate([[np.log(peak)], start[1:]]), low, high)
+    return np.asarray(np.clip(np.concatenate([[np.log(peak)], start[1:]]), low, high))
 
 
 def _best(solve: Callable[[Array], object], starts: list[Array]) -> Array:
@@ -149,4 +149,4 @@ def _best(solve: Callable[[Array], object], starts: list[Array]) -> Array:
             results.append((float(found.cost), np.asarray(found.x)))  # type: ignore[attr-defined]
     if not results:
         raise SolverError("least squares of a load-slip curve", float("nan"), "several starts")
-    return min(results, key=lambda each: each[0])[1]
+    return np.asarray(min(results, key=lambda each: each[0])[1])

@@ -123,9 +123,7 @@ def _prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -
     unit = model.scaled(steel=1.0, concrete=1.0)
     steel = np.log(unit.steel(tests.diameter, tests.ultimate_strength))
     concrete = np.log(
-        unit.concrete(
-            tests.diameter, tests.height, tests.concrete_strength, tests.concrete_modulus
-        )
+        unit.concrete(tests.diameter, tests.height, tests.concrete_strength, tests.concrete_modulus)
     )
     fixed = {
         "steel": np.log(model.steel_factor) if np.isfinite(model.steel_factor) else np.inf,
@@ -134,7 +132,7 @@ def _prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -
 
     def predict(theta: Array) -> Array:
         now = {**fixed, **dict(zip(factors, theta, strict=True))}
-        return np.minimum(now["steel"] + steel, now["concrete"] + concrete)
+        return np.asarray(np.minimum(now["steel"] + steel, now["concrete"] + concrete))
 
     return predict
 

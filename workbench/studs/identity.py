@@ -41,7 +41,9 @@ class RowIdentity:
                 and _hashable(content) in self.contents
             )
             if same or renamed:
-                how = "was used for the fit" if same else "equals a row of the fit under other names"
+                how = (
+                    "was used for the fit" if same else "equals a row of the fit under other names"
+                )
                 raise InputError(
                     "validation", " ".join(name), how,
                     "validate on tests that the fit has not seen, or leave campaigns out of it",

@@ -58,8 +58,8 @@ class LoadSlipFit:
 
     `law_name`; `curves`, one row per curve: campaign, specimen, points, parameters (SI), rms and
     bias of the fit and of the published Ollgaard law, strength (N), chord stiffness (N/m);
-    `population` by parameter, and parameters `held`; `logarithms` (curves, p) behind it; `skipped`, curves that could
-    not be fitted, each with the reason; `warnings`.
+    `population` by parameter, and parameters `held`; `logarithms` (curves, p) behind it;
+    `skipped`, curves that could not be fitted, each with the reason; `warnings`.
     """
 
     law_name: str

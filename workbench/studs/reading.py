@@ -149,9 +149,7 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
                 continue  # an empty line
             row, found = _row(cells, columns, name, line)
             if not found:
-                found = [
-                    Problem(name, line, *finding) for finding in row_findings(row, table.name)
-                ]
+                found = [Problem(name, line, *finding) for finding in row_findings(row, table.name)]
             if not found and table.key:
                 key = tuple(row[part] for part in table.key)
                 if key in seen:
@@ -231,9 +229,7 @@ def _row(
         try:
             row[column.name] = _cell(text, column)
         except InputError as error:
-            found.append(
-                Problem(name, line, column.name, error.value, error.allowed, error.advice)
-            )
+            found.append(Problem(name, line, column.name, error.value, error.allowed, error.advice))
     return row, found
 
 

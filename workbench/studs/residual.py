@@ -286,9 +286,7 @@ def _problem(y: Array, level: Array, campaigns: Any, relation: Relation) -> Prob
         return relation(level, theta)
 
     if len(y) <= len(relation.parameters):
-        raise InputError(
-            "table", len(y), f"has too few tests after pre-damage for {relation.name}"
-        )
+        raise InputError("table", len(y), f"has too few tests after pre-damage for {relation.name}")
     return problem(
         y, campaigns, predict, relation.parameters, relation.start,
         lower=np.array(relation.lower), upper=np.array(relation.upper),
@@ -298,7 +296,7 @@ def _problem(y: Array, level: Array, campaigns: Any, relation: Relation) -> Prob
 def _grade(rows: pd.DataFrame) -> Grade:
     if (rows["origin"] == "synthetic").any():
         return Grade.SYNTHETIC
-    return Grade.CROSS_VALIDATED if rows["campaign"].nunique() > 1 else Grade.ONE_CAMPAIGN
+    return Grade.CROSS_VALIDATED if len(set(rows["campaign"])) > 1 else Grade.ONE_CAMPAIGN
 
 
 def _warnings(rows: pd.DataFrame, estimate: Estimate, relation: Relation) -> list[str]:
@@ -308,7 +306,9 @@ def _warnings(rows: pd.DataFrame, estimate: Estimate, relation: Relation) -> lis
         result.append(f"{synthetic} of {len(rows)} rows are synthetic")
     campaigns = rows["campaign"].nunique()
     if campaigns == 1:
-        result.append("one campaign: the relation was chosen by leaving out specimens, not campaigns")
+        result.append(
+            "one campaign: the relation was chosen by leaving out specimens, not campaigns"
+        )
     elif campaigns < LEAST_CAMPAIGNS:
         result.append("two campaigns: no band for a new campaign")
     stuck = [n for n, at in zip(relation.parameters, estimate.at_bound, strict=True) if at]

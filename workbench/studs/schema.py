@@ -68,11 +68,18 @@ class Table:
 
 
 def _number(
-    name: str, meaning: str, low: float, high: float, unit: str, advice: str = "", **more: bool
+    name: str,
+    meaning: str,
+    low: float,
+    high: float,
+    unit: str,
+    advice: str = "",
+    *,
+    above: bool = False,
+    needed: bool = False,
 ) -> Column:
-    above = more.pop("above", False)
     rule = Number(low, high, unit, low_included=not above, advice=advice)
-    return Column(name, meaning, rule, **more)
+    return Column(name, meaning, rule, required=needed, filled=needed)
 
 
 def _flag(name: str, meaning: str, default: str) -> Column:
@@ -181,8 +188,8 @@ POINTS = Table(
     "points",
     (
         *_IDENTITY,
-        _number("slip_mm", "slip", -5.0, 200.0, "mm", _MM, required=True, filled=True),
-        _number("load_kN", "load per connector", -50.0, 2e3, "kN", _KN, required=True, filled=True),
+        _number("slip_mm", "slip", -5.0, 200.0, "mm", _MM, needed=True),
+        _number("load_kN", "load per connector", -50.0, 2e3, "kN", _KN, needed=True),
         Column("connector", "kind of connector", _LONG),
         Column("point_kind", "how the point arose; points of one curve are not independent", _LONG),
         _word("branch", "part of the curve",

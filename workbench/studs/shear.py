@@ -210,9 +210,7 @@ def characteristic_strength(mean_strength: ArrayLike) -> Array:
     return np.asarray(np.asarray(mean_strength, float) - STRENGTH_MARGIN)
 
 
-def ollgaard_regression(
-    diameter: ArrayLike, strength: ArrayLike, modulus: ArrayLike
-) -> Array:
+def ollgaard_regression(diameter: ArrayLike, strength: ArrayLike, modulus: ArrayLike) -> Array:
     """The regression behind Ollgaard's rule, Q = 1.106 A_s f_c^0.3 E_c^0.44 (kip, inch), in N.
 
     Arguments: diameters (m), concrete strength and modulus (Pa). Source: Ollgaard, Slutter and

@@ -1,7 +1,8 @@
 """Stiffness of a connection from its load-slip curve, by the definitions in use.
 
 Chord from 10 to 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such
-levels), slope of a line fitted from 5 to 40 %, secants. Levels refer to the largest load. Units: SI.
+levels), slope of a line fitted from 5 to 40 %, secants. Levels refer to the largest load.
+Units: SI.
 """
 
 from __future__ import annotations
@@ -46,9 +47,7 @@ def slip_at_level(slip: ArrayLike, load: ArrayLike, level: float) -> float:
     return float(np.interp(level * q[-1], q, s))
 
 
-def chord_stiffness(
-    slip: ArrayLike, load: ArrayLike, low: float = 0.1, high: float = 0.4
-) -> float:
+def chord_stiffness(slip: ArrayLike, load: ArrayLike, low: float = 0.1, high: float = 0.4) -> float:
     """Slope in N/m of the chord between two levels of the largest load; a secant with `low` = 0.
 
     Raises `OutOfDomainError` when both levels are reached at one slip.

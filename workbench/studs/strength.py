@@ -281,7 +281,10 @@ def _new_campaign(estimate: Estimate) -> float | None:
 
 
 def _d8(
-    tests: Specimens, model: ShearModel, reference: Mapping[str, float], variations: dict[str, float]
+    tests: Specimens,
+    model: ShearModel,
+    reference: Mapping[str, float],
+    variations: dict[str, float],
 ) -> D8:
     height = reference["height"]
 
@@ -350,9 +353,7 @@ def _warnings(tests: Specimens, model: ShearModel, given: Problem) -> list[str]:
             "too narrow and there is no value for a new campaign"
         )
     elif given.campaigns < FEW_CAMPAIGNS:
-        result.append(
-            f"{given.campaigns} campaigns: the scatter between campaigns is hardly known"
-        )
+        result.append(f"{given.campaigns} campaigns: the scatter between campaigns is hardly known")
     computed = int(np.sum(~tests.modulus_measured))
     if computed:
         result.append(f"the modulus of concrete is computed, not measured, in {computed} tests")

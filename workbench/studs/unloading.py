@@ -138,4 +138,3 @@ def unloading_ratio(law: LoadSlipLaw, strength: float, observed: list[Unloading]
     Arguments: `law` and its `strength` in N; `observed` unloadings of the same stud.
     """
     return np.array([each.slope for each in observed]) / law_stiffness(law, strength)
-

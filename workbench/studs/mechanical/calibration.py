@@ -24,7 +24,7 @@ DIFFERENCE = 0.05  # of the logarithm of a parameter: wide against the steps of 
 
 
 def stud_of(row: pd.Series) -> Stud:
-    """The stud of a row of a table of tests. Raises `InputError` for missing or impossible values."""
+    """The stud of a row of a table of tests. Raises `InputError` for missing values."""
     table = pd.DataFrame([row])
     test = specimens(table)
     values = {
@@ -39,9 +39,11 @@ def stud_of(row: pd.Series) -> Stud:
             where = f"{row['campaign']} {row['specimen']}"
             raise InputError(f"{where}: {name}", None, "must be known for the mechanical model")
     optional = {
-        "yield_stress": ("fy_MPa", 1e6), "head_diameter": ("head_diameter_mm", 1e-3),
-        "collar_diameter": ("collar_diameter_mm", 1e-3), "collar_height": ("collar_height_mm", 1e-3),
-    }  # fmt: skip
+        "yield_stress": ("fy_MPa", 1e6),
+        "head_diameter": ("head_diameter_mm", 1e-3),
+        "collar_diameter": ("collar_diameter_mm", 1e-3),
+        "collar_height": ("collar_height_mm", 1e-3),
+    }
     more = {
         name: float(row[column]) * factor
         for name, (column, factor) in optional.items()
@@ -70,7 +72,7 @@ def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
     ).all(axis=0)
     if not known.any():
         raise InputError("table", len(table), "holds no test that the mechanical model can answer")
-    return rows[known].reset_index(drop=True)
+    return rows.iloc[np.flatnonzero(known)].reset_index(drop=True)
 
 
 def _predictions(rows: pd.DataFrame, around: Surroundings) -> Array:

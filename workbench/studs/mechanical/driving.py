@@ -61,8 +61,10 @@ class ShearCurve:
 
 @dataclass(frozen=True)
 class PullCurve:
-    """A pull-out: `uplift` (n,) m and `load` (n,) N; what failed (``cone``, ``steel``, ``head`` or
-    ``none``); uplift and damage of the cone when unloaded, `residual_uplift` (m) and `damage`.
+    """A pull-out: `uplift` (n,) m and `load` (n,) N, and what it leaves behind.
+
+    `failure`: ``cone``, ``steel``, ``head`` or ``none``; `residual_uplift` (m) when unloaded;
+    `damage` of the cone, 0 to 1.
     """
 
     uplift: Array
@@ -115,9 +117,7 @@ def shear(structure: StudStructure, slip: float, steps: int = STEPS) -> ShearCur
         friction = structure.friction()
         collar = float(structure.links.forces[structure.collar])
         uplift = -float(structure.assembly.displacement[structure.uplift_dof])
-        rows.append(
-            (done, step.force + friction, friction, collar, structure.base_tension, uplift)
-        )
+        rows.append((done, step.force + friction, friction, collar, structure.base_tension, uplift))
         if structure.ruptured:
             failed = True
             break
@@ -215,7 +215,7 @@ def _wide(stud: Stud, around: Surroundings) -> float:
 def pull_out(
     stud: Stud, around: Surroundings, uplift: float | None = None, *, steps: int = STEPS
 ) -> PullCurve:
-    """Pull-out of an undamaged stud to `uplift` in m (None: to the end of the cone), or to rupture."""
+    """Pull-out of an undamaged stud to `uplift` (m) or rupture (None: to the end of the cone)."""
     structure = StudStructure(stud, around)
     far = _far(stud, around) if uplift is None else uplift
     return pull(structure, far, steps, unload=False)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from workbench.errors import OutOfDomainError
 from workbench.structures.ledger import StepEnergies
 from workbench.studs.mechanical import _kernels
 from workbench.studs.quantities import Array
@@ -18,10 +19,12 @@ GROUND = -1
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """One link: nodes and component it joins (`second` -1: the ground), law and parameters.
+    """One link: nodes and component it joins, law and parameters.
 
-    `sign` of the deformation s = sign (q_first - q_second); `stiffness` K in N/m, `strength` F in
-    N; `peak` and `end` deformation of the cone in m.
+    `grounded`: the link joins the first node to the ground, and the second is only a neighbour of
+    it (an element group of the structures floor has two nodes); `sign` of the deformation s =
+    sign (q_first - q_second); `stiffness` K in N/m, `strength` F in N; `peak` and `end`
+    deformation of the cone in m.
     """
 
     law: int
@@ -33,6 +36,7 @@ class Link:
     sign: float = 1.0
     peak: float = 1.0
     end: float = 2.0
+    grounded: bool = False
 
 
 class Links:
@@ -42,8 +46,7 @@ class Links:
         self.links = tuple(links)
         count = len(links)
         self.nodes: Indices = np.array(
-            [[link.first, link.first if link.second < 0 else link.second] for link in links],
-            dtype=np.int64,
+            [[link.first, link.second] for link in links], dtype=np.int64
         )
         self._sign = np.array([link.sign for link in links])
         self._law: Indices = np.array([link.law for link in links], dtype=np.int64)
@@ -62,7 +65,7 @@ class Links:
     def place(self, dofs: Indices, chords: Array) -> None:
         """Take the dofs (links, 6) from the assembly; links have no length."""
         component = np.array([link.component for link in self.links])
-        grounded = np.array([link.second < 0 for link in self.links])
+        grounded = np.array([link.grounded for link in self.links])
         rows = np.arange(len(self.links))
         self._first = dofs[rows, component]
         self._second = np.where(grounded, GROUND, dofs[rows, 3 + component])
@@ -83,7 +86,7 @@ class Links:
     ) -> None:
         """Add forces and tangent at the displacements `end`; statics only."""
         if weight is not None:
-            raise NotImplementedError("the links of a stud are made for statics")
+            raise OutOfDomainError("the links of a stud are made for statics")
         _kernels.evaluate(
             end, self._first, self._second, self._sign, self._law, self._parameters, self.factor,
             self.cap, self._old, self._new, self._force, self._slope,

@@ -76,16 +76,16 @@ class Stud:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Parameters of the model. Calibrated on push-out tests (`calibrate`):
+    """Parameters of the concrete around a stud.
 
-    `bearing_factor`, bearing strength of concrete over its cylinder strength; `foundation_factor`,
-    foundation modulus per length over the modulus of concrete; `slide_capacity`, shear slide at
-    rupture over the diameter. Assumed: `friction` between flange and slab; `head_factor`, pressure
-    under the head over cylinder strength at pull-through; `cone_factor`, mean factor of the
-    cone; `cone_peak` and `cone_end`, opening of the cone at its peak and at zero load over
-    the embedment; `cone_loss`, share of the bearing strength (on shank, collar and head) that a
-    fully formed cone takes away;
-    `rupture_strain`, mean axial plastic strain at rupture.
+    Calibrated on push-out tests (`calibrate`): `bearing_factor`, bearing strength of concrete over
+    its cylinder strength; `foundation_factor`, foundation modulus per length over the modulus of
+    concrete; `slide_capacity`, shear slide at rupture over the diameter.
+    Assumed: `friction` between flange and slab; `head_factor`, pressure under the head over
+    cylinder strength at pull-through; `cone_factor`, mean factor of the cone; `cone_peak` and
+    `cone_end`, opening of the cone at its peak and at nearly zero load over the embedment;
+    `cone_loss`, share of bearing strength and stiffness (shank, collar, head) that a fully formed
+    cone takes away; `rupture_strain`, mean axial plastic strain at rupture.
     """
 
     bearing_factor: float = checked(Number(0.5, 40.0), 6.0)

@@ -11,7 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.errors import InputError
-from workbench.studs.mechanical.driving import PullCurve, ShearCurve, pull_out, pull_then_push, push_out
+from workbench.studs.mechanical.driving import (
+    PullCurve,
+    ShearCurve,
+    pull_out,
+    pull_then_push,
+    push_out,
+)
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve
@@ -140,5 +146,3 @@ def interaction_points(
         for share in shares
     ]
     return np.array([*shares, 1.0]), np.array([*shear, 0.0])
-
-

@@ -3,7 +3,7 @@
 The stud lies along x, from the flange (x = 0) to the head; u is along x, v along the slip. Besides
 the nodes of the stud there are the flange, which drives v, and the cone of concrete above the head.
 
-    flange --slide-- base of the stud ==== shank in bearings ==== head --pressure-- cone --crack-- slab
+    flange --slide-- base ==== shank in bearings ==== head --pressure-- cone --crack-- slab
     flange --collar-- slab      flange --contact-- cone (its surface carries the flange)
 
 The flange turns nothing and moves with the base along x. While it rests on the slab the pull on the
@@ -19,7 +19,7 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fiber_beams import FiberBeams, FiberSection
 from workbench.structures.meshing import graded_lengths
 from workbench.studs.mechanical import _kernels
-from workbench.studs.mechanical.links import AXIAL, GROUND, LATERAL, Link, Links
+from workbench.studs.mechanical.links import AXIAL, LATERAL, Link, Links
 from workbench.studs.mechanical.parameters import (
     DENSITY,
     SHEAR_MODULUS,
@@ -72,7 +72,8 @@ class StudStructure:
         nodes = np.stack([np.arange(count), np.arange(1, count + 1)], axis=1)
         self.beams = FiberBeams(nodes, np.zeros(count, dtype=np.int64), [round_section(stud)])
         self.links = Links(self._make_links())
-        x = np.concatenate([self.depth, [0.0, stud.embedment]])
+        # flange and cone have no place of their own; chords of no length would upset tolerances
+        x = np.concatenate([self.depth, [-d, stud.embedment + d]])
         self.assembly = PlanarAssembly(
             np.stack([x, np.zeros_like(x)], axis=1), [self.beams, self.links]
         )
@@ -102,7 +103,15 @@ class StudStructure:
         cone = self.cone_strength
         peak = around.cone_peak * stud.embedment
         links = [
-            Link(_kernels.BEARING, node, GROUND, LATERAL, modulus * share, pressure * d * share)
+            Link(
+                _kernels.BEARING,
+                node,
+                abs(node - 1),
+                LATERAL,
+                modulus * share,
+                pressure * d * share,
+                grounded=True,
+            )
             for node, share in enumerate(self.tributary)
         ]
         self.slide, self.collar = len(links), len(links) + 1
@@ -110,13 +119,13 @@ class StudStructure:
         return [
             *links,
             Link(_kernels.SLIDE, self.flange, 0, LATERAL, rigid, stud.shear_strength),
-            Link(_kernels.BEARING, self.flange, GROUND, LATERAL,
-                 modulus * max(collar_h, 1e-6), pressure * collar_d * max(collar_h, 1e-6)),
+            Link(_kernels.BEARING, self.flange, 0, LATERAL, modulus * max(collar_h, 1e-6),
+                 pressure * collar_d * max(collar_h, 1e-6), grounded=True),
             # u of the head falls when it is pulled: the cone is the first end
             Link(_kernels.BEARING, self.cone, self.head, AXIAL, ec * np.sqrt(head),
                  around.head_factor * fc * head),
-            Link(_kernels.CONE, self.cone, GROUND, AXIAL, 2.0 * cone / peak, cone, -1.0,
-                 peak, around.cone_end * stud.embedment),
+            Link(_kernels.CONE, self.cone, self.head, AXIAL, 2.0 * cone / peak, cone, -1.0,
+                 peak, around.cone_end * stud.embedment, grounded=True),
             Link(_kernels.CONTACT, 0, self.cone, AXIAL, rigid),
             # bond of the shank: little, but it keeps a stud in place that has come loose
             Link(_kernels.SLIDE, self.cone, self.head, AXIAL, 0.1 * ec * np.sqrt(head),

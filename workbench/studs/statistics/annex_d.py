@@ -108,7 +108,7 @@ def evaluate_d8(
     many = counted >= MANY_TESTS
     k_n = K_INFINITE if many else characteristic_factor(counted)
     k_dn = KD_INFINITE if many else design_factor(counted)
-    r_m = float(np.mean(theoretical)) if resistance is None else resistance
+    r_m = float(np.mean(np.asarray(theoretical, float))) if resistance is None else resistance
 
     def value(k_infinite: float, k_limited: float) -> float:
         weighted = k_infinite * alpha_rt * q_rt + k_limited * alpha_delta * q_delta
@@ -175,8 +175,8 @@ def from_prior_knowledge(resistances: ArrayLike, variation: float) -> tuple[floa
     return factor * mean, factor
 
 
-def factor_table(counts: tuple[float, ...] = (3, 4, 5, 6, 8, 10, 20, 30, inf)) -> list[
-    tuple[float, float, float]
-]:
+def factor_table(
+    counts: tuple[float, ...] = (3, 4, 5, 6, 8, 10, 20, 30, inf),
+) -> list[tuple[float, float, float]]:
     """Rows (n, k_n, k_d,n) for V unknown, from the definition of the factors."""
     return [(n, characteristic_factor(n), design_factor(n)) for n in counts]

@@ -49,9 +49,7 @@ class Interval:
         }  # fmt: skip
 
 
-def satterthwaite(
-    estimate: Estimate, variance: Callable[[float, float], float]
-) -> float:
+def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float]) -> float:
     """Degrees of freedom of a variance g(sigma^2, tau^2) estimated by restricted likelihood.
 
     nu = 2 g^2 / (grad g' C grad g) with C the inverse expected information of (sigma^2, tau^2).
@@ -178,11 +176,11 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
 
     def terms(ratio: float) -> tuple[float, float]:
         value, variance, _ = criterion_at(given, ratio, estimate.theta, free)
-        return value - m - m * np.log(variance), variance * m  # without sigma; sum of squares
+        return value - m - m * float(np.log(variance)), variance * m  # no sigma; sum of squares
 
     def at(sigma2: float, ratio: float) -> float:
         rest, size = terms(ratio)
-        return rest + m * np.log(sigma2) + size / sigma2
+        return float(rest + m * np.log(sigma2) + size / sigma2)
 
     def over_ratio(sigma2: float) -> float:
         return _smallest(lambda ratio: at(sigma2, ratio), estimate.ratio)

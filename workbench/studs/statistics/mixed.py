@@ -62,7 +62,9 @@ class Problem:
     @cached_property
     def totals(self) -> Array:
         """Sum of the weights of each campaign (campaigns,)."""
-        return np.bincount(self.groups, self.weights, minlength=self.campaigns)
+        return np.asarray(
+            np.bincount(self.groups, self.weights, minlength=self.campaigns), dtype=float
+        )
 
     @cached_property
     def is_free(self) -> bool:
@@ -181,7 +183,7 @@ class Estimate:
 
     @property
     def ratio(self) -> float:
-        """lambda = tau^2 / sigma^2."""
+        """Ratio of variances, lambda = tau^2 / sigma^2."""
         return (self.tau / self.sigma) ** 2 if self.sigma > 0.0 else 0.0
 
     def parameter(self, name: str) -> float:
@@ -191,8 +193,10 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Solved:
-    """Best free parameters for a lambda: `theta` (p,); whitened sum of squares `size`; normal
-    matrix `normal` (own, own) of the free parameters off their bounds; `stuck` (free,) on them.
+    """Best free parameters for a lambda.
+
+    `theta` (p,); whitened sum of squares `size`; normal matrix `normal` (own, own) of the free
+    parameters off their bounds; `stuck` (free,) on them.
     """
 
     theta: Array

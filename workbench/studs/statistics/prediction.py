@@ -14,6 +14,7 @@ import numpy as np
 
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
+from workbench.studs.statistics.intervals import Interval
 from workbench.studs.statistics.mixed import (
     Estimate,
     Problem,
@@ -30,7 +31,11 @@ POINTS = 80
 
 @dataclass(frozen=True)
 class _Mixture:
-    """Student distributions (points,): `weight`, `theta` (points, p), `scale2`, `inverse`, `nu`."""
+    """Student distributions (points,) of the parameters, one per ratio tau / sigma.
+
+    `weight`; `theta` (points, p); `ratio`; `variance` sigma^2; `inverse` (points, p, p) of the
+    normal matrix; degrees of freedom `nu`.
+    """
 
     weight: Array
     theta: Array
@@ -73,12 +78,7 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
     from scipy.optimize import brentq
     from scipy.special import stdtr
 
-    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
-        raise InputError(
-            "campaigns", estimate.problem.campaigns,
-            f"must be {LEAST_CAMPAIGNS} or more for a prediction of a new campaign",
-            "fewer do not tell how much campaigns differ",
-        )  # fmt: skip
+    _need_campaigns(estimate)
     mixture = _mixture(estimate)
     free = np.flatnonzero(~estimate.at_bound)
     x = jacobian(held, estimate.theta, free)
@@ -104,6 +104,48 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
     return np.asarray(result[index.ravel()])
 
 
+def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> Interval:
+    """Bayesian interval of a parameter: flat densities on parameters, ln(sigma) and tau / sigma.
+
+    Exact for linear predictions, otherwise with the prediction linear around each best fit.
+    Raises `InputError` for an unknown parameter or fewer than three campaigns.
+    """
+    from scipy.optimize import brentq
+    from scipy.special import stdtr
+
+    given = estimate.problem
+    if name not in given.names:
+        raise InputError("parameter", name, "must be one of " + ", ".join(given.names))
+    _need_campaigns(estimate)
+    mixture = _mixture(estimate)
+    k = given.names.index(name)
+    centre, scale = mixture.theta[:, k], np.sqrt(mixture.variance * mixture.inverse[:, k, k])
+    width = 20.0 * float(np.max(scale[mixture.weight > 1e-12]))
+    ends = [
+        float(
+            brentq(
+                lambda y, share=share: (
+                    mixture.weight @ stdtr(mixture.nu, (y - centre) / scale) - share
+                ),
+                float(estimate.theta[k]) - width,
+                float(estimate.theta[k]) + width,
+            )
+        )
+        for share in (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+    ]
+    return Interval(ends[0], ends[1], confidence, "posterior, flat densities")
+
+
+def _need_campaigns(estimate: Estimate) -> None:
+    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
+        raise InputError(
+            "campaigns",
+            estimate.problem.campaigns,
+            f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign",
+            "fewer do not tell how much campaigns differ",
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class LeftOut:
     """A campaign predicted from all others: `campaign`, `count`, mean error and root mean square.
@@ -120,8 +162,9 @@ class LeftOut:
 
 
 def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[LeftOut]:
-    """Predict every campaign from the others. Raises `InputError` for fewer than two campaigns,
-    or where the others cannot be fitted.
+    """Predict every campaign from the others.
+
+    Raises `InputError` for fewer than two campaigns, or where the others cannot be fitted.
     """
     if given.campaigns < 2:
         raise InputError("campaigns", given.campaigns, "must be two or more to leave one out")
@@ -142,7 +185,7 @@ def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[Left
 
 
 def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | None:
-    """Share of the tests of `held` inside their prediction interval; None with too few campaigns."""
+    """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
     if estimate.problem.campaigns < LEAST_CAMPAIGNS:
         return None
     low, high = (
