@@ -31,8 +31,14 @@ from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 
 Array = NDArray[np.float64]
 ELEMENTS = ("interpolated", "balanced")
-SMALLEST_SHARE = {"balanced": 1.0 / 12.0, "interpolated": 1.0 / 32.0}  # of the shorter segment
-SMALLEST_DEPTH = {"balanced": 0.3, "interpolated": 0.1}  # of the depth: hinges need room
+# Smallest element over the shorter segment and over the depth (hinges need room); statics has no
+# inertia to carry an element over the loss of stiffness when its hinge crumples.
+SMALLEST = {
+    ("interpolated", ColumnImpact.KIND): (1.0 / 32.0, 0.1),
+    ("interpolated", ColumnPushover.KIND): (1.0 / 16.0, 0.2),
+    ("balanced", ColumnImpact.KIND): (1.0 / 12.0, 0.3),
+    ("balanced", ColumnPushover.KIND): (1.0 / 12.0, 0.3),
+}
 PUSH_STEPS = 1000
 
 
@@ -44,7 +50,8 @@ class FiberCorotational:
     axial displacement) or balanced (one axial force per element, plasticity sampled at the end
     that is nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the
     member only); `smallest_element` in m, at both ends of both segments (None: 1/32 of the
-    shorter segment, 1/12 for balanced elements, but not below 0.1 or 0.3 of the depth);
+    shorter segment, 1/16 in statics, 1/12 for balanced elements, but not below 0.1, 0.2 and 0.3
+    of the depth);
     `largest_element` in m (None: 1/40 of the length under impact, 1/8 in statics); `layers` over
     the depth of the section; `weight` of the end stresses in a time step (1/2 conserves energy,
     but does not converge on fine plastic meshes); `hardening_ratio`, the regularising hardening
@@ -99,8 +106,7 @@ class FiberCorotational:
             self.smallest_element,
             self.largest_element,
             self.refinement,
-            SMALLEST_SHARE[self.element],
-            SMALLEST_DEPTH[self.element],
+            *SMALLEST[self.element, scenario.KIND],
         )
 
     def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:

@@ -56,7 +56,7 @@ class FiberReissner:
     length under impact, 1/8 in statics); `layers` over the depth of the section; `time_step` in s
     (None: 1/15 of the time of an axial wave along the column, and at first at most 1/200 of the
     expected time to the peak; a bound and the interval of records if explicit); `refinement`, how
-    often all elements and steps are halved.
+    often all elements and steps are halved (negative: doubled).
     Solution: `formulation`, compiled kernel or scikit-fem forms (the same response, slowly);
     `integrator`, implicit with energy-exact steps or explicit central differences with lumped
     mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, but does not
@@ -74,7 +74,7 @@ class FiberReissner:
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
     layers: int = checked(Number(4, 1000, integer=True), 20)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(0, 6, integer=True), 0)
+    refinement: int = checked(Number(-2, 6, integer=True), 0)
     formulation: str = checked(Choice(("kernel", "forms")), "kernel")
     integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
     weight: float = checked(
@@ -104,7 +104,6 @@ class FiberReissner:
         "hardening, residual stress and crookedness are options that are off by default.",
         "Resistance converges from above at first order in the length of the elements.",
     )
-    sources: ClassVar[tuple[str, ...]] = ("reissner1972", "simo1985", "heng2017")
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
@@ -118,6 +117,18 @@ class FiberReissner:
                         "is not known with steel_law = menegotto-pinto",
                         "use steel_law = linear",
                     )
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the beam and of the options that are on."""
+        keys = ["reissner1972", "simo1985", "simo-tarnow-doblare1995", "heng2017"]
+        if self.rate_sensitive:
+            keys.append("cowper-symonds1957")
+        if self.steel_law == "menegotto-pinto":
+            keys.append("menegotto-pinto1973")
+        if self.residual_stress != "none":
+            keys.append("eccs1984")
+        return tuple(keys)
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Findings common to all member models, and what the fibers cannot follow."""
@@ -178,7 +189,7 @@ class FiberReissner:
         with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
             beams = self.beams(scenario)
             if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, PUSH_STEPS * 2**self.refinement)
+                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
             spans = time_spans(scenario, self.time_step, self.refinement)
             weight = self.weight if self.integrator == "implicit" else None
             return run_impact(scenario, beams, spans, weight)

@@ -53,7 +53,7 @@ class FiberShear:
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
     layers: int = checked(Number(4, 1000, integer=True), 20)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(0, 6, integer=True), 0)
+    refinement: int = checked(Number(-2, 6, integer=True), 0)
     integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
     weight: float = checked(
         Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
@@ -78,11 +78,16 @@ class FiberShear:
         "The mass is that of the rolled profile, distributed along the member.",
         "Point contact; no local denting, no web buckling, no strain-rate effect, no fracture.",
     )
-    sources: ClassVar[tuple[str, ...]] = ("reissner1972", "simo1985")
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
         check_layers(self.layers)
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the beam and of the options that are on."""
+        keys = ("reissner1972", "simo1985", "simo-tarnow-doblare1995", "simo-hughes1998")
+        return keys if self.residual_stress == "none" else (*keys, "eccs1984")
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Findings common to all member models but shear, and what fibers cannot follow."""
@@ -128,7 +133,7 @@ class FiberShear:
         with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
             beams = self.beams(scenario)
             if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, PUSH_STEPS * 2**self.refinement)
+                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
             spans = time_spans(scenario, self.time_step, self.refinement)
             weight = self.weight if self.integrator == "implicit" else None
             return run_impact(scenario, beams, spans, weight)

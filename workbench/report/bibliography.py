@@ -42,6 +42,53 @@ _WORKS = (
         "10.1007/BF00913408",
     ),
     Reference(
+        "reissner1972",
+        "Reissner, E.",
+        "1972",
+        "On one-dimensional finite-strain beam theory: the plane problem",
+        "Zeitschrift für angewandte Mathematik und Physik 23, 795-804",
+        "10.1007/BF01602645",
+    ),
+    Reference(
+        "simo1985",
+        "Simo, J. C.",
+        "1985",
+        "A finite strain beam formulation. The three-dimensional dynamic problem. Part I",
+        "Computer Methods in Applied Mechanics and Engineering 49, 55-70",
+        "10.1016/0045-7825(85)90050-7",
+    ),
+    Reference(
+        "simo-tarnow-doblare1995",
+        "Simo, J. C.; Tarnow, N.; Doblaré, M.",
+        "1995",
+        "Non-linear dynamics of three-dimensional rods: exact energy and momentum conserving "
+        "algorithms",
+        "International Journal for Numerical Methods in Engineering 38, 1431-1473",
+        "10.1002/nme.1620380903",
+    ),
+    Reference(
+        "cowper-symonds1957",
+        "Cowper, G. R.; Symonds, P. S.",
+        "1957",
+        "Strain hardening and strain-rate effects in the impact loading of cantilever beams",
+        "Technical Report 28, Division of Applied Mathematics, Brown University",
+    ),
+    Reference(
+        "menegotto-pinto1973",
+        "Menegotto, M.; Pinto, P. E.",
+        "1973",
+        "Method of analysis for cyclically loaded R.C. plane frames including changes in geometry "
+        "and non-elastic behaviour of elements under combined normal force and bending",
+        "IABSE Symposium, Lisbon, 15-22",
+    ),
+    Reference(
+        "eccs1984",
+        "ECCS",
+        "1984",
+        "Ultimate limit state calculation of sway frames with rigid joints",
+        "Publication 33, European Convention for Constructional Steelwork, Brussels",
+    ),
+    Reference(
         "simo-hughes1998",
         "Simo, J. C.; Hughes, T. J. R.",
         "1998",

@@ -280,3 +280,8 @@ def _optional(column: Column) -> Column:
 def read_text(text: str, table: Table, name: str = "table") -> Examination:
     """Examine a table given as text (see `examine`)."""
     return _examine(_lines(io.BytesIO(text.encode()), name), name, table)
+
+
+def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.DataFrame:
+    """A data frame made elsewhere, checked and completed by a schema (see `read_tests`)."""
+    return read_text(frame.to_csv(index=False), table, name).accept()
