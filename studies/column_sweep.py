@@ -73,7 +73,7 @@ gates = tuple(
         "relative_error",
         bound,
         "Wanted for design; the cases beyond it mark where the model stops being trustworthy.",
-        "heng2017",
+        "bound set by this study, not by a standard",
     )
     for model, bound in zip(REDUCED, (0.05, 0.10, 0.10, 0.10), strict=True)
 )
@@ -84,8 +84,8 @@ figures = (
             f"map-{model.replace(' ', '-').lower()}",
             "sweep",
             f"{model}: error of the peak displacement",
-            "Relative error against the fiber reference; crosses mark failed cells, hatching "
-            "cells outside the domain.",
+            "Relative error against the fiber reference; crosses mark cells without an answer, "
+            "circles cells with a warning about the domain.",
             (model,),
             {
                 "x": "hit point over length",

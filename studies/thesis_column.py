@@ -21,6 +21,7 @@ published = data_directory() / "published"
 eccentric = load_scenario(published / "heng2017_impact_column.toml")
 clamped = load_scenario(published / "heng2017_clamped_column.toml")
 
+OWN_BOUND = "bound set by this study, not by a standard"
 FIGURE_5_9 = "heng2017-figure-5-9"
 FIGURE_5_4 = "heng2017-figure-5-4"
 REFERENCE = "fiber, fine"
@@ -67,7 +68,7 @@ def reproduction(model: str, against: str) -> Gate:
         0.005,
         "A reproduction must agree within what the summary leaves open (exponents, head mass, "
         "definition of the simplification); 0.5 % covers their combined effect.",
-        "heng2017",
+        OWN_BOUND,
         IMPACTS,
     )
 
@@ -82,7 +83,7 @@ def fitness(model: str, bound: float) -> Gate:
         bound,
         "Wanted for design: the peak displacement within this bound of distributed plasticity, "
         "numerical uncertainty of the reference included.",
-        "en1991-1-7",
+        OWN_BOUND,
         (*IMPACTS, "clamped, 25 m/s"),
     )
 
@@ -103,7 +104,7 @@ gates = (
         0.05,
         "The static resistance drives the response; its mean misfit should stay near that of the "
         "peaks.",
-        "heng2017",
+        OWN_BOUND,
         ("push to 0.7 m",),
     ),
     Gate(
@@ -113,7 +114,7 @@ gates = (
         "sprague_geers_comprehensive",
         0.10,
         "Magnitude and phase of the whole history, not only of its peak.",
-        "sprague-geers",
+        OWN_BOUND,
         (*IMPACTS, "clamped, 25 m/s"),
     ),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
@@ -53,3 +55,34 @@ def straight(length: float, elements: int, section: BeamSection, **more: bool) -
 def tangent_of(assembly: PlanarAssembly) -> np.ndarray:
     """The tangent in the band as a full matrix."""
     return np.stack([assembly.tangent_times(e) for e in np.eye(assembly.size)], axis=1)
+
+
+def thesis_frame(size: float, lumped: bool = False) -> tuple[PlanarAssembly, int]:
+    """Frame of Heng 2017, section 5.4, of squares, and the dof that is hit.
+
+    Four bays of 3 m, two storeys of 4 m, clamped bases; the middle column is hit 0.8 m above its
+    base. `size` of all elements in m.
+    """
+    numbers: dict[tuple[float, float], int] = {}
+    elements: list[tuple[int, int]] = []
+
+    def member(x0: float, y0: float, x1: float, y1: float) -> None:
+        count = round(float(np.hypot(x1 - x0, y1 - y0)) / size)
+        points = [
+            (round(x0 + (x1 - x0) * i / count, 6), round(y0 + (y1 - y0) * i / count, 6))
+            for i in range(count + 1)
+        ]
+        line = [numbers.setdefault(point, len(numbers)) for point in points]
+        elements.extend(pairwise(line))
+
+    for x in 3.0 * np.arange(5):
+        for low, high in ((0.0, 0.8), (0.8, 4.0), (4.0, 8.0)):
+            member(x, low, x, high)
+    for y in (4.0, 8.0):
+        for x in 3.0 * np.arange(4):
+            member(x, y, x + 3.0, y)
+    group = ReissnerBeams(elements, np.zeros(len(elements), dtype=np.int64), [square()])
+    frame = PlanarAssembly(list(numbers), [group], lumped=lumped)
+    bases = [numbers[(3.0 * i, 0.0)] for i in range(5)]
+    frame.hold([frame.dof(node, c) for node in bases for c in ("u", "v", "rotation")])
+    return frame, frame.dof(numbers[(6.0, 0.8)], "u")

@@ -66,7 +66,7 @@ def group(push_outs: pd.DataFrame, name: str) -> pd.DataFrame:
     campaign = {"S1": "provines2019", "S2": "mcgarraugh1971", "S3": "lehigh279"}[name[:2]]
     rows = push_outs[push_outs["campaign"] == campaign]
     if name.startswith("S1"):
-        return rows[rows["slab"].str.contains(name[3:7])]
+        return rows[rows["slab"].str.startswith(f"solid, {name[3:7]}")]
     return rows[rows["specimen"] == name[3:]]
 
 
@@ -128,7 +128,7 @@ def test_secants_of_the_table_follow_from_the_points(
             ):
                 point = points.loc[f"{level} % of Qmax"]
                 secant = point["load_kN"] / point["slip_mm"]
-                assert secant == pytest.approx(row[f"secant_{level}_kN_per_mm"], rel=0.002)
+                assert secant == pytest.approx(row[f"secant_{level}_kN_per_mm"], rel=0.005)
                 checked += 1
     assert checked > 50
 
@@ -178,8 +178,8 @@ def test_retested_beam() -> None:
     assert moment.round(1).tolist() == [128.8, 128.1, 121.2]
     assert (moment / moment[0]).round(2).tolist()[2] == 0.94
     points = load("beam-retest-points")
-    largest = points.groupby("test")["load_kN"].max().round(1).tolist()
-    assert largest == [210.0, 242.9, 262.9]
+    largest = points.groupby("test")["load_kN"].max().tolist()
+    assert largest == pytest.approx([210.0, 242.9, 262.9], abs=0.06)
     zero = points[points["load_kN"].abs() < 1.0].groupby("test")["midspan_deflection_this_test_mm"]
     left = zero.max()
     assert left["B3-T1"] == pytest.approx(22.9, abs=0.05)
@@ -190,11 +190,10 @@ def test_retested_beam() -> None:
 
 
 def test_tables_with_ratios_only_are_summarised() -> None:
-    rows = ["a,1,1.0", "a,2,0.8", "b,1,0.6", "b,2,0.6"]
     header = "campaign,specimen,test,strength_over_nominal,nominal_model"
-    text = "\n".join([header, *(r.replace(",1,", ",1,push-out,", 1) if False else
-                               ",".join([*r.split(",")[:2], "push-out", r.split(",")[2], "AISC"])
-                               for r in rows)])  # fmt: skip
+    rows = [f"{c},{s},push-out,{ratio},AISC 360" for c, s, ratio in
+            (("a", 1, 1.0), ("a", 2, 0.8), ("b", 1, 0.6), ("b", 2, 0.6))]  # fmt: skip
+    text = "\n".join([header, *rows])
     found = ratio_summary(read_text(text, TESTS).accept())
     assert found["mean"] == pytest.approx(0.75)
     assert found["variation"] == pytest.approx(np.std([1, 0.8, 0.6, 0.6], ddof=1) / 0.75)

@@ -151,6 +151,10 @@ def report(
     out: Annotated[
         str | None, typer.Option(metavar="DIR", help="Where to write.  [default: the store]")
     ] = None,
+    summary: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Also write README.md and figures there, to keep in git."),
+    ] = None,
     store: StoreRoot = "reports",
     as_json: Json = False,
 ) -> None:
@@ -165,12 +169,15 @@ def report(
         if part not in ("html", "pdf"):
             raise InputError("--format", formats, "must be html, pdf or html,pdf")
     from workbench.report import build_report
+    from workbench.report import summary as write_summary
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
     target = None if out is None else Path(out)
     files = build_report(result.directory, chosen, formats=wanted, out=target)
+    if summary is not None:
+        files["summary"] = write_summary(result.directory, chosen, Path(summary))
     if as_json:
         print_json(
             {

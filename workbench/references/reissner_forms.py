@@ -172,11 +172,11 @@ def _changes(fields: dict[str, Array], forces: Array, step: bool) -> dict[str, A
     N, V = forces[0, :, None], forces[1, :, None]
 
     def crossed(name: str) -> Array:
-        return N * fields[f"{name}_b"] - V * fields[f"{name}_a"]
+        return np.asarray(N * fields[f"{name}_b"] - V * fields[f"{name}_a"])
 
     def levers(turn: Array) -> Array:
         """N r'.a + V r'.b from the levers t1 = r'.b and t2 = -r'.a."""
-        return -N * turn[1] + V * turn[0]
+        return np.asarray(V * turn[0] - N * turn[1])
 
     if not step:
         by_turn = crossed("end")

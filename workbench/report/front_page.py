@@ -1,7 +1,8 @@
-"""The page of a study that is kept in git: verdicts and key pictures, nothing that varies."""
+"""The page of a study that is kept in git: verdicts, key pictures and the versions behind them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from workbench.report.bibliography import BIBLIOGRAPHY
@@ -25,7 +26,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
 
     Arguments: `directory`, the store of the study; `study`, in the form that was run. Figures
     with the option ``summary = True`` appear (without any: the first eight that do not depend on
-    the machine). Equal results give equal bytes: no times, dates, versions or paths.
+    the machine). Equal results give equal bytes: no times, dates or paths.
     Raises `InputError` for a study without results.
     """
     stored = Stored(Path(directory), study)
@@ -56,6 +57,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
         "",
         f"Made by `workbench report {study.name}` from {count(len(stored.cells), 'cell')}; the "
         "full report adds tables, costs, configuration, provenance and sources.",
+        *(f"{_made_with(record)}." for record in stored.provenance),
     ]
     page = target / "README.md"
     write_atomically(page, ("\n".join(lines) + "\n").encode())
@@ -104,3 +106,11 @@ def _escaped(text: str) -> str:
         else:
             parts.append(content.replace("<", "&lt;").replace("|", "\\|").replace("\n", " "))
     return "".join(parts)
+
+
+def _made_with(record: Mapping[str, str]) -> str:
+    """Versions of one provenance record, without the machine."""
+    names = ("workbench", "commit", "requirements_lock", "python", "numpy", "numba")
+    return "Cells answered with " + ", ".join(
+        f"{name.replace('_', '.')} {record[name]}" for name in names if name in record
+    )

@@ -18,8 +18,8 @@ from workbench.studs.checks import row_findings
 from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Table
 
 LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
+MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
-LONGEST_HEADER = 65_536
 _SHOWN = 5  # problems that one message lists by line
 
 
@@ -145,6 +145,10 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
         seen: dict[tuple[object, ...], int] = {}
         for cells in reader:
             line = reader.line_num
+            if len(rows) + len(problems) >= MOST_ROWS:
+                raise InputError(
+                    f"{name}, line {line}", "", f"the table has more than {MOST_ROWS} rows"
+                )
             if not any(cell.strip() for cell in cells):
                 continue  # an empty line
             row, found = _row(cells, columns, name, line)

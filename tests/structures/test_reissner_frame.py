@@ -1,0 +1,48 @@
+"""The frame of Heng 2017, section 5.4: peaks of an independent implementation, mesh by mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reissner_cases import thesis_frame
+from threadpoolctl import threadpool_limits
+
+from workbench.structures.explicit import explicit_impact
+from workbench.structures.impact import PointMass, impact
+
+STRIKER = PointMass(1500.0, 50.0)
+DURATION = 0.031
+UNIFORM = {0.4: 0.3655, 0.2: 0.4284, 0.1: 0.4599, 0.05: 0.4773, 0.025: 0.4864}
+
+
+def peak(driver, frame, dof, *more) -> float:
+    with threadpool_limits(1, user_api="blas"):
+        return max(float(frame.displacement[dof]) for _ in driver(frame, dof, STRIKER, *more))
+
+
+@pytest.mark.parametrize(
+    "size",
+    [0.4, 0.2, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.1, 0.05, 0.025))],
+)
+def test_uniform_meshes(size) -> None:
+    found = peak(impact, *thesis_frame(size), [(DURATION, size / 1000.0)], 0.55)
+    assert found == pytest.approx(UNIFORM[size], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_order_and_limit() -> None:
+    """First order, as plasticity is sampled inside the elements; 0.495 m within 1 %."""
+    peaks = np.array(
+        [peak(impact, *thesis_frame(h), [(DURATION, h / 1000.0)], 0.55) for h in (0.1, 0.05, 0.025)]
+    )
+    order = np.log2((peaks[1] - peaks[0]) / (peaks[2] - peaks[1]))
+    assert 0.7 < order < 1.3
+    limit = peaks[2] + (peaks[2] - peaks[1]) / (2.0 ** np.clip(order, 0.8, 1.2) - 1.0)
+    assert limit == pytest.approx(0.495, rel=0.01)
+
+
+def test_explicit_steps_give_the_same_peak() -> None:
+    explicit = peak(explicit_impact, *thesis_frame(0.2, lumped=True), [(DURATION, 1e-4)])
+    implicit = peak(impact, *thesis_frame(0.2, lumped=True), [(DURATION, 5e-5)], 0.55)
+    # the implicit steps dissipate a little
+    assert explicit == pytest.approx(implicit, rel=7e-3)

@@ -1,0 +1,214 @@
+"""Load-slip laws, stiffness, unloading, and the fit of curves."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workbench.errors import InputError, OutOfDomainError
+from workbench.studs import (
+    LAWS,
+    BilinearLaw,
+    OllgaardLaw,
+    RationalLaw,
+    UnloadingLaw,
+    fit_load_slip,
+    shipped,
+    unloadings,
+)
+from workbench.studs.curve_fit import fit_curve
+from workbench.studs.load_slip import law_kind
+from workbench.studs.load_slip_fit import first_loading
+from workbench.studs.stiffness import (
+    ascending,
+    chord_stiffness,
+    fitted_stiffness,
+    law_stiffness,
+    slip_at_level,
+)
+from workbench.studs.unloading import CyclicState, unloading_ratio
+
+SLIPS = np.linspace(0.0, 8e-3, 60)
+
+
+def test_published_ollgaard() -> None:
+    law = OllgaardLaw()
+    assert law.rate == pytest.approx(708.66, rel=1e-4)
+    inch = 0.0254
+    assert law.ratio(0.2 * inch) == pytest.approx((1.0 - np.exp(-3.6)) ** 0.4)
+
+
+def test_bilinear_and_its_end() -> None:
+    law = BilinearLaw()
+    assert law.ratio([0.0, 0.25e-3, 0.5e-3, 6e-3, 6.001e-3]).tolist() == [0.0, 0.5, 1.0, 1.0, 0.0]
+    with pytest.raises(InputError, match="slip_capacity"):
+        BilinearLaw(1e-3, 0.5e-3)
+
+
+@given(k=st.floats(1.5, 100.0), d=st.floats(0.0, 1.0))
+def test_the_rational_law_has_its_only_maximum_at_the_peak(k: float, d: float) -> None:
+    law = RationalLaw(5e-3, k, d)
+    q = law.ratio(np.linspace(0.0, 0.05, 400))
+    assert law.ratio(5e-3) == pytest.approx(1.0)
+    assert np.max(q) <= 1.0 + 1e-12
+    assert law.ratio(1e-12) / 1e-12 == pytest.approx(k / 5e-3, rel=1e-3)
+    assert law.ratio(0.02) < 1.0
+
+
+@given(
+    law=st.one_of(
+        st.builds(OllgaardLaw, rate=st.floats(50, 5000), exponent=st.floats(0.2, 2.0)),
+        st.builds(RationalLaw, peak_slip=st.floats(1e-3, 2e-2), stiffness_ratio=st.floats(1.1, 50),
+                  softening=st.floats(0.0, 1.0)),
+        st.builds(BilinearLaw, yield_slip=st.floats(1e-4, 2e-3)),
+    ),
+    q=st.floats(0.01, 0.99),
+)  # fmt: skip
+def test_slip_at_a_level_inverts_the_law(law, q: float) -> None:
+    slip = law.slip_at(q)
+    assert law.ratio(slip) == pytest.approx(q, rel=1e-6)
+    assert law_stiffness(law, 100e3) > 0.0
+
+
+def test_reversed_slips_are_outside() -> None:
+    for law in (OllgaardLaw(), BilinearLaw(), RationalLaw()):
+        with pytest.raises(OutOfDomainError, match="reversed loading"):
+            law.ratio([-1e-3])
+        with pytest.raises(InputError):
+            law.slip_at(1.0)
+    with pytest.raises(InputError, match="must be one of ollgaard"):
+        law_kind("hyperbolic")
+
+
+def test_stiffness_definitions_on_a_known_curve() -> None:
+    # two straight pieces: 200 kN/mm to 40 kN, then 50 kN/mm to 100 kN
+    slip = np.array([0.0, 0.1, 0.2, 0.8, 1.4]) * 1e-3
+    load = np.array([0.0, 20.0, 40.0, 70.0, 100.0]) * 1e3
+    assert chord_stiffness(slip, load) == pytest.approx(200e6)
+    assert chord_stiffness(slip, load, 0.0, 0.7) == pytest.approx(70e3 / 0.8e-3)
+    assert chord_stiffness(slip, load, 0.4, 0.7) == pytest.approx(50e6)
+    assert fitted_stiffness(slip, load, 0.05, 0.4) == pytest.approx(200e6)
+    assert slip_at_level(slip, load, 0.3) == pytest.approx(0.15e-3)
+    with pytest.raises(OutOfDomainError, match="fewer than two points"):
+        fitted_stiffness(slip, load, 0.05, 0.15)
+    with pytest.raises(InputError, match="levels"):
+        chord_stiffness(slip, load, 0.5, 0.4)
+
+
+def test_noise_loops_and_softening_drop_out_of_the_ascending_branch() -> None:
+    s, q = ascending([1, 2, 3, 4, 5, 6], [10, 20, 15, 30, 25, 5])
+    assert s.tolist() == [0, 1, 2, 4]
+    assert q.tolist() == [0, 10, 20, 30]
+    with pytest.raises(InputError, match="two or more points"):
+        ascending([1.0], [1.0])
+    with pytest.raises(InputError, match="positive load"):
+        ascending([1.0, 2.0], [-1.0, 0.0])
+
+
+def test_unloading_leaves_a_slip_and_reloading_returns() -> None:
+    law = UnloadingLaw(OllgaardLaw(1000.0, 0.6), 100e3, stiffness_ratio=1.3)
+    top, left = 2e-3, law.permanent_slip(2e-3)
+    assert 0.0 < left < top
+    path = [0.0, 1e-3, top, left, 0.5 * (left + top), top, 3e-3]
+    load = law.follow(path)
+    assert load[3] == pytest.approx(0.0, abs=1e-9)
+    assert load[5] == pytest.approx(load[2])  # back on the envelope
+    assert load[6] == pytest.approx(100e3 * float(law.envelope.ratio(3e-3)))
+    assert (load[2] - load[4]) / (0.5 * (top - left)) == pytest.approx(law.slope)
+    with pytest.raises(OutOfDomainError, match="permanent slip"):
+        law.load(0.9 * left, CyclicState(top, left))
+
+
+@given(slip=st.floats(1e-5, 1e-2), ratio=st.floats(0.05, 5.0), exponent=st.floats(0.2, 1.5))
+def test_a_cycle_never_creates_energy(slip: float, ratio: float, exponent: float) -> None:
+    law = UnloadingLaw(OllgaardLaw(1000.0, exponent), 100e3, ratio)
+    left = law.permanent_slip(slip)
+    assert 0.0 <= left < slip
+    given_ = np.trapezoid(100e3 * law.envelope.ratio(np.linspace(0, slip, 400)), dx=slip / 399)
+    back = 0.5 * 100e3 * float(law.envelope.ratio(slip)) * (slip - left)
+    assert given_ >= back * (1.0 - 1e-3)
+
+
+def test_observed_unloadings_are_about_as_stiff_as_first_loading(curves: pd.DataFrame) -> None:
+    observed = unloadings(shipped("stud-unload-reload"))
+    assert {u.specimen for u in observed} == {"P1", "P2", "P3", "P4", "P8"}
+    assert all(0.0 < u.ratio < 1.0 for u in observed)
+    fit = fit_load_slip(curves).curves.set_index("specimen")
+    for specimen, count in (("P3", 3), ("P8", 2)):
+        own = [u for u in observed if u.specimen == specimen]
+        row = fit.loc[specimen]
+        law = OllgaardLaw(row["rate"], row["exponent"])
+        ratios = unloading_ratio(law, row["strength"], own)
+        assert len(ratios) == count
+        assert np.all((ratios > 0.6) & (ratios < 2.2))
+    with pytest.raises(InputError, match="no unloading"):
+        unloadings(curves)
+
+
+def test_a_curve_made_by_a_law_is_found_again() -> None:
+    slip = np.linspace(0.0, 0.012, 40)
+    for law in (OllgaardLaw(900.0, 0.55), RationalLaw(6e-3, 8.0, 0.4)):
+        fit = fit_curve(slip, 80e3 * law.ratio(slip) / np.max(law.ratio(slip)), law.name)
+        assert fit.rms < 2e-3
+        assert not fit.near_interpolation
+    exact = fit_curve(slip, RationalLaw(6e-3, 8.0, 0.4).ratio(slip), "rational")
+    assert exact.parameters["stiffness_ratio"] == pytest.approx(8.0, rel=0.05)
+    held = fit_curve(slip, RationalLaw(6e-3, 8.0, 0.4).ratio(slip), "rational",
+                     held={"softening": 0.4})  # fmt: skip
+    assert held.parameters["softening"] == 0.4
+    bilinear = fit_curve(slip, BilinearLaw(2e-3, 0.012).ratio(slip), "bilinear")
+    assert bilinear.parameters["yield_slip"] == pytest.approx(2e-3, rel=1e-3)
+
+
+def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
+    slip = np.linspace(2e-4, 8e-3, 30)
+    load = 100e3 * OllgaardLaw(900.0, 0.55).ratio(slip)
+    load[4] *= 0.4
+    plain, robust = (fit_curve(slip, load, loss=loss) for loss in ("linear", "soft_l1"))
+    assert abs(robust.parameters["exponent"] - 0.55) < 0.2 * abs(plain.parameters["exponent"] - 0.55)
+    with pytest.raises(InputError, match="loss"):
+        fit_curve(slip, load, loss="median")
+    with pytest.raises(InputError, match="points or more"):
+        fit_curve([1e-3], [1.0])
+
+
+def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
+    fit = fit_load_slip(curves, resamples=50)
+    assert len(fit.curves) == 24
+    assert len(fit.skipped) == 4  # the noisy initial branches
+    assert fit.to_dict()["campaigns"] == ["lehigh279", "mcgarraugh1971", "provines2019"]
+    for parameter in fit.population.values():
+        assert parameter.profile.low < parameter.median < parameter.profile.high
+    dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
+    repeated = pd.concat([curves, dense, dense], ignore_index=True)
+    again = fit_load_slip(repeated, resamples=50)
+    assert again.population["rate"].median == pytest.approx(fit.population["rate"].median, rel=1e-6)
+    json.dumps(fit.to_dict(), allow_nan=False)
+
+
+def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
+    fit = fit_load_slip(curves, resamples=50)
+    low, high = fit.band(SLIPS, 0.9)
+    assert np.all(low <= high)
+    middle = fit.law.ratio(SLIPS)
+    assert np.mean((middle >= low) & (middle <= high)) > 0.9
+
+
+def test_rational_law_holds_what_ascending_curves_cannot_tell(curves: pd.DataFrame) -> None:
+    fit = fit_load_slip(curves, "rational", resamples=50)
+    assert fit.held == {"softening": 0.0}
+    assert set(fit.population) == {"peak_slip", "stiffness_ratio"}
+    assert set(LAWS) == {"ollgaard", "bilinear", "rational"}
+
+
+def test_doubtful_points_and_means_are_left_out(curves: pd.DataFrame) -> None:
+    used = first_loading(curves, falling=True)
+    assert not used["specimen"].str.startswith("MEAN").any()
+    assert len(used) == 543 - 13 - 29 - 10
+    with pytest.raises(InputError, match="hold no point"):
+        first_loading(curves[curves["single_specimen"] == 0.0], falling=True)
