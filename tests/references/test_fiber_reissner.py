@@ -199,6 +199,14 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     assert float(explicit["impulse"]) == pytest.approx(float(implicit["impulse"]), rel=2e-3)
 
 
+def test_explicit_steps_serve_the_corotational_beam_too(thesis_impact) -> None:
+    impact = replace(thesis_impact.at_velocity(10.0), duration=0.025)
+    mesh = {"smallest_element": 0.1, "largest_element": 0.2, "refinement": 0}
+    explicit = FiberCorotational(integrator="explicit", **mesh).simulate(impact)
+    implicit = FiberCorotational(time_step=1e-5, **mesh).simulate(impact)
+    assert peak(explicit) == pytest.approx(peak(implicit), rel=0.01)
+
+
 def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact) -> None:
     push = ColumnPushover("push", thesis_impact.column, 0.05)
     plain, rolled = (

@@ -49,8 +49,9 @@ def damaged() -> Callable[..., pd.DataFrame]:
             for i in range(tests):
                 level = round(generator.uniform(0.0, 1.0), 4)
                 left = 1.0 - c * level**p + effect + sigma * generator.normal()
+                shear = f"{100 * left:.4f}"
                 rows.append(
-                    f"lab {j},s{i},push-out,{origin},19,{100 * left:.4f},100,{kind},{measure},{level}"
+                    f"lab {j},s{i},push-out,{origin},19,{shear},100,{kind},{measure},{level}"
                 )
         header = (
             "campaign,specimen,test,origin,diameter_mm,shear_kN,undamaged_shear_kN,predamage,"

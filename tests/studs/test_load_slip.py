@@ -170,7 +170,9 @@ def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
     load = 100e3 * OllgaardLaw(900.0, 0.55).ratio(slip)
     load[4] *= 0.4
     plain, robust = (fit_curve(slip, load, loss=loss) for loss in ("linear", "soft_l1"))
-    assert abs(robust.parameters["exponent"] - 0.55) < 0.2 * abs(plain.parameters["exponent"] - 0.55)
+    assert abs(robust.parameters["exponent"] - 0.55) < 0.25 * abs(
+        plain.parameters["exponent"] - 0.55
+    )
     with pytest.raises(InputError, match="loss"):
         fit_curve(slip, load, loss="median")
     with pytest.raises(InputError, match="points or more"):

@@ -152,7 +152,7 @@ def test_markers_return_to_the_envelope_after_unloading() -> None:
     zero = points[(points["specimen"] == "P8") & (points["load_kN"] < 0.0)].iloc[0]
     assert zero["slip_mm"] == pytest.approx(0.712, abs=0.0005)
     assert zero["probable_unloading_slip_mm"] == pytest.approx(1.034)
-    read = [u for u in unloadings(points) if u.specimen == "P8"][0]
+    read = next(u for u in unloadings(points) if u.specimen == "P8")
     assert 1e3 * read.permanent_slip == pytest.approx(0.713, abs=0.001)
 
 

@@ -58,7 +58,8 @@ class FiberCorotational:
     over the elastic modulus; `time_step` in s (None: 1/15 of the time of an axial wave along the
     column, and at first at most 1/200 of the expected time to the peak); `refinement`, how often
     all these elements and steps are halved (-1: doubled); `shear_flexible`: elastic shear strain
-    (False: Bernoulli's beam without any).
+    (False: Bernoulli's beam without any); `integrator`, implicit with energy-exact steps or
+    explicit central differences with lumped mass.
     """
 
     element: str = checked(Choice(ELEMENTS), "interpolated")
@@ -72,6 +73,7 @@ class FiberCorotational:
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
     refinement: int = checked(Number(-2, 6, integer=True), 1)
     shear_flexible: bool = checked(Flag(), True)
+    integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
 
     name: ClassVar[str] = "fiber-corotational"
     version: ClassVar[int] = 1
@@ -123,7 +125,9 @@ class FiberCorotational:
                 section,
                 *self.mesh(scenario),
                 balanced=self.element == "balanced",
+                lumped=self.integrator == "explicit",
             )
             if isinstance(scenario, ColumnPushover):
                 return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
-            return run_impact(scenario, beams, self.time_spans(scenario), self.weight)
+            weight = self.weight if self.integrator == "implicit" else None
+            return run_impact(scenario, beams, self.time_spans(scenario), weight)

@@ -31,13 +31,13 @@ FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensi
 class FactorFit:
     """Fitted factors of a formula.
 
-    `model` with the fitted factors; `values`, `profile` and `bootstrap` intervals (the latter
+    `model` with the fitted factors; `factors`, `profile` and `bootstrap` intervals (the latter
     empty with fewer than three campaigns) by factor; scatters `sigma`, `tau` of the log ratio with
     intervals; `at_bound`, factors that rest on a bound; `governed_by_steel`, share of the tests.
     """
 
     model: ShearModel
-    values: dict[str, float]
+    factors: dict[str, float]
     profile: dict[str, Interval]
     bootstrap: dict[str, Interval]
     sigma: float
@@ -52,7 +52,7 @@ class FactorFit:
         """Everything, ready for JSON."""
         return {
             "model": self.model.name,
-            "values": self.values,
+            "factors": self.factors,
             "profile": {name: each.to_dict() for name, each in self.profile.items()},
             "bootstrap": {name: each.to_dict() for name, each in self.bootstrap.items()},
             "sigma": {"value": self.sigma, **self.scatter["sigma"].to_dict()},
@@ -105,7 +105,7 @@ def fit_factors(
     fitted = chosen.scaled(steel=values.get("steel"), concrete=values.get("concrete"))
     return FactorFit(
         model=fitted,
-        values=values,
+        factors=values,
         profile={n: _exp(profile_interval(estimate, n, confidence)) for n in factors},
         bootstrap={n: _exp(each) for n, each in bootstrap.items()},
         sigma=estimate.sigma,

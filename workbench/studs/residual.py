@@ -91,7 +91,9 @@ class ResidualFit:
             return low, high
         if self.estimate.problem.campaigns < LEAST_CAMPAIGNS or self.estimate.at_bound.any():
             return None
-        held = _problem(np.zeros(len(d)), d, np.array(["new"] * len(d)), self.relation)
+        held = _problem(
+            np.zeros(len(d)), d, np.array(["new"] * len(d)), self.relation, fitted=False
+        )
         low, high = (
             predictive_quantile(self.estimate, held, 0.5 + sign * 0.5 * share)
             for sign in (-1.0, 1.0)
@@ -281,16 +283,22 @@ def _candidates(
     return [*result, mechanical.relation()] if comparable else result
 
 
-def _problem(y: Array, level: Array, campaigns: Any, relation: Relation) -> Problem:
+def _problem(
+    y: Array, level: Array, campaigns: Any, relation: Relation, *, fitted: bool = True
+) -> Problem:
     def predict(theta: Array) -> Array:
         return relation(level, theta)
 
-    if len(y) <= len(relation.parameters):
-        raise InputError("table", len(y), f"has too few tests after pre-damage for {relation.name}")
     return problem(
-        y, campaigns, predict, relation.parameters, relation.start,
-        lower=np.array(relation.lower), upper=np.array(relation.upper),
-    )  # fmt: skip
+        y,
+        campaigns,
+        predict,
+        relation.parameters,
+        relation.start,
+        lower=np.array(relation.lower),
+        upper=np.array(relation.upper),
+        fitted=fitted,
+    )
 
 
 def _grade(rows: pd.DataFrame) -> Grade:

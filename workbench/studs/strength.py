@@ -108,7 +108,8 @@ class StrengthFit:
         self.identity.refuse_overlap(chosen)
         kept, tests = _complete(chosen, self.model)
         log_ratio = np.log(tests.shear / self.predict(tests))
-        held = _problem(tests, self.model, tuple(self.parameters)[1:], self.reference)
+        trends = tuple(self.parameters)[1:]
+        held = _problem(tests, self.model, trends, self.reference, fitted=False)
         known = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
         return Validation(
             len(tests), float(np.exp(np.mean(log_ratio))), float(np.sqrt(np.mean(log_ratio**2))),
@@ -240,12 +241,22 @@ def _design(tests: Specimens, trends: tuple[str, ...], reference: Mapping[str, f
 
 
 def _problem(
-    tests: Specimens, model: ShearModel, trends: tuple[str, ...], reference: Mapping[str, float]
+    tests: Specimens,
+    model: ShearModel,
+    trends: tuple[str, ...],
+    reference: Mapping[str, float],
+    *,
+    fitted: bool = True,
 ) -> Problem:
     return problem(
-        np.log(tests.shear / model.of(tests)), tests.campaign, None, ("bias", *trends),
-        np.zeros(1 + len(trends)), design=_design(tests, trends, reference),
-    )  # fmt: skip
+        np.log(tests.shear / model.of(tests)),
+        tests.campaign,
+        None,
+        ("bias", *trends),
+        np.zeros(1 + len(trends)),
+        design=_design(tests, trends, reference),
+        fitted=fitted,
+    )
 
 
 def _parameter(

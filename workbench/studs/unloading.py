@@ -20,6 +20,8 @@ from workbench.studs.load_slip import LoadSlipLaw
 from workbench.studs.quantities import Array
 from workbench.studs.stiffness import law_stiffness
 
+_ABSCISSAE, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
 
 class CyclicState(NamedTuple):
     """What a stud remembers: the largest slip reached, and the slip at which it is free of load."""
@@ -34,8 +36,7 @@ class UnloadingLaw:
 
     Arguments: `envelope`, a law of first loading; `strength`, its largest load in N;
     `stiffness_ratio`, slope of unloading over the 10-40 % chord stiffness of the envelope. The
-    slope is never below the secant to the point of unloading, so that no slip is regained beyond
-    the origin.
+    slope is never so low that slip is regained beyond the origin, or more work than was done.
     """
 
     envelope: LoadSlipLaw
@@ -54,7 +55,10 @@ class UnloadingLaw:
     def permanent_slip(self, largest_slip: float) -> float:
         """Slip (m) that is left when the stud is unloaded from `largest_slip` (m)."""
         load = self._load(largest_slip)
-        return max(largest_slip - load / self.slope, 0.0) if largest_slip > 0.0 else 0.0
+        if largest_slip <= 0.0 or load <= 0.0:
+            return max(largest_slip, 0.0)
+        regained = min(load / self.slope, 2.0 * self._work(largest_slip) / load)
+        return max(largest_slip - regained, 0.0)
 
     def load(self, slip: float, state: CyclicState) -> tuple[float, CyclicState]:
         """Load (N) at a slip (m) and the new state, from the state before.
@@ -80,6 +84,13 @@ class UnloadingLaw:
         for i, slip in enumerate(np.asarray(path, float)):
             loads[i], state = self.load(float(slip), state)
         return loads
+
+    def _work(self, slip: float) -> float:
+        """Work (J) of first loading to a slip (m)."""
+        # points at slip t^2: the slope at zero may be infinite
+        t = 0.5 * (1.0 + _ABSCISSAE)
+        loads = self.strength * self.envelope.ratio(slip * t * t)
+        return float(np.sum(_WEIGHTS * loads * t) * slip)
 
     def _load(self, slip: float) -> float:
         return self.strength * float(self.envelope.ratio(slip))

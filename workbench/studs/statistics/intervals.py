@@ -30,6 +30,8 @@ from workbench.studs.statistics.mixed import (
 
 LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
+LARGEST_RATIO, RATIOS, RATIO_SHIFT = 300.0, 70, 0.05  # of r = tau / sigma and its spline
+DENSE = 1500  # points over which the smooth criterion is searched
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,60 +171,71 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     """
     from scipy.special import chdtri
 
-    given = estimate.problem
-    free = np.flatnonzero(~estimate.at_bound)
     rise = float(chdtri(1.0, 1.0 - confidence))
-    m = given.count - len(free)
-
-    def terms(ratio: float) -> tuple[float, float]:
-        value, variance, _ = criterion_at(given, ratio, estimate.theta, free)
-        return value - m - m * float(np.log(variance)), variance * m  # no sigma; sum of squares
-
-    def at(sigma2: float, ratio: float) -> float:
-        rest, size = terms(ratio)
-        return float(rest + m * np.log(sigma2) + size / sigma2)
-
-    def over_ratio(sigma2: float) -> float:
-        return _smallest(lambda ratio: at(sigma2, ratio), estimate.ratio)
-
-    def over_sigma(tau: float) -> float:
-        def of_sigma(log_sigma2: float) -> float:
-            return at(np.exp(log_sigma2), tau**2 / np.exp(log_sigma2))
-
-        from scipy.optimize import minimize_scalar
-
-        centre = 2.0 * np.log(estimate.sigma)
-        found = minimize_scalar(
-            of_sigma, bounds=(centre - 3.0, centre + 3.0), method="bounded",
-            options={"xatol": 1e-3},
-        )  # fmt: skip
-        return float(found.fun)
-
-    least = estimate.criterion
-    s = estimate.sigma
-    low = _crossing(lambda v: over_ratio(np.exp(2 * v)) - least - rise, np.log(s), -0.3, -np.inf)
-    high = _crossing(lambda v: over_ratio(np.exp(2 * v)) - least - rise, np.log(s), 0.3, np.inf)
+    likelihood = _ScatterLikelihood(estimate)
     method = "profile likelihood"
-    sigma = Interval(
-        None if low is None else float(np.exp(low)), None if high is None else float(np.exp(high)),
-        confidence, method,
-    )  # fmt: skip
-    if given.campaigns < 2:
+    s, least = estimate.sigma, likelihood.least
+    ends = [
+        _crossing(lambda v: likelihood.of_sigma(np.exp(v)) - least - rise, np.log(s), step, bound)
+        for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
+    ]
+    low, high = (None if end is None else float(np.exp(end)) for end in ends)
+    sigma = Interval(low, high, confidence, method)
+    if estimate.problem.campaigns < 2:
         return {"sigma": sigma, "tau": Interval(0.0, None, confidence, method)}
     step = max(estimate.tau, 0.2 * s)
-    lowest = _crossing(lambda v: over_sigma(v) - least - rise, estimate.tau, -step, 0.0)
-    highest = _crossing(lambda v: over_sigma(v) - least - rise, estimate.tau, step, np.inf)
+    lowest, highest = (
+        _crossing(lambda v: likelihood.of_tau(v) - least - rise, estimate.tau, sign * step, bound)
+        for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
+    )
     return {"sigma": sigma, "tau": Interval(lowest or 0.0, highest, confidence, method)}
 
 
-def _smallest(value: Callable[[float], float], near: float) -> float:
-    from scipy.optimize import minimize_scalar
+class _ScatterLikelihood:
+    """Restricted criterion of (sigma, tau), from its two parts as splines over r = tau / sigma.
 
-    found = minimize_scalar(
-        lambda t: value(float(np.expm1(t))), bounds=(0.0, np.log1p(20.0 * near + 5.0)),
-        method="bounded", options={"xatol": 1e-3},
-    )  # fmt: skip
-    return min(float(found.fun), value(0.0))
+    With the parameters at their best, it is a(r) + m ln(sigma^2) + size(r) / sigma^2.
+    """
+
+    def __init__(self, estimate: Estimate) -> None:
+        from scipy.interpolate import CubicSpline
+
+        given = estimate.problem
+        free = np.flatnonzero(~estimate.at_bound)
+        self._m = given.count - len(free)
+        r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])
+        if given.campaigns < 2:
+            r = r[:1]
+        parts = np.empty((len(r), 2))
+        theta = estimate.theta
+        for i, each in enumerate(r):
+            value, variance, solved = criterion_at(given, float(each) ** 2, theta, free)
+            theta = solved.theta
+            parts[i] = value - self._m - self._m * np.log(variance), np.log(variance * self._m)
+        self._x = np.log(r + RATIO_SHIFT)
+        self._parts: Callable[[Array], Array] = (
+            CubicSpline(self._x, parts) if len(r) > 1 else lambda x: np.tile(parts, (len(x), 1))
+        )
+        self._log_s2 = 2.0 * np.log(estimate.sigma)
+        self.least = self.of_sigma(estimate.sigma)
+        if given.campaigns > 1:
+            around = np.exp(np.linspace(-1.0, 1.0, 81)) * estimate.sigma
+            self.least = min(self.of_sigma(float(each)) for each in around)
+
+    def _at(self, log_s2: Array, x: Array) -> Array:
+        rest, log_size = self._parts(x).T
+        return np.asarray(rest + self._m * log_s2 + np.exp(log_size - log_s2))
+
+    def of_sigma(self, sigma: float) -> float:
+        """Smallest criterion over tau."""
+        x = np.linspace(self._x[0], self._x[-1], DENSE) if len(self._x) > 1 else self._x
+        return float(np.min(self._at(np.full(len(x), 2.0 * np.log(sigma)), x)))
+
+    def of_tau(self, tau: float) -> float:
+        """Smallest criterion over sigma."""
+        log_s2 = self._log_s2 + np.linspace(-4.0, 4.0, DENSE)
+        r = tau / np.exp(0.5 * log_s2)
+        return float(np.min(self._at(log_s2, np.log(np.minimum(r, LARGEST_RATIO) + RATIO_SHIFT))))
 
 
 def bootstrap_by_campaign(
@@ -231,15 +244,13 @@ def bootstrap_by_campaign(
     confidence: float = 0.9,
     resamples: int = 500,
     seed: int = 0,
-    refit: Callable[[Problem, Array], Array] | None = None,
 ) -> dict[str, Interval]:
     """Bootstrap intervals of all parameters, drawing whole campaigns.
 
     Percentiles of the resampled estimates, widened by sqrt(J / (J - 1)) t_(J-1) / z for J
     campaigns, as plain percentiles are too narrow for few of them (Hesterberg 2015, expanded
-    percentiles). Arguments: `resamples`, `seed`; `refit`, how to fit a resample from a start
-    (default: with the ratio of variances of the estimate). Raises `InputError` for fewer than
-    three campaigns.
+    percentiles). The ratio of variances stays that of the estimate. Arguments: `resamples`,
+    `seed`. Raises `InputError` for fewer than three campaigns.
     """
     from scipy.special import ndtri, stdtrit
 
@@ -250,13 +261,14 @@ def bootstrap_by_campaign(
             "campaigns", count, "must be three or more for a bootstrap by campaign",
             "specimens of one campaign are not independent: bring tests of other laboratories",
         )  # fmt: skip
-    members = [np.flatnonzero(given.groups == j) for j in range(count)]
-    generator = np.random.default_rng(seed)
-    draws = np.empty((resamples, len(given.names)))
-    solve = refit or _refit_at(estimate.ratio)
-    for i in range(resamples):
-        chosen = generator.integers(0, count, count)
-        draws[i] = solve(_drawn(given, [members[j] for j in chosen]), estimate.theta)
+    chosen = np.random.default_rng(seed).integers(0, count, (resamples, count))
+    if given.design is not None and given.is_free:
+        draws = _linear_draws(given, estimate.ratio, chosen)
+    else:
+        members = [np.flatnonzero(given.groups == j) for j in range(count)]
+        draws = np.array(
+            [_refit(_drawn(given, [members[j] for j in row]), estimate) for row in chosen]
+        )
     quantile = 0.5 + 0.5 * confidence
     widening = np.sqrt(count / (count - 1.0)) * stdtrit(count - 1.0, quantile) / ndtri(quantile)
     tails = np.nanquantile(draws, [1.0 - quantile, quantile], axis=0)
@@ -276,11 +288,24 @@ def _drawn(given: Problem, members: list[Indices]) -> Problem:
     return replace(cut, groups=groups, labels=tuple(str(j) for j in range(len(members))))
 
 
-def _refit_at(ratio: float) -> Callable[[Problem, Array], Array]:
-    def refit(drawn: Problem, start: Array) -> Array:
-        try:
-            return solve_theta(drawn, ratio, start, np.arange(len(drawn.names))).theta
-        except (InputError, SolverError):
-            return np.full(len(drawn.names), np.nan)  # a draw that does not tell: left out
+def _refit(drawn: Problem, estimate: Estimate) -> Array:
+    try:
+        return solve_theta(drawn, estimate.ratio, estimate.theta, np.arange(len(drawn.names))).theta
+    except (InputError, SolverError):
+        return np.full(len(drawn.names), np.nan)  # a draw that does not tell: left out
 
-    return refit
+
+def _linear_draws(given: Problem, ratio: float, chosen: Indices) -> Array:
+    """Parameters (resamples, p) of a linear problem, from the cross products of its campaigns."""
+    assert given.moments is not None
+    assert given.design is not None
+    _, sums, totals = given.moments
+    joined = np.column_stack([given.design, given.y])
+    products = given.weights[:, None, None] * joined[:, :, None] * joined[:, None, :]
+    matrices = np.zeros((given.campaigns, joined.shape[1], joined.shape[1]))
+    np.add.at(matrices, given.groups, products)
+    shrink = ratio / (1.0 + ratio * totals)
+    matrices -= shrink[:, None, None] * sums[:, :, None] * sums[:, None, :]
+    drawn = matrices[chosen].sum(axis=1)
+    inverse = np.linalg.pinv(drawn[:, :-1, :-1], hermitian=True)
+    return np.asarray(np.einsum("rij,rj->ri", inverse, drawn[:, :-1, -1]))

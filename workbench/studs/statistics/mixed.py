@@ -98,10 +98,12 @@ def problem(
     upper: ArrayLike | float = np.inf,
     weights: ArrayLike | None = None,
     design: ArrayLike | None = None,
+    fitted: bool = True,
 ) -> Problem:
     """Make a checked problem; see `Problem` for the arguments. `design` replaces `predict`.
 
-    Raises `InputError` when there are no more observations than parameters.
+    With `fitted` False the rows only describe tests to be predicted. Raises `InputError` when
+    there are no more observations than parameters to fit.
     """
     observed = np.atleast_1d(np.asarray(y, float))
     keys = np.asarray(campaigns).astype(str)
@@ -110,7 +112,7 @@ def problem(
     p = len(names)
     if len(keys) != len(observed) or not np.all(np.isfinite(observed)):
         raise InputError("observations", observed.shape, "must be finite, each with a campaign")
-    if len(observed) <= p:
+    if fitted and len(observed) <= p:
         raise InputError(
             "observations", len(observed), f"must be more than the {p} parameters",
             "hold parameters fixed, or bring more tests",
@@ -219,7 +221,7 @@ def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> So
 def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     assert given.moments is not None
     cross, sums, totals = given.moments
-    matrix = cross - np.einsum("j,ja,jb->ab", ratio / (1.0 + ratio * totals), sums, sums)
+    matrix = cross - (sums.T * (ratio / (1.0 + ratio * totals))) @ sums
     # held parameters move to the right side: r = y - X_held theta_held
     residual = -start.copy()
     residual[free] = 0.0
@@ -229,10 +231,26 @@ def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> 
     theta = start.copy()
     if len(free):
         _check_influence(given, np.diag(normal), free, start)
-        theta[free] = np.linalg.lstsq(normal, right, rcond=None)[0]
+        theta[free] = _solved(normal, right)
     combination[free] = -theta[free]
     size = float(combination @ matrix @ combination)
     return Solved(theta, max(size, 0.0), normal, np.zeros(len(free), bool))
+
+
+def _solved(normal: Array, right: Array) -> Array:
+    try:
+        return np.asarray(np.linalg.solve(normal, right))
+    except np.linalg.LinAlgError:  # parameters that cannot be told apart: refused by `fit`
+        return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0])
+
+
+def _log_determinant(normal: Array) -> float:
+    sign, value = np.linalg.slogdet(normal)
+    if sign > 0.0:
+        return float(value)
+    # singular to round-off: bounded, so that the search goes on until `fit` refuses it
+    values = np.linalg.eigvalsh(normal)
+    return float(np.sum(np.log(np.maximum(values, 1e-14 * max(values.max(), 1e-300)))))
 
 
 def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) -> None:
@@ -288,7 +306,8 @@ def criterion_at(
     solved = solve_theta(given, ratio, start, free)
     m = given.count - len(solved.normal)
     told = np.diag(solved.normal) > 0.0  # without influence: refused by `fit`, once it is final
-    information = float(np.linalg.slogdet(solved.normal[np.ix_(told, told)])[1]) if m else 0.0
+    normal = solved.normal if told.all() else solved.normal[np.ix_(told, told)]
+    information = _log_determinant(normal) if len(normal) else 0.0
     variance = max(solved.size / m, np.finfo(float).tiny)
     determinant = float(np.sum(np.log1p(ratio * given.totals)))
     return m * float(np.log(variance)) + information + determinant + m, variance, solved
@@ -325,7 +344,7 @@ def best_ratio(
         high = GRID[1]
     found = minimize_scalar(
         lambda t: at(float(np.expm1(t))), bounds=(np.log1p(low), np.log1p(high)),
-        method="bounded", options={"xatol": 1e-4},
+        method="bounded", options={"xatol": 1e-4 if hint is None else 5e-3},
     )  # fmt: skip
     ratio, value = float(np.expm1(found.x)), float(found.fun)
     if values[k] <= value:

@@ -1,0 +1,243 @@
+"""Regression with campaign effects: closed forms, coverage of its intervals, refusals."""
+
+from __future__ import annotations
+
+from math import erf, sqrt
+
+import numpy as np
+import pytest
+
+from workbench.errors import InputError
+from workbench.studs.statistics.choice import choose, score_relations
+from workbench.studs.statistics.intervals import (
+    Interval,
+    bootstrap_by_campaign,
+    freedom_of,
+    profile_interval,
+    scatter_intervals,
+)
+from workbench.studs.statistics.mixed import Estimate, Problem, fit, fit_robust, problem
+from workbench.studs.statistics.prediction import (
+    leave_one_campaign_out,
+    posterior_interval,
+    predictive_quantile,
+)
+
+CONFIDENCE = 0.9
+MARGIN = 0.03  # of the nominal coverage
+
+
+def mean_problem(y: np.ndarray, groups: np.ndarray) -> Problem:
+    return problem(y, groups, None, ("mean",), [0.0], design=np.ones((len(y), 1)))
+
+
+def line_problem(y: np.ndarray, x: np.ndarray, groups: np.ndarray) -> Problem:
+    design = np.column_stack([np.ones_like(x), x])
+    return problem(y, groups, None, ("mean", "slope"), [0.0, 0.0], design=design)
+
+
+def synthetic(
+    generator: np.random.Generator, campaigns: int, tests: int, tau: float, sigma: float
+) -> tuple[np.ndarray, np.ndarray]:
+    groups = np.repeat(np.arange(campaigns), tests)
+    effect = tau * generator.normal(size=campaigns)
+    return effect[groups] + sigma * generator.normal(size=len(groups)), groups
+
+
+def covers(interval: Interval, truth: float) -> bool:
+    low = -np.inf if interval.low is None else interval.low
+    high = np.inf if interval.high is None else interval.high
+    return low <= truth <= high
+
+
+def test_balanced_one_way_layout_has_the_closed_form() -> None:
+    y, groups = synthetic(np.random.default_rng(3), 6, 5, 0.3, 0.1)
+    estimate = fit(mean_problem(y, groups))
+    means = np.array([y[groups == j].mean() for j in range(6)])
+    within = sum(((y[groups == j] - means[j]) ** 2).sum() for j in range(6)) / 24
+    between = 5 * np.var(means, ddof=1)
+    assert estimate.theta[0] == pytest.approx(y.mean())
+    assert estimate.sigma**2 == pytest.approx(within, rel=1e-3)
+    assert estimate.tau**2 == pytest.approx((between - within) / 5, rel=1e-3)
+    assert estimate.covariance[0, 0] == pytest.approx(between / 30, rel=1e-3)
+    assert freedom_of(estimate, "mean") == pytest.approx(5.0, rel=0.02)
+    interval = profile_interval(estimate, "mean", 0.9)
+    half = 2.015048 * sqrt(between / 30)  # t_5(0.95)
+    assert (interval.low, interval.high) == pytest.approx(
+        (y.mean() - half, y.mean() + half), rel=0.02
+    )
+
+
+def test_one_campaign_is_ordinary_least_squares() -> None:
+    generator = np.random.default_rng(5)
+    x = generator.normal(size=20)
+    y = 1.0 + 2.0 * x + 0.3 * generator.normal(size=20)
+    estimate = fit(line_problem(y, x, np.zeros(20)))
+    slope, intercept = np.polyfit(x, y, 1)
+    assert estimate.theta == pytest.approx([intercept, slope])
+    assert estimate.tau == 0.0
+    residual = y - intercept - slope * x
+    assert estimate.sigma == pytest.approx(sqrt((residual**2).sum() / 18))
+    interval = profile_interval(estimate, "slope", 0.9)
+    half = 1.734064 * estimate.sigma / sqrt(((x - x.mean()) ** 2).sum())  # t_18(0.95)
+    assert interval.high - interval.low == pytest.approx(2 * half, rel=1e-3)
+    assert scatter_intervals(estimate)["tau"].high is None
+
+
+def test_nonlinear_and_linear_solvers_agree() -> None:
+    generator = np.random.default_rng(8)
+    y, groups = synthetic(generator, 5, 6, 0.2, 0.1)
+    x = generator.normal(size=30)
+    y = y + 0.4 * x
+    linear = fit(line_problem(y, x, groups))
+    general = fit(
+        problem(y, groups, lambda p: p[0] + p[1] * x, ("mean", "slope"), [1.0, -1.0],
+                lower=-5.0, upper=5.0)
+    )  # fmt: skip
+    assert general.theta == pytest.approx(linear.theta, abs=1e-5)
+    assert (general.sigma, general.tau) == pytest.approx((linear.sigma, linear.tau), rel=1e-3)
+    own, other = (profile_interval(e, "slope", 0.9) for e in (general, linear))
+    assert (own.low, own.high) == pytest.approx((other.low, other.high), abs=1e-3)
+
+
+def test_weights_act_like_repeated_rows() -> None:
+    y = np.array([1.0, 2.0, 4.0])
+    single = problem(y, [0, 0, 0], None, ("mean",), [0.0], design=np.ones((3, 1)),
+                     weights=[2.0, 1.0, 1.0])  # fmt: skip
+    assert fit(single).theta[0] == pytest.approx((2 * 1.0 + 2.0 + 4.0) / 4.0)
+
+
+def test_bounds_are_kept_and_told() -> None:
+    y = -0.3 + 0.01 * np.arange(6.0)
+    estimate = fit(
+        problem(y, [0] * 6, lambda p: p[0] * np.ones(6), ("mean",), [0.5], lower=0.0, upper=1.0)
+    )
+    assert estimate.theta[0] == 0.0
+    assert estimate.at_bound.tolist() == [True]
+    assert profile_interval(estimate, "mean") == Interval(None, None, 0.9, "profile likelihood")
+
+
+def test_parameters_that_cannot_be_told_are_refused() -> None:
+    y, groups = synthetic(np.random.default_rng(1), 3, 4, 0.1, 0.1)
+    twin = np.ones((12, 2))
+    with pytest.raises(InputError, match="cannot be told apart"):
+        fit(problem(y, groups, None, ("a", "b"), [0.0, 0.0], design=twin))
+    with pytest.raises(InputError, match="has no influence"):
+        fit(problem(y, groups, None, ("a",), [0.0], design=np.zeros((12, 1))))
+    with pytest.raises(InputError, match="more than the 2 parameters"):
+        problem(y[:2], groups[:2], None, ("a", "b"), [0.0, 0.0], design=twin[:2])
+    with pytest.raises(InputError, match="must be one of mean"):
+        profile_interval(fit(mean_problem(y, groups)), "slope")
+
+
+def test_nominal_coverage_of_profile_and_bootstrap_intervals() -> None:
+    """Campaigns with known parameters and effects: 90 % intervals cover in 90 % +- 3 %."""
+    generator = np.random.default_rng(11)
+    truth = {"mean": 0.1, "slope": 0.3, "sigma": 0.08, "tau": 0.1}
+    runs, draws = 600, 300
+    hits = dict.fromkeys(truth, 0)
+    drawn = dict.fromkeys(("mean", "slope"), 0)
+    for run in range(runs):
+        y, groups = synthetic(generator, 10, 6, truth["tau"], truth["sigma"])
+        x = generator.normal(size=len(y))
+        estimate = fit(line_problem(y + truth["mean"] + truth["slope"] * x, x, groups))
+        intervals = {name: profile_interval(estimate, name, CONFIDENCE) for name in drawn}
+        intervals |= scatter_intervals(estimate, CONFIDENCE)
+        for name, interval in intervals.items():
+            hits[name] += covers(interval, truth[name])
+        boot = bootstrap_by_campaign(estimate, resamples=draws, seed=run)
+        for name in drawn:
+            drawn[name] += covers(boot[name], truth[name])
+    for name, count in (*hits.items(), *((f"{n} by bootstrap", c) for n, c in drawn.items())):
+        assert abs(count / runs - CONFIDENCE) <= MARGIN, (name, count / runs)
+
+
+def test_nominal_coverage_of_a_nonlinear_parameter() -> None:
+    generator = np.random.default_rng(12)
+    runs, truth, hits = 300, 0.7, 0
+    for _ in range(runs):
+        y, groups = synthetic(generator, 6, 6, 0.04, 0.04)
+        x = generator.uniform(0.0, 1.0, len(y))
+        y = y + np.exp(-truth * x)
+        estimate = fit(
+            problem(y, groups, lambda p, x=x: np.exp(-p[0] * x), ("rate",), [0.4], lower=0.0,
+                    upper=20.0)
+        )  # fmt: skip
+        hits += covers(profile_interval(estimate, "rate", CONFIDENCE), truth)
+    assert abs(hits / runs - CONFIDENCE) <= MARGIN + 0.005  # 300 runs: one standard error is 0.017
+
+
+def test_a_prediction_for_a_new_campaign_is_on_the_safe_side() -> None:
+    """The 5 % quantile is exceeded downwards by at most 5 % of new tests of new campaigns."""
+    for campaigns, tau, least in ((4, 0.1, 0.005), (10, 0.1, 0.03), (10, 0.0, 0.025)):
+        generator = np.random.default_rng(13)
+        below = []
+        for _ in range(80):
+            y, groups = synthetic(generator, campaigns, 6, tau, 0.08)
+            estimate = fit(mean_problem(y, groups))
+            q = float(predictive_quantile(estimate, estimate.problem, 0.05)[0])
+            below.append(0.5 * (1.0 + erf(q / sqrt(tau**2 + 0.08**2) / sqrt(2.0))))
+        assert least < np.mean(below) < 0.055, (campaigns, tau)
+
+
+def test_posterior_and_profile_tell_the_same_story() -> None:
+    y, groups = synthetic(np.random.default_rng(4), 12, 6, 0.1, 0.1)
+    estimate = fit(mean_problem(y, groups))
+    own, other = posterior_interval(estimate, "mean"), profile_interval(estimate, "mean")
+    assert own.low == pytest.approx(other.low, abs=0.015)
+    assert own.high == pytest.approx(other.high, abs=0.015)
+    assert own.high - own.low > other.high - other.low  # it does not know tau
+
+
+def test_few_campaigns_are_refused_where_they_do_not_suffice() -> None:
+    y, groups = synthetic(np.random.default_rng(4), 2, 6, 0.1, 0.1)
+    estimate = fit(mean_problem(y, groups))
+    with pytest.raises(InputError, match="three or more for a bootstrap"):
+        bootstrap_by_campaign(estimate)
+    with pytest.raises(InputError, match="3 or more to say anything of a new campaign"):
+        predictive_quantile(estimate, estimate.problem, 0.05)
+    assert [each.covered for each in leave_one_campaign_out(estimate.problem)] == [None, None]
+    with pytest.raises(InputError, match="two or more to leave one out"):
+        leave_one_campaign_out(mean_problem(y[groups == 0], groups[groups == 0]))
+
+
+def test_leaving_a_campaign_out_finds_the_odd_one() -> None:
+    y, groups = synthetic(np.random.default_rng(6), 6, 5, 0.02, 0.05)
+    y[groups == 2] += 1.0
+    left = {each.campaign: each for each in leave_one_campaign_out(mean_problem(y, groups))}
+    assert left["2"].bias == pytest.approx(1.0, abs=0.1)
+    assert left["2"].covered == 0.0
+    assert max(abs(each.bias) for name, each in left.items() if name != "2") < 0.35
+
+
+def test_robust_losses_are_not_led_by_outliers() -> None:
+    y, groups = synthetic(np.random.default_rng(9), 5, 8, 0.05, 0.05)
+    bad = y.copy()
+    bad[[3, 17]] += 3.0
+    clean: Estimate = fit(mean_problem(y, groups))
+    plain = fit_robust(mean_problem(bad, groups), "linear")
+    assert plain.theta[0] - clean.theta[0] == pytest.approx(6.0 / 40, abs=0.01)
+    for loss in ("huber", "bisquare"):
+        robust = fit_robust(mean_problem(bad, groups), loss)
+        assert abs(robust.theta[0] - clean.theta[0]) < 0.02
+        assert robust.sigma < 0.3 * plain.sigma
+    with pytest.raises(InputError, match="must be one of linear, huber, bisquare"):
+        fit_robust(mean_problem(y, groups), "cauchy")
+
+
+def test_cross_validation_prefers_the_truth_and_then_the_simple() -> None:
+    generator = np.random.default_rng(10)
+    y, groups = synthetic(generator, 6, 8, 0.05, 0.05)
+    x = generator.uniform(0.0, 1.0, len(y))
+
+    def candidates(values: np.ndarray) -> dict[str, Problem]:
+        square = np.column_stack([np.ones_like(x), x, x**2])
+        return {
+            "constant": mean_problem(values, groups),
+            "line": line_problem(values, x, groups),
+            "parabola": problem(values, groups, None, ("a", "b", "c"), [0.0] * 3, design=square),
+        }
+
+    assert choose(score_relations(candidates(y))).name == "constant"
+    assert choose(score_relations(candidates(y + 0.8 * x))).name == "line"
+    assert choose(score_relations(candidates(y + 3.0 * x**2))).name == "parabola"

@@ -1,0 +1,152 @@
+"""Residual capacity: what may be claimed with which rows, and the choice of a relation."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from workbench.errors import InputError
+from workbench.evidence import load
+from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, fit_residual
+from workbench.studs.reading import from_frame
+from workbench.studs.residual import damaged_rows
+
+Maker = Callable[..., pd.DataFrame]
+
+
+@pytest.fixture
+def predicted() -> MechanicalCurve:
+    level = np.array([0.0, 0.5, 1.0])
+    return MechanicalCurve(
+        level, np.array([1.0, 0.8, 0.4]), np.array([1.0, 0.6, 0.1]), np.array([1.0, 0.9, 0.7]),
+        "pull-out", "displacement ratio", "strength", "made for a test",
+    )  # fmt: skip
+
+
+def test_without_tests_only_the_mechanical_prediction_is_left(
+    push_outs: pd.DataFrame, predicted: MechanicalCurve
+) -> None:
+    fit = fit_residual(push_outs, mechanical=predicted)
+    assert fit.grade is Grade.MECHANICAL
+    assert str(fit.grade) == "mechanical prediction, not validated by tests after pre-damage"
+    assert fit.left([0.25, 0.75]).tolist() == pytest.approx([0.9, 0.6])
+    low, high = fit.band([0.5])
+    assert (low[0], high[0]) == (0.6, 0.9)
+    assert "holds no test after pre-damage" in fit.warnings[0]
+    assert json.loads(json.dumps(fit.to_dict(), allow_nan=False))["grade"] == str(fit.grade)
+    with pytest.raises(InputError, match="holds no test after pre-damage"):
+        fit_residual(push_outs)
+    with pytest.raises(InputError, match="must predict the stiffness"):
+        fit_residual(push_outs, "stiffness", mechanical=predicted)
+
+
+def test_a_table_with_such_rows_flips_the_path_and_says_so(
+    push_outs: pd.DataFrame, predicted: MechanicalCurve, damaged: Maker
+) -> None:
+    synthetic = damaged(kind="pull-out", measure="displacement ratio")
+    both = pd.concat([push_outs, synthetic], ignore_index=True)
+    fit = fit_residual(both, mechanical=predicted, resamples=50)
+    assert fit.grade is Grade.SYNTHETIC
+    assert "40 of 40 rows are synthetic" in fit.warnings
+    assert {score.name for score in fit.scores} == {*RELATIONS, "mechanical"}
+    assert fit.scores[0].by == "campaign"
+    measured = fit_residual(
+        damaged(kind="pull-out", measure="displacement ratio", origin="measured"), resamples=50
+    )
+    assert measured.grade is Grade.CROSS_VALIDATED
+    assert fit_residual(damaged(1, origin="measured")).grade is Grade.ONE_CAMPAIGN
+
+
+@pytest.mark.parametrize(("c", "p"), [(0.5, 2.5), (0.45, 0.4)])
+def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p: float) -> None:
+    fit = fit_residual(damaged(8, 8, c, p, 0.03, 0.02), resamples=100)
+    assert fit.relation.name == "power"
+    assert fit.profile["c"].low < c < fit.profile["c"].high
+    assert fit.profile["p"].low < p < fit.profile["p"].high
+    assert fit.bootstrap["c"].low < c < fit.bootstrap["c"].high
+    low, high = fit.band([0.2, 0.8])
+    assert np.all((low < fit.left([0.2, 0.8])) & (fit.left([0.2, 0.8]) < high))
+
+
+def test_a_damage_without_effect_is_called_so(damaged: Maker) -> None:
+    fit = fit_residual(damaged(6, 8, 0.0, kind="corrosion", measure="section loss"))
+    assert fit.relation.name == "none"
+    assert fit.left([0.9]).tolist() == [1.0]
+    assert fit.parameters == {}
+
+
+def test_fatigue_without_loss_contradicts_published_findings(damaged: Maker) -> None:
+    fit = fit_residual(damaged(6, 8, 0.0))
+    assert any("contradicts Hanswille" in text for text in fit.warnings)
+    findings = load("stud-findings")
+    row = findings[findings["reference"].str.contains("Hanswille")].iloc[0]
+    assert (row["value_low"], row["value_high"]) == (0.10, 0.15)
+    assert not any("contradicts" in text for text in fit_residual(damaged()).warnings)
+
+
+def test_kinds_of_damage_are_not_mixed(damaged: Maker) -> None:
+    both = pd.concat(
+        [damaged(), damaged(kind="pull-out", measure="load ratio", seed=5).assign(campaign="x")],
+        ignore_index=True,
+    ).assign(specimen=[f"s{i}" for i in range(80)])
+    with pytest.raises(InputError, match="different kinds of damage"):
+        fit_residual(both)
+    chosen = fit_residual(both, predamage="fatigue", resamples=20)
+    assert (chosen.predamage, len(chosen.rows)) == ("fatigue", 40)
+    with pytest.raises(InputError, match="must be one of strength, stiffness"):
+        fit_residual(both, "colour")
+
+
+def test_one_or_two_campaigns_do_not_give_a_band(damaged: Maker) -> None:
+    one = fit_residual(damaged(1, 12))
+    assert one.band([0.5]) is None
+    assert one.scores[0].by == "specimen"
+    assert any("leaving out specimens" in text for text in one.warnings)
+    two = fit_residual(damaged(2, 12))
+    assert two.band([0.5]) is None
+    assert any("no band for a new campaign" in text for text in two.warnings)
+
+
+def test_validation_refuses_seen_rows(damaged: Maker) -> None:
+    table = damaged(6, origin="measured")
+    seen, unseen = table[table["campaign"] != "lab 5"], table[table["campaign"] == "lab 5"]
+    fit = fit_residual(seen, resamples=20)
+    with pytest.raises(InputError, match="was used for the fit"):
+        fit.validate(table)
+    found = fit.validate(unseen)
+    assert found.count == 8
+    assert found.rms < 0.15
+
+
+def test_the_reference_may_come_from_companions() -> None:
+    rows = [
+        {"campaign": "a", "specimen": "u1", "test": "push-out", "diameter_mm": 19, "shear_kN": 100},
+        {"campaign": "a", "specimen": "u2", "test": "push-out", "diameter_mm": 19, "shear_kN": 110},
+        {"campaign": "a", "specimen": "d1", "test": "push-out", "diameter_mm": 19, "shear_kN": 84,
+         "predamage": "pull-out", "predamage_measure": "load ratio", "predamage_level": 0.6},
+        {"campaign": "b", "specimen": "d1", "test": "push-out", "diameter_mm": 19, "shear_kN": 84,
+         "predamage": "pull-out", "predamage_measure": "load ratio", "predamage_level": 0.6},
+    ]  # fmt: skip
+    found = damaged_rows(from_frame(pd.DataFrame(rows), TESTS), "strength")
+    assert found["campaign"].tolist() == ["a"]  # campaign b has nothing to compare with
+    assert found["ratio"].tolist() == [pytest.approx(0.8)]
+
+
+def test_relations_start_whole_and_refuse_other_levels() -> None:
+    for relation in RELATIONS.values():
+        theta = relation.start
+        assert relation(0.0, theta) == pytest.approx(1.0)
+        values = relation(np.linspace(0.0, 1.0, 20), theta)
+        assert np.all(np.diff(values) <= 0.0)
+        with pytest.raises(InputError, match="from 0 to 1"):
+            relation(1.2, theta)
+
+
+def test_a_mechanical_curve_must_be_a_curve() -> None:
+    with pytest.raises(InputError, match="rising levels"):
+        MechanicalCurve(np.array([0.0, 0.0]), np.ones(2), np.ones(2), np.ones(2), "pull-out",
+                        "load ratio", "strength", "")  # fmt: skip
