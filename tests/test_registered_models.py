@@ -19,6 +19,9 @@ THEORY = {
     "single-dof": "single-dof.md",
     "energy-estimate": "single-dof.md",
     "fiber-corotational": "fiber-corotational.md",
+    "fiber-reissner": "fiber-reissner.md",
+    "fiber-shear": "fiber-shear.md",
+    "solid-plane-stress": "solid-plane-stress.md",
     "published": "published.md",
 }
 

@@ -201,7 +201,7 @@ def fit_strength(
         sigma_interval=scatter["sigma"],
         tau_interval=scatter["tau"],
         left_out=tuple(_left_out(given)),
-        d8=_d8(tests, chosen, reference, dict(variations or VARIATIONS)),
+        d8=_d8(tests, chosen, reference, dict(VARIATIONS if variations is None else variations)),
         reference=reference,
         new_campaign_factor=_new_campaign(estimate),
         rows=_rows(kept, tests, prediction),
