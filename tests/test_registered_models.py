@@ -25,6 +25,9 @@ THEORY = {
     "published": "published.md",
 }
 
+# external work by trapezoids over few, large load steps: second order in the step
+LEDGER = {"solid-plane-stress": 2e-5}
+
 
 @pytest.mark.parametrize("name", model_names())
 def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
@@ -36,7 +39,8 @@ def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
     if name != "published":
         pinned = replace(thesis_impact.column, base="pinned", axial_load=0.0)
         scenarios.append(replace(thesis_impact.at_velocity(5.0), column=pinned))
-    check_model(model, [s for s in scenarios if s.KIND in model.answers])
+    answered = [s for s in scenarios if s.KIND in model.answers]
+    check_model(model, answered, LEDGER.get(name, 1e-6))
 
 
 @pytest.mark.parametrize("name", model_names())

@@ -1,121 +1,14 @@
-"""Numerical uncertainty of a refined reference, and comparison errors with their intervals."""
+"""Comparison errors with their intervals; the refinement ladder, from the floor of responses."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot, inf, isfinite, log
+from math import hypot
 
 from workbench.errors import InputError
+from workbench.responses.convergence import Ladder, ladder
 
-SAFE, CAUTIOUS = 1.25, 3.0  # safety factors of the grid convergence index (Roache 1994)
-ACCEPTED = (0.7, 1.3)  # observed over expected order that still counts as asymptotic
-CLIPPED = (0.8, 1.2)  # observed over expected order used for extrapolation
-LEAST = 0.5  # share of the expected order that a cautious estimate still relies on
-
-
-@dataclass(frozen=True, slots=True)
-class Ladder:
-    """What a sequence of refinements says about the value at its finest level.
-
-    `finest`, the value there; `order`, observed from the three finest levels (None: it does not
-    exist); `extrapolated`, the Richardson value; `uncertainty`, half-width of the interval around
-    `finest` in its unit (absolute grid convergence index); `relative`, that over the magnitude of
-    `finest` (None if that is zero); `factor`, the safety factor used; `converging`, whether the
-    differences shrink without changing sign; `accepted`, whether the order is near the expected
-    one; `note`, one sentence for the reader.
-    """
-
-    finest: float
-    order: float | None
-    extrapolated: float
-    uncertainty: float
-    relative: float | None
-    factor: float
-    converging: bool
-    accepted: bool
-    note: str
-
-
-def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 1.0) -> Ladder:
-    """Observed order, Richardson extrapolation and grid convergence index (Celik et al. 2008).
-
-    Arguments: `values` from coarse to fine, each level `ratio` times finer than the one before;
-    `expected_order` of the method. With three levels or more the three finest count. Within
-    0.7 to 1.3 of the expected order the safety factor is 1.25 and the order, clipped to 0.8 to
-    1.2, extrapolates; outside, or with two levels, the factor is 3 (Roache 1994), with the order at
-    least half the expected one (Oberkampf and Roy 2010, section 8.6). Sequences that oscillate or
-    diverge get three times their spread. Raises `InputError` for fewer than two finite values or
-    a ratio not above 1.
-    """
-    levels = [float(value) for value in values]
-    if len(levels) < 2 or not all(isfinite(value) for value in levels):
-        raise InputError("ladder", tuple(levels), "must hold two finite values or more")
-    if not (ratio > 1.0 and expected_order > 0.0):
-        raise InputError("ladder", (ratio, expected_order), "ratio above 1, order above 0")
-    if len(levels) == 2:
-        return _two(levels, ratio, expected_order)
-    coarse, medium, fine = levels[-3:]
-    first, second = coarse - medium, medium - fine
-    rounding = 1e-14 * max(abs(value) for value in levels[-3:])
-    if abs(second) <= rounding and abs(first) <= rounding:
-        note = "the three finest levels agree to rounding"
-        return _made(fine, None, fine, 0.0, SAFE, True, True, note)
-    spread = max(levels[-3:]) - min(levels[-3:])
-    if first * second < 0.0:
-        note = "the three finest levels oscillate: three times their spread"
-        return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
-    if abs(second) >= abs(first):
-        note = "the three finest levels do not converge: three times their spread"
-        return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
-    order = log(abs(first / second)) / log(ratio) if second != 0.0 else inf
-    share = order / expected_order
-    accepted = ACCEPTED[0] <= share <= ACCEPTED[1]
-    low = CLIPPED[0] if accepted else LEAST
-    used = min(max(share, low), CLIPPED[1]) * expected_order
-    correction = (fine - medium) / (ratio**used - 1.0)
-    factor = SAFE if accepted else CAUTIOUS
-    shown = order if isfinite(order) else None
-    if accepted:
-        note = f"observed order {order:.2f}, expected {expected_order:g}"
-    elif shown is None:
-        note = "the two finest levels agree exactly, the coarser one does not: safety factor 3"
-    else:
-        note = (
-            f"observed order {order:.2f} is far from the expected {expected_order:g}: "
-            "safety factor 3"
-        )
-    uncertainty = factor * abs(correction)
-    if not accepted:
-        # two levels may agree by chance: at least what the coarser pair and the expected order say
-        gain = ratio**expected_order
-        uncertainty = max(uncertainty, abs(first) / gain / (gain - 1.0))
-    return _made(fine, shown, fine + correction, uncertainty, factor, True, accepted, note)
-
-
-def _two(levels: list[float], ratio: float, expected_order: float) -> Ladder:
-    medium, fine = levels
-    correction = (fine - medium) / (ratio**expected_order - 1.0)
-    note = "two levels only: the expected order is assumed, safety factor 3"
-    return _made(
-        fine, None, fine + correction, CAUTIOUS * abs(correction), CAUTIOUS, True, False, note
-    )
-
-
-def _made(
-    fine: float,
-    order: float | None,
-    extrapolated: float,
-    uncertainty: float,
-    factor: float,
-    converging: bool,
-    accepted: bool,
-    note: str,
-) -> Ladder:
-    relative = uncertainty / abs(fine) if fine != 0.0 else None
-    return Ladder(
-        fine, order, extrapolated, uncertainty, relative, factor, converging, accepted, note
-    )
+__all__ = ["ErrorInterval", "Ladder", "expand", "ladder"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,11 @@ def failing_uplift(pulled: PullCurve, measure: str) -> float:
         raise InputError("measure", measure, "must be displacement ratio or load ratio")
     peak = int(np.argmax(pulled.load))
     fallen = np.flatnonzero(pulled.load[peak:] <= LOST * pulled.strength)
-    return float(pulled.uplift[peak + fallen[0]] if len(fallen) else pulled.uplift[-1])
+    if len(fallen) == 0:
+        return float(pulled.uplift[-1])
+    i = peak + int(fallen[0])
+    ends = slice(i, i - 2, -1)  # falling load: rising order for the interpolation
+    return float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
 
 
 def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
