@@ -21,13 +21,14 @@ MODELS = {
     "SDOF cubic": (SingleDof(), 50),
     "SDOF analytic": (SingleDof(resistance="analytic"), 50),
     "4-DOF": (FourDof(), 20),
-    "4-DOF, explicit": (FourDof(integrator="moreau"), 20),
-    "fiber, coarse": (FiberCorotational(refinement=-1), 3),
-    "fiber, medium": (FiberCorotational(refinement=0), 3),
+    "4-DOF explicit": (FourDof(integrator="moreau"), 20),
+    "fiber coarse": (FiberCorotational(refinement=-1), 3),
+    "fiber medium": (FiberCorotational(refinement=0), 3),
 }
 
 
 def main() -> None:
+    """Measure all models in turn and print medians and ratios."""
     impact = load_scenario(data_directory() / "published" / "heng2017_impact_column.toml")
     for model, _ in MODELS.values():
         model.simulate(impact)  # compile

@@ -22,10 +22,10 @@ SECTIONS = {"IPE 300": find("IPE 300"), "HEB 220": find("HEB 220"), "square 150"
 POSITIONS = (0.15, 0.3, 0.5)  # hit point over length
 LOADS = (0.0, 0.15, 0.3)  # axial load over squash load
 VELOCITIES = (5.0, 10.0, 20.0)  # m/s
-REFERENCE = "fiber, fine"
+REFERENCE = "fiber fine"
 
 models = {
-    "fiber, coarse": FiberCorotational(refinement=0),
+    "fiber coarse": FiberCorotational(refinement=0),
     REFERENCE: FiberCorotational(refinement=1),
     "4-DOF": FourDof(),
     "SDOF analytic": SingleDof(resistance="analytic"),
@@ -113,7 +113,7 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
-    ladder=("fiber, coarse", REFERENCE),
+    ladder=("fiber coarse", REFERENCE),
     gates=gates,
     figures=figures,
 )

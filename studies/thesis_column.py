@@ -14,6 +14,7 @@ from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
 from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import ColumnPushover, load_scenario
 from workbench.study import Case, Figure, Study
 
@@ -24,15 +25,16 @@ clamped = load_scenario(published / "heng2017_clamped_column.toml")
 OWN_BOUND = "bound set by this study, not by a standard"
 FIGURE_5_9 = "heng2017-figure-5-9"
 FIGURE_5_4 = "heng2017-figure-5-4"
-REFERENCE = "fiber, fine"
-LADDER = ("fiber, coarse", "fiber, medium", REFERENCE)
+REFERENCE = "fiber fine"
+LADDER = ("fiber coarse", "fiber medium", REFERENCE)
 
 models = {
-    "fiber, coarse": FiberCorotational(refinement=-1),
-    "fiber, medium": FiberCorotational(refinement=0),
-    "fiber, fine": FiberCorotational(refinement=1),
+    "fiber coarse": FiberCorotational(refinement=-1),
+    "fiber medium": FiberCorotational(refinement=0),
+    "fiber fine": FiberCorotational(refinement=1),
+    "Reissner beam": FiberReissner(),
     "4-DOF": FourDof(),
-    "4-DOF, linear yield": FourDof(alpha=1.0, beta=1.0),
+    "4-DOF linear yield": FourDof(alpha=1.0, beta=1.0),
     "SDOF analytic": SingleDof(resistance="analytic"),
     "SDOF cubic": SingleDof(resistance="cubic"),
     "SDOF linear N": SingleDof(resistance="linear"),
@@ -40,12 +42,13 @@ models = {
     "Heng 2017: 4-DOF": Published(FIGURE_5_9, "4-DOF nonlinear yield surface"),
     "Heng 2017: SDOF": Published(FIGURE_5_9, "SDOF"),
     "Heng 2017: energy": Published(FIGURE_5_9, "energy-equivalent displacement"),
-    "Heng 2017: 4-DOF, fig. 5.4": Published(FIGURE_5_4, "current model (4-DOF)"),
-    "Heng 2017: TL beam": Published(FIGURE_5_4, "TL beam model"),
+    "Heng 2017: 4-DOF (fig. 5.4)": Published(FIGURE_5_4, "current model (4-DOF)"),
+    "Heng 2017: TL beam (fig. 5.4)": Published(FIGURE_5_4, "TL beam model"),
 }
 COMPUTED = tuple(label for label in models if not label.startswith("Heng"))
 ON_5_9 = ("Heng 2017: 4-DOF", "Heng 2017: SDOF", "Heng 2017: energy")
-ON_5_4 = ("Heng 2017: 4-DOF, fig. 5.4", "Heng 2017: TL beam")
+ON_5_4 = ("Heng 2017: 4-DOF (fig. 5.4)", "Heng 2017: TL beam (fig. 5.4)")
+CLAMPED = "clamped, 25 m/s"
 IMPACTS = ("10 m/s", "15 m/s", "20 m/s")
 
 cases = (
@@ -54,22 +57,25 @@ cases = (
         for name, velocity in zip(IMPACTS, (10.0, 15.0, 20.0), strict=True)
     ),
     Case("push to 0.7 m", ColumnPushover("Figure 5.8", eccentric.column, 0.7), models=COMPUTED),
-    Case("clamped, 25 m/s", clamped, models=COMPUTED + ON_5_4),
+    Case(CLAMPED, clamped, models=COMPUTED + ON_5_4),
 )
 
 
-def reproduction(model: str, against: str) -> Gate:
+def reproduction(
+    model: str, against: str, bound: float = 0.005, cases: tuple[str, ...] = IMPACTS
+) -> Gate:
     """A model is to give the numbers that were published for it."""
     return Gate(
         model,
         against,
         "peak_displacement",
         "relative_error",
-        0.005,
-        "A reproduction must agree within what the summary leaves open (exponents, head mass, "
-        "definition of the simplification); 0.5 % covers their combined effect.",
+        bound,
+        "A reproduction must agree within what the summary leaves open: exponents, head mass and "
+        "definition of the simplification (0.5 %); in figure 5.4 also the striker mass and the "
+        "reading of the curve (5 %).",
         OWN_BOUND,
-        IMPACTS,
+        cases,
     )
 
 
@@ -84,7 +90,7 @@ def fitness(model: str, bound: float) -> Gate:
         "Wanted for design: the peak displacement within this bound of distributed plasticity, "
         "numerical uncertainty of the reference included.",
         OWN_BOUND,
-        (*IMPACTS, "clamped, 25 m/s"),
+        (*IMPACTS, CLAMPED),
     )
 
 
@@ -92,6 +98,9 @@ gates = (
     reproduction("4-DOF", "Heng 2017: 4-DOF"),
     reproduction("SDOF cubic", "Heng 2017: SDOF"),
     reproduction("energy estimate", "Heng 2017: energy"),
+    reproduction("4-DOF", "Heng 2017: 4-DOF (fig. 5.4)", 0.05, (CLAMPED,)),
+    reproduction("fiber fine", "Heng 2017: TL beam (fig. 5.4)", 0.05, (CLAMPED,)),
+    fitness("Reissner beam", 0.05),
     fitness("4-DOF", 0.05),
     fitness("SDOF cubic", 0.10),
     fitness("SDOF analytic", 0.10),
@@ -115,11 +124,11 @@ gates = (
         0.10,
         "Magnitude and phase of the whole history, not only of its peak.",
         OWN_BOUND,
-        (*IMPACTS, "clamped, 25 m/s"),
+        (*IMPACTS, CLAMPED),
     ),
 )
 
-MAIN = (REFERENCE, "4-DOF", "4-DOF, linear yield", "SDOF cubic", "SDOF analytic")
+MAIN = (REFERENCE, "4-DOF", "4-DOF linear yield", "SDOF cubic", "SDOF analytic")
 
 figures = (
     Figure(
@@ -141,8 +150,9 @@ figures = (
         "figure-5-9b",
         "peaks",
         "Peak displacements against published numbers (thesis figure 5.9b)",
-        "Published peaks with their reading uncertainty, models, and the reference with its "
-        "numerical uncertainty.",
+        "Above: peaks. Below: deviations from the reference; bars combine the uncertainties of "
+        "both sides (reading error of published numbers, ladder of the reference), the band is "
+        "that of the reference alone.",
         (REFERENCE, "4-DOF", "SDOF cubic", "SDOF analytic", "energy estimate", *ON_5_9),
         {"cases": IMPACTS},
     ),
@@ -161,7 +171,7 @@ figures = (
         "Column clamped at both ends (thesis figure 5.4)",
         "Hit at mid-height at 25 m/s; the striker mass, 1500 kg, is inferred.",
         (*MAIN, *ON_5_4),
-        {"cases": ("clamped, 25 m/s",)},
+        {"cases": (CLAMPED,)},
     ),
     Figure(
         "deformed",
@@ -193,7 +203,7 @@ figures = (
         "Convergence of the reference",
         "Peak displacement over the refinement of mesh and step, with the extrapolated value.",
         LADDER,
-        {"cases": (*IMPACTS, "clamped, 25 m/s")},
+        {"cases": (*IMPACTS, CLAMPED)},
     ),
     Figure(
         "cost",
@@ -219,9 +229,9 @@ study = Study(
     gates=gates,
     figures=figures,
     quick_models=(
-        "fiber, coarse",
+        "fiber coarse",
         "4-DOF",
-        "4-DOF, linear yield",
+        "4-DOF linear yield",
         "SDOF analytic",
         "SDOF cubic",
         "energy estimate",
@@ -236,8 +246,11 @@ study = Study(
         "a choice of this workbench; no published number exists for it.",
         "The published SDOF and energy values differ by 0.14 to 0.23 %; in this workbench they "
         "agree to 1e-6. That difference is not explained.",
-        "The striker mass of figure 5.4 is not printed. 1500 kg, as in the other examples, is "
-        "consistent with the figure and not proven by it.",
+        "Figure 5.4 is a curve without numbers: its peak can only be read as 0.45 to 0.5 m, and "
+        "its striker mass is not printed (1500 kg, as in the other examples, is assumed). The "
+        "4-DOF model lies at the upper end of that reading. The fiber reference lies above the "
+        "TL beam of the figure, whose mesh is unknown: coarse meshes of this workbench's "
+        "reference move towards it.",
         "Model-form warning: the 0.8 m segment below the hit point needs about 1.8 times its "
         "plastic shear resistance. Its web yields in shear before the bending mechanism forms. "
         "All models of this report, the fiber reference included, are shear-free and outside "

@@ -11,7 +11,8 @@ class InputError(WorkbenchError, ValueError):
     """An input cannot be used: which field, its value, what is allowed, what to do.
 
     Arguments: `field`, dotted path of the key, e.g. ``column.axial_load``; `value`, what was
-    given; `allowed`, the allowed range or choice in words; `advice`, what to do about it.
+    given (None: nothing); `allowed`, the allowed range or choice in words; `advice`, what to do
+    about it.
     """
 
     def __init__(self, field: str, value: object, allowed: str, advice: str = "") -> None:
@@ -19,7 +20,7 @@ class InputError(WorkbenchError, ValueError):
         shown = repr(value)
         if len(shown) > 80:
             shown = shown[:77] + "..."
-        text = f"{field} = {shown}: {allowed}"
+        text = f"{field}: {allowed}" if value is None else f"{field} = {shown}: {allowed}"
         super().__init__(text + (f"; {advice}" if advice else ""))
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:

@@ -159,4 +159,4 @@ def check_keys(given: Sequence[str], known: Sequence[str], table: str) -> None:
             near = difflib.get_close_matches(key, known, 1)
             advice = f"did you mean {near[0]}?" if near else ""
             path = f"{table}.{key}" if table else key
-            raise InputError(path, key, "unknown key; known are " + ", ".join(known), advice)
+            raise InputError(path, None, "unknown key; known are " + ", ".join(known), advice)

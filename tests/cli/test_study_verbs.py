@@ -140,7 +140,7 @@ def test_a_killed_run_goes_on_where_it_was(study_file: Path, tmp_path: Path) -> 
 
 
 def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> None:
-    write(study_file, delay=0.1)
+    write(study_file, delay=0.5)  # long enough that the run cannot end before the signal arrives
     store = tmp_path / "store"
     running = start("run", str(study_file), "--jobs", "2", "--store", str(store))
     until(lambda: len(stamps(store)) >= 4)

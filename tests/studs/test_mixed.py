@@ -134,7 +134,7 @@ def test_nominal_coverage_of_profile_and_bootstrap_intervals() -> None:
     """Campaigns with known parameters and effects: 90 % intervals cover in 90 % +- 3 %."""
     generator = np.random.default_rng(11)
     truth = {"mean": 0.1, "slope": 0.3, "sigma": 0.08, "tau": 0.1}
-    runs, draws = 600, 300
+    runs, draws = 500, 300
     hits = dict.fromkeys(truth, 0)
     drawn = dict.fromkeys(("mean", "slope"), 0)
     for run in range(runs):

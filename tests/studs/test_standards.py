@@ -5,10 +5,12 @@ from __future__ import annotations
 from math import erf, exp, inf, log, sqrt
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from workbench.errors import InputError
-from workbench.studs import evaluate_d8, evaluate_series
+from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_series, evaluate_table
+from workbench.studs.reading import read_text
 from workbench.studs.statistics.annex_b import slip_capacity
 from workbench.studs.statistics.annex_d import factor_table, from_prior_knowledge, sensitivities_of
 from workbench.studs.statistics.quantiles import (
@@ -224,3 +226,29 @@ def test_annex_b_refuses() -> None:
         evaluate_series([1.0] * 3, curves=[([0, 1], [0, 1])], **strengths)
     with pytest.raises(InputError, match="must reach"):
         slip_capacity([0.0, 1.0], [0.0, 1.0], 2.0)
+
+
+def test_annex_b_on_rows_of_a_table() -> None:
+    rows = ["a,1,100", "a,2,105", "a,3,95"]
+    header = "campaign,specimen,shear_kN,test,diameter_mm,height_mm,fcm_MPa,fu_MPa"
+    table = read_text(
+        "\n".join([header, *(f"{row},push-out,19,100,30,500" for row in rows)]), TESTS
+    ).accept()
+    lines = []
+    for name, top, end in (("1", 100, 60), ("2", 105, 65), ("3", 95, 75)):
+        lines += [f"a,{name},0,0", f"a,{name},4,{top}", f"a,{name},12,{end}"]
+    points = read_text("\n".join(["campaign,specimen,slip_mm,load_kN", *lines]), POINTS).accept()
+    found = evaluate_table(table, points, specified_strength=450e6)
+    assert (found.P_Rk, found.P_Rd) == pytest.approx((85.5e3, 61.56e3))
+    assert found.slip_capacity == pytest.approx(6.21e-3)
+    with pytest.raises(InputError, match=r"fcm_MPa = '30\.0, 40\.0': differs"):
+        evaluate_table(table.assign(fcm_MPa=[30.0, 30.0, 40.0]), specified_strength=450e6)
+    with pytest.raises(InputError, match="has no curve"):
+        evaluate_table(table, points[points["specimen"] != "2"], specified_strength=450e6)
+
+
+def test_the_shipped_campaigns_hold_no_series_of_three(push_outs: pd.DataFrame) -> None:
+    one_kind = push_outs[push_outs["stud_spacing"] == "3d longitudinal"]
+    cast = one_kind[one_kind["slab"] == "solid, cast in place"]
+    with pytest.raises(InputError, match="three or more"):
+        evaluate_table(cast, specified_strength=450e6)

@@ -54,7 +54,19 @@ def test_bias_and_scatters_are_recovered() -> None:
     assert np.mean([each.covered for each in fit.left_out]) > 0.8
     # 5 % fractile of a new campaign: 0.75 exp(-1.645 x 0.1) = 0.636 with scatters known
     assert 0.58 < fit.new_campaign_factor < 0.65
-    assert fit.warnings == ("the modulus of concrete is computed, not measured, in 120 tests",)
+    assert fit.warnings == (
+        "the uncertainty of the measured loads is not reported: it stays in sigma",
+        "the modulus of concrete is computed, not measured, in 120 tests",
+    )
+    assert fit.model_scatter is None
+
+
+def test_the_scatter_of_the_measurement_is_taken_out() -> None:
+    table = campaigns_of("roik-mean", 4)
+    known = fit_strength(table.assign(shear_uncertainty_kN=0.05 * table["shear_kN"]), resamples=50)
+    assert known.measurement == pytest.approx(0.05)
+    total = known.sigma**2 + known.tau**2
+    assert known.model_scatter == pytest.approx(np.sqrt(total - 0.05**2))
 
 
 def test_a_missing_trend_is_found() -> None:

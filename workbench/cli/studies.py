@@ -13,6 +13,7 @@ from workbench.cli.output import InterruptedByUserError, Json, print_json, print
 
 if TYPE_CHECKING:
     from workbench.study import Assessment, LoadedStudy, Study
+    from workbench.study.assess import GateResult
 
 StudyName = Annotated[
     str, typer.Argument(metavar="STUDY", help="Name of a study in ./studies, or a study file.")
@@ -220,6 +221,7 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
             "gate": entry.gate,
             "verdict": entry.verdict.value,
             "value": entry.value,
+            "uncertainty": entry.uncertainty,
             "case": entry.case,
             "bound": entry.bound,
             "counts": dict(entry.counts),
@@ -236,8 +238,8 @@ def _print_gates(result: Assessment) -> None:
         (
             entry.verdict.value,
             entry.gate,
-            "-" if entry.value is None else f"{entry.value:+.4g}",
-            f"{entry.bound:g}",
+            _interval(entry),
+            f"{100.0 * entry.bound:g} %" if _relative(entry) else f"{entry.bound:g}",
             entry.case or "-",
             "{pass} / {inconclusive} / {fail}".format(**entry.counts),
         )
@@ -270,3 +272,16 @@ def _interrupted(loaded: LoadedStudy, quick: bool, store: str) -> str:
 def _few(names: list[str]) -> str:
     shown = ", ".join(names[:4])
     return shown + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+
+
+def _relative(entry: GateResult) -> bool:
+    return entry.metric != "difference"
+
+
+def _interval(entry: GateResult) -> str:
+    """The critical value of a gate with its uncertainty, in percent where it is relative."""
+    if entry.value is None:
+        return "-"
+    factor, unit = (100.0, " %") if _relative(entry) else (1.0, "")
+    width = "?" if entry.uncertainty is None else f"{factor * entry.uncertainty:.2g}"
+    return f"{factor * entry.value:+.3g} ± {width}{unit}"

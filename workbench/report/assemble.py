@@ -38,7 +38,7 @@ def document(
     keys = [figure.key for figure in figures if figure.kind not in _ELSEWHERE]
     parts: list[Section | None] = [
         verdicts.asked(study, stored),
-        verdicts.verdicts(stored),
+        verdicts.verdicts(stored, limits.headline(study, stored)),
         limits.missing(stored),
         limits.domain(study, stored),
         limits.notes(study),

@@ -69,7 +69,7 @@ def _verdicts(stored: Stored) -> list[str]:
     if not rows:
         return ["The study sets no acceptance gates.", ""]
     lines = [
-        "| verdict | what is judged | largest value ± uncertainty | bound | why this bound |",
+        "| verdict | what is judged | critical value ± uncertainty | bound | why this bound |",
         "|---|---|---|---|---|",
     ]
     for row in rows:

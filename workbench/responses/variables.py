@@ -34,7 +34,7 @@ VARIABLES: dict[str, Variable] = {
     "moment": Variable(("hinge", HISTORY), "N m", "bending moment"),
     "plastic_rotation": Variable(("hinge", HISTORY), "rad", "plastic rotation"),
     "kinetic": Variable((HISTORY,), "J", "kinetic energy of column and striker"),
-    "elastic": Variable((HISTORY,), "J", "stored elastic energy, restraint spring included"),
+    "elastic": Variable((HISTORY,), "J", "stored elastic energy"),
     "dissipated": Variable((HISTORY,), "J", "plastic (and algorithmic) dissipation so far"),
     "external_work": Variable((HISTORY,), "J", "work of dead loads and imposed forces so far"),
     "contact_loss": Variable((HISTORY,), "J", "energy lost in contact so far"),

@@ -71,6 +71,7 @@ class StrengthFit:
     intervals; `left_out`, campaigns predicted from the others; `d8`, EN 1990 D.8 on the same rows
     (which takes all tests as independent) at the `reference` stud; `new_campaign_factor`, 5 %
     fractile of test over the formula for a new test of a new campaign (None with fewer than three);
+    `measurement`, relative standard uncertainty of the measured loads (None if not reported);
     `rows`, test, prediction and ratio of every row with its variables; `warnings`.
     """
 
@@ -84,6 +85,7 @@ class StrengthFit:
     d8: D8
     reference: dict[str, float]
     new_campaign_factor: float | None
+    measurement: float | None
     rows: pd.DataFrame
     warnings: tuple[str, ...]
     identity: RowIdentity
@@ -93,6 +95,13 @@ class StrengthFit:
     def bias(self) -> float:
         """Median of test over prediction at the middle of the variables."""
         return self.parameters["bias"].value
+
+    @property
+    def model_scatter(self) -> float | None:
+        """Scatter of the formula itself, with that of the measurement taken out of it."""
+        if self.measurement is None:
+            return None
+        return float(np.sqrt(max(self.sigma**2 + self.tau**2 - self.measurement**2, 0.0)))
 
     def predict(self, tests: Specimens) -> Array:
         """Median resistance (n,) in N of studs in a new campaign, with the fitted correction."""
@@ -131,6 +140,8 @@ class StrengthFit:
             "d8": self.d8.to_dict(),
             "reference": self.reference,
             "new_campaign_factor": self.new_campaign_factor,
+            "measurement": self.measurement,
+            "model_scatter": self.model_scatter,
             "warnings": list(self.warnings),
         }
 
@@ -204,8 +215,9 @@ def fit_strength(
         d8=_d8(tests, chosen, reference, dict(VARIATIONS if variations is None else variations)),
         reference=reference,
         new_campaign_factor=_new_campaign(estimate),
+        measurement=_measurement(kept),
         rows=_rows(kept, tests, prediction),
-        warnings=tuple(_warnings(tests, chosen, given)),
+        warnings=tuple(_warnings(kept, tests, chosen, given)),
         identity=identity_of(kept),
         estimate=estimate,
     )
@@ -330,6 +342,12 @@ def _d8(
     )  # fmt: skip
 
 
+def _measurement(kept: pd.DataFrame) -> float | None:
+    """Root mean square of the relative uncertainty of the loads, if all rows report it."""
+    relative = kept["shear_uncertainty_kN"].to_numpy(float) / kept["shear_kN"].to_numpy(float)
+    return float(np.sqrt(np.mean(relative**2))) if np.all(np.isfinite(relative)) else None
+
+
 def _rows(kept: pd.DataFrame, tests: Specimens, prediction: Array) -> pd.DataFrame:
     """Test, prediction and ratio of every row, with all variables (SI)."""
     return pd.DataFrame(
@@ -346,7 +364,7 @@ def _rows(kept: pd.DataFrame, tests: Specimens, prediction: Array) -> pd.DataFra
     )
 
 
-def _warnings(tests: Specimens, model: ShearModel, given: Problem) -> list[str]:
+def _warnings(kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Problem) -> list[str]:
     result = list(model.findings(tests))
     steel = tests.shear / (tests.area * tests.ultimate_strength)
     above = int(np.sum(steel > ABOVE_STEEL))
@@ -365,6 +383,8 @@ def _warnings(tests: Specimens, model: ShearModel, given: Problem) -> list[str]:
         )
     elif given.campaigns < FEW_CAMPAIGNS:
         result.append(f"{given.campaigns} campaigns: the scatter between campaigns is hardly known")
+    if _measurement(kept) is None:
+        result.append("the uncertainty of the measured loads is not reported: it stays in sigma")
     computed = int(np.sum(~tests.modulus_measured))
     if computed:
         result.append(f"the modulus of concrete is computed, not measured, in {computed} tests")

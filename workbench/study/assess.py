@@ -44,8 +44,9 @@ _GATE = (
 class GateResult:
     """A gate over all its cases: the worst verdict, and the largest value met.
 
-    `counts` says how many cases ended in each verdict; `value` and `case` are those of the
-    largest magnitude (None if no case could be judged).
+    `counts` says how many cases ended in each verdict; `value`, its `uncertainty` and `case` are
+    those of the case nearest to (or farthest beyond) the bound with its uncertainty counted in,
+    None if no case could be judged; `metric` is the name of the metric.
     """
 
     gate: str
@@ -53,7 +54,9 @@ class GateResult:
     counts: Mapping[str, int]
     bound: float
     value: float | None
+    uncertainty: float | None
     case: str | None
+    metric: str
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,10 @@ def assess(study: Study, root: Path) -> Assessment:
     cells = cells_of(study)
     if not store.keys():
         raise InputError(
-            "study", study.name, "has no stored cells yet", "run it first: workbench run"
+            "study",
+            study.name,
+            "has no stored cells yet",
+            f"run it first: workbench run {study.name}",
         )
     names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
     for name in names:
@@ -204,12 +210,19 @@ def _result(gate: str, bound: float, rows: list[Row]) -> GateResult:
     )
     counts = {verdict.value: verdicts.count(verdict) for verdict in Verdict}
     valued = [row for row in rows if row.get("value") is not None]
-    top = max(valued, key=lambda row: abs(row["value"]), default=None)
+    top = max(valued, key=_reach, default=None)
     return GateResult(
         gate,
         worst,
         counts,
         bound,
         None if top is None else top["value"],
+        None if top is None else top["uncertainty"],
         None if top is None else top["case"],
+        rows[0]["metric"],
     )
+
+
+def _reach(row: Row) -> float:
+    """How far the interval of a judged gate reaches."""
+    return float(abs(row["value"]) + (row["uncertainty"] or 0.0))

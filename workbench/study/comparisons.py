@@ -260,14 +260,20 @@ def _of_side(answers: Answers, label: str, quantity: str) -> tuple[float | None,
     response = answers.responses[label]
     if label == answers.study.reference:
         found = quantity_ladder(answers, quantity)
-        if found is None:
+        if found is not None:
+            return found.uncertainty, f"ladder of {label}: {found.note}"
+        if "numerical_uncertainty" not in response.attrs:
             return None, f"{label} has no refinement ladder in this case: uncertainty unknown"
-        return found.uncertainty, f"ladder of {label}: {found.note}"
     if "data_uncertainty" in response.attrs:
         widths = json.loads(response.attrs["data_uncertainty"])
         if quantity not in widths:
             return None, f"{label} states no uncertainty of {quantity}"
         return float(widths[quantity]), f"{label}: uncertainty of the data"
+    if "numerical_uncertainty" in response.attrs:
+        width = json.loads(response.attrs["numerical_uncertainty"]).get(quantity)
+        if width is None:
+            return None, f"{label} could not establish its numerical uncertainty of {quantity}"
+        return float(width), f"{label}: refinement of its own"
     return 0.0, ""
 
 

@@ -101,6 +101,11 @@ def domain(study: Study, stored: Stored) -> Section:
     return Section("domain", "Where models leave their assumptions", tuple(blocks))
 
 
+def headline(study: Study, stored: Stored) -> str:
+    """The sentence on shear demand above the plastic resistance; empty if there is none."""
+    return _shear_table(study, stored)[1]
+
+
 def _warnings(stored: Stored) -> list[Block]:
     exact: dict[tuple[str, str], list[CellState]] = {}
     for cell in stored.cells.values():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import pandas as pd
@@ -29,6 +30,8 @@ from workbench.study.definition import Study
 
 TONES = {"pass": "good", "fail": "bad", "inconclusive": "doubt"}
 _PRINTED = 30
+_WELL_KNOWN = 0.015  # relative uncertainty below which a reference counts as fine
+_LISTED = 6
 _NOTES = 2  # reasons shown in the summary; the table of cases has all
 _WORST = (Verdict.FAIL, Verdict.INCONCLUSIVE, Verdict.PASS)
 
@@ -55,7 +58,7 @@ def source_text(source: str) -> str:
 
 
 def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
-    """One row per gate: its worst verdict, and the value of largest magnitude with its case."""
+    """One row per gate: its worst verdict, and the case whose interval reaches farthest."""
     table = stored.tables["gates"]
     found = []
     for gate in dict.fromkeys(table["gate"]):
@@ -63,7 +66,8 @@ def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
         verdicts = list(rows["verdict"])
         worst = next(verdict.value for verdict in _WORST if verdict in verdicts)
         valued = rows[rows["value"].notna()]
-        top = None if valued.empty else valued.loc[valued["value"].abs().idxmax()]
+        reach = valued["value"].abs() + valued["uncertainty"].fillna(0.0)
+        top = None if valued.empty else valued.loc[reach.idxmax()]
         found.append(
             {
                 **rows.iloc[0].to_dict(),
@@ -79,13 +83,18 @@ def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
     return found
 
 
-def verdicts(stored: Stored) -> Section:
-    """The table of verdicts, worst case of each gate, and every case of every gate."""
+def verdicts(stored: Stored, warning: str = "") -> Section:
+    """The table of verdicts, critical case of each gate, and every case of every gate.
+
+    `warning` is said beside the headline: where all models leave their assumptions.
+    """
     rows = verdict_rows(stored)
     if not rows:
         text = "The study sets no acceptance gates: it reports, it does not judge."
         return Section("verdicts", "Verdicts", (Callout("note", text),))
-    blocks: list[Block] = [_headline(rows), _summary_table(rows)]
+    blocks: list[Block] = [_headline(rows)]
+    blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
+    blocks.append(_summary_table(rows))
     if len(stored.tables["gates"]) > len(rows):
         blocks.append(_every_case(stored.tables["gates"]))
     blocks.append(
@@ -96,6 +105,23 @@ def verdicts(stored: Stored) -> Section:
         )
     )
     return Section("verdicts", "Verdicts", tuple(blocks))
+
+
+def _doubts(stored: Stored) -> Iterator[str]:
+    """What a reader must know before the table: how well the reference itself is known."""
+    ladder = stored.tables["ladder"]
+    if ladder.empty or "relative" not in ladder:
+        return
+    coarse = ladder[
+        (ladder["quantity"] == "peak_displacement") & (ladder["relative"] > _WELL_KNOWN)
+    ]
+    if not coarse.empty:
+        listed = [f"{r['case']}: {100.0 * r['relative']:.1f} %" for _, r in coarse.iterrows()]
+        shown = "; ".join(listed[:_LISTED]) + ("; …" if len(listed) > _LISTED else "")
+        yield (
+            "The reference itself is known only to (numerical uncertainty of its peak "
+            f"displacement): {shown}. The intervals below contain this."
+        )
 
 
 def _headline(rows: list[dict[str, Any]]) -> Callout:
@@ -140,7 +166,7 @@ def _summary_table(rows: list[dict[str, Any]]) -> Table:
     columns = (
         Column("verdict", width=1.25),
         Column("what is judged", width=2.6),
-        Column("largest value ± uncertainty", True, 2.0),
+        Column("critical value ± uncertainty", True, 2.0),
         Column("bound", True, 1.0),
         Column("cases passed", True, 0.85),
         Column("why this bound", width=3.0),

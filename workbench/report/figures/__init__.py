@@ -21,6 +21,7 @@ KINDS = {
     "convergence": "convergence",
     "cost": "cost",
     "sweep": "sweep",
+    "shear-domain": "shear_domain",
 }
 
 

@@ -28,7 +28,7 @@ from workbench.study.definition import Case
 
 # bottom to top; fixed colours that no label uses as a fill
 PARTS = (
-    ("dissipated", "plastic dissipation", "#8c510a"),
+    ("dissipated", "dissipated (plastic, algorithmic)", "#8c510a"),
     ("contact_loss", "lost in contact", "#e3b778"),
     ("elastic", "elastic", "#5ab4ac"),
     ("kinetic", "kinetic", "#c7dfee"),

@@ -1,0 +1,111 @@
+"""Where models without shear yielding end: static resistance against V/Vpl.
+
+Columns of 6 m hit at various distances from their clamped base, pushed by a twentieth of the
+shorter segment: shear-yielding beam and plane-stress solid over the shear-free beam.
+"""
+
+import sys
+
+from workbench.assessment import Gate
+from workbench.cli import main
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.fiber_shear import FiberShear
+from workbench.references.solid import SolidPlaneStress
+from workbench.scenarios import Column, ColumnPushover
+from workbench.sections import Section, find, square
+from workbench.study import Case, Figure, Study
+
+LENGTH = 6.0  # m
+PUSH = 0.05  # of the shorter segment: the same rotation everywhere, the mechanism has formed
+SECTIONS = {"HEB 220": find("HEB 220"), "square 200": square(0.2)}
+POSITIONS = {  # m; V/Vpl of the bending mechanism runs from 0.5 to 2.4 and from 0.1 to 1.2
+    "HEB 220": (0.6, 0.8, 1.0, 1.2, 1.4, 1.7, 2.1, 2.8),
+    "square 200": (0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 1.0, 2.0),
+}
+REFERENCE = "shear-free beam"
+YIELDING = ("shear-yielding beam", "plane-stress solid")
+
+models = {
+    "shear-free beam, coarse": FiberReissner(refinement=-1),
+    REFERENCE: FiberReissner(),
+    YIELDING[0]: FiberShear(),
+    YIELDING[1]: SolidPlaneStress(),
+}
+
+
+def push(name: str, section: Section, below: float) -> ColumnPushover:
+    """A column without axial load or restraint: bending and shear alone."""
+    column = Column(section, below, LENGTH - below, fillets=False)
+    return ColumnPushover(f"{name}, hit at {below:g} m", column, PUSH * below)
+
+
+cases = tuple(
+    Case(
+        (scenario := push(name, section, below)).name,
+        scenario,
+        figure="domain",
+        parameters={"section": name, "length below in m": below},
+        quick=below in POSITIONS[name][1::3],
+    )
+    for name, section in SECTIONS.items()
+    for below in POSITIONS[name]
+)
+
+gates = (
+    Gate(
+        YIELDING[0],
+        REFERENCE,
+        "input_energy",
+        "relative_error",
+        0.05,
+        "Without shear yielding a model is to be off by less than 5 %; the cases that fail mark "
+        "the end of its domain and are the answer of this study, not a defect.",
+        "bound set by this study, not by a standard",
+    ),
+)
+
+figures = (
+    Figure(
+        "domain",
+        "shear-domain",
+        "End of the shear-free domain",
+        "Force at a push of a twentieth of the shorter segment, over that of the shear-free beam, "
+        "against the shear force that the latter reaches. Grey: within 5 %.",
+        (REFERENCE, *YIELDING),
+        {"group": "section"},
+    ),
+    Figure(
+        "curves",
+        "force-displacement",
+        "Force against displacement",
+        "The bending mechanism is cut off by the plastic shear resistance where V/Vpl passes one.",
+        (REFERENCE, *YIELDING),
+        {"cases": tuple(case.name for case in cases if case.quick)},
+    ),
+)
+
+study = Study(
+    name="shear_domain",
+    title="Where models without shear yielding end",
+    question=(
+        "Up to which shear force, over the plastic shear resistance, does a model without shear "
+        "yielding give the static resistance of a column within 5 %?"
+    ),
+    cases=cases,
+    models=models,
+    reference=REFERENCE,
+    ladder=("shear-free beam, coarse", REFERENCE),
+    quantities=("input_energy",),
+    gates=gates,
+    figures=figures,
+    notes=(
+        "Shear yielding in the beam acts in the web between the flanges, elastic shear strain "
+        "included; the solid also has transverse stress at the held sections and in the kinks, "
+        "which stiffens the shortest segments and makes slender ones depend on the mesh.",
+        "Segments shorter than about two depths are no beams; they are shown because the solid "
+        "answers there too.",
+    ),
+)
+
+if __name__ == "__main__":
+    main(["run", __file__, *sys.argv[1:]])

@@ -1,0 +1,119 @@
+"""The column of a scenario in OpenSeesPy: displacement-based co-rotational fiber elements.
+
+The same nodes, fibers, two Legendre points, steps and nodal masses as the classical element of
+`fiber-corotational`. A restitution of 0 is modelled by a striker that sticks to the node that it
+has hit; histories are comparable as long as the contact lasts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from workbench.scenarios import Column, ColumnImpact
+
+ops = pytest.importorskip(
+    "openseespy.opensees",
+    reason="OpenSeesPy is not installed: pip install 'workbench[cross-check]'",
+    exc_type=ImportError,
+)
+STRIKE, AXIS, TURN = 1, 2, 3
+SPRING, PUSH = 9001, 2
+
+
+def stand(column: Column, lengths: np.ndarray, hardening: float, layers: int = 20) -> int:
+    """Build the column under its axial load; return the number of its head.
+
+    Arguments: element `lengths` (m) from the base; kinematic `hardening` modulus over the elastic
+    one (Steel01 takes the slope of the hardening line, E H / (E + H)).
+    """
+    steel = column.steel
+    heights = np.concatenate([[0.0], np.cumsum(lengths)])
+    head = len(heights)
+    ops.wipe()
+    ops.model("basic", "-ndm", 2, "-ndf", 3)
+    for number, height in enumerate(heights, 1):
+        ops.node(number, 0.0, float(height))
+    ops.fix(1, 1, 1, int(column.base == "clamped"))
+    ops.fix(head, 1, int(column.head == "fixed"), int(column.head != "pinned"))
+    ratio = hardening / (1.0 + hardening)
+    ops.uniaxialMaterial("Steel01", 1, steel.yield_stress, steel.elastic_modulus, ratio)
+    y, area = column.strength_section.fibers(layers)
+    ops.section("Fiber", 1)
+    for height, part in zip(y, area, strict=True):
+        ops.fiber(float(height), 0.0, float(part), 1)
+    ops.geomTransf("Corotational", 1)
+    ops.beamIntegration("Legendre", 1, 1, 2)
+    for number in range(1, head):
+        ops.element("dispBeamColumn", number, number, number + 1, 1, 1)
+    tributary = 0.5 * (np.append(lengths, 0.0) + np.append(0.0, lengths))
+    mass = column.properties.mass_per_length * tributary
+    radius_squared = float(np.sum(y**2 * area) / np.sum(area))
+    for number, value in enumerate(mass, 1):
+        own = float(value) + (column.head_mass if number == head else 0.0)
+        ops.mass(number, own, own, float(value) * radius_squared)
+    ops.timeSeries("Linear", 1)
+    if column.axial_load:
+        ops.pattern("Plain", 1, 1)
+        ops.load(head, 0.0, -column.axial_load, 0.0)
+        _analysis("Static", ("LoadControl", 0.2))
+        assert ops.analyze(5) == 0
+        ops.loadConst("-time", 0.0)
+    if column.head != "fixed" and column.restraint_stiffness > 0.0:
+        # a zero-length element takes the displacement that it is built at as its unstressed one
+        ops.node(SPRING, 0.0, float(heights[-1]))
+        ops.fix(SPRING, 1, 1, 1)
+        ops.uniaxialMaterial("Elastic", SPRING, column.restraint_stiffness)
+        ops.element("zeroLength", SPRING, SPRING, head, "-mat", SPRING, "-dir", AXIS)
+    return head
+
+
+def _analysis(kind: str, integrator: tuple[object, ...]) -> None:
+    ops.wipeAnalysis()
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormUnbalance", 1e-2, 60)
+    ops.algorithm("Newton")
+    ops.integrator(*integrator)
+    ops.analysis(kind)
+
+
+def push(hit: int, path: np.ndarray) -> np.ndarray:
+    """Forces (steps,) at the node `hit` when it is led along the equidistant `path` (m)."""
+    ops.timeSeries("Linear", PUSH)
+    ops.pattern("Plain", PUSH, PUSH)
+    ops.load(hit, 1.0, 0.0, 0.0)
+    _analysis("Static", ("DisplacementControl", hit, STRIKE, float(path[0])))
+    forces = []
+    for target in path:
+        for parts in (1, 10, 100):  # from where the last attempt has stopped
+            rest = float(target) - ops.nodeDisp(hit, STRIKE)
+            ops.integrator("DisplacementControl", hit, STRIKE, rest / parts)
+            if ops.analyze(parts) == 0:
+                break
+        else:
+            raise AssertionError("OpenSees does not converge")
+        forces.append(ops.getLoadFactor(PUSH))
+    return np.array(forces)
+
+
+def hit_by(scenario: ColumnImpact, hit: int, dt: float, count: int) -> np.ndarray:
+    """Displacements (count,) of the node `hit`, Newmark's constant average acceleration."""
+    striker = scenario.striker
+    own = ops.nodeMass(hit)
+    momentum = striker.mass * striker.velocity
+    ops.mass(hit, own[0] + striker.mass, own[1], own[2])
+    ops.setNodeVel(hit, STRIKE, momentum / (own[0] + striker.mass), "-commit")
+    _analysis("Transient", ("Newmark", 0.5, 0.25))
+    begin = ops.getTime()
+    found = []
+    for number in range(1, count + 1):
+        for parts in (1, 10, 100):  # from where the last attempt has stopped
+            rest = begin + number * dt - ops.getTime()
+            if ops.analyze(parts, rest / parts) == 0:
+                break
+        else:
+            raise AssertionError("OpenSees does not converge")
+        found.append(ops.nodeDisp(hit, STRIKE))
+    return np.array(found)

@@ -1,0 +1,99 @@
+"""Three columns in OpenSeesPy: the same fiber discretisation gives the same histories."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import opensees_columns as opensees
+import pytest
+from threadpoolctl import threadpool_limits
+
+from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
+from workbench.references.fiber_corotational import FiberCorotational
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.sections import Section
+from workbench.sections.shapes import Rectangle
+from workbench.structures.impact import PointMass, impact
+
+SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 2.5e-5
+MODEL = FiberCorotational(
+    element="interpolated",
+    shear_flexible=False,
+    smallest_element=SIZE,
+    largest_element=SIZE,
+    hardening_ratio=HARDENING,
+    refinement=0,
+)
+NAMES = ("restrained", "clamped", "propped")
+
+
+@pytest.fixture
+def scenario(request, thesis_impact, clamped_impact) -> ColumnImpact:
+    square = Column(
+        section=Section("square 0.2 m", Rectangle(0.2, 0.2)),
+        length_below=1.2,
+        length_above=2.0,
+        head="pinned",
+        axial_load=1e6,
+        restraint_stiffness=5e7,
+    )
+    known = {
+        "restrained": thesis_impact,
+        "clamped": clamped_impact,
+        "propped": replace(
+            thesis_impact, name="propped", column=square, striker=Striker(1500.0, 30.0)
+        ),
+    }
+    return known[request.param]
+
+
+def ours(scenario, lumped: bool) -> tuple[ColumnBeams, np.ndarray]:
+    below, above = MODEL.mesh(scenario)
+    section = fiber_section(scenario.column, MODEL.layers, HARDENING, shear_flexible=False)
+    beams = build_column(scenario.column, section, below, above, balanced=False, lumped=lumped)
+    return beams, np.concatenate([below, above])
+
+
+@pytest.mark.parametrize("scenario", NAMES, indirect=True)
+def test_static_force_displacement(scenario) -> None:
+    pushed = ColumnPushover(scenario.name, scenario.column, displacement=0.3)
+    response = MODEL.simulate(pushed)
+    assert response.attrs["outcome"] == "ok"
+    path = np.linspace(0.0, 0.3, 301)[1:]
+    beams, lengths = ours(pushed, lumped=False)
+    opensees.stand(scenario.column, lengths, HARDENING)
+    forces = opensees.push(beams.first_above + 1, path)
+    found = np.interp(path, response["displacement"].values, response["force"].values)
+    difference = np.max(np.abs(found - forces)) / np.max(forces)
+    print(f"static, {scenario.name}: {difference:.2e}")
+    assert difference <= 0.01
+
+
+@pytest.mark.parametrize("scenario", NAMES, indirect=True)
+def test_impact_history(scenario) -> None:
+    """Up to the peak and a fifth beyond, while the contact lasts."""
+    beams, lengths = ours(scenario, lumped=True)
+    striker = PointMass(scenario.striker.mass, scenario.striker.velocity)
+    found = []
+    with threadpool_limits(1, user_api="blas"):
+        for _ in impact(beams.assembly, beams.hit, striker, [(scenario.duration, TIME_STEP)], 0.5):
+            found.append(float(beams.assembly.displacement[beams.hit]))
+            if len(found) > 1.2 * (int(np.argmax(found)) + 1):
+                break
+    opensees.stand(scenario.column, lengths, HARDENING)
+    expected = opensees.hit_by(scenario, beams.first_above + 1, TIME_STEP, len(found))
+    assert np.argmax(expected) < len(found) - 1
+    difference = np.max(np.abs(np.array(found) - expected)) / np.max(expected)
+    print(f"impact, {scenario.name}: {difference:.2e}")
+    assert difference <= 0.01
+
+
+@pytest.mark.parametrize("scenario", NAMES[:1], indirect=True)
+def test_the_spring_is_unstressed_under_the_axial_load(scenario) -> None:
+    """Otherwise the restraint would hide a part of the axial load from the comparison."""
+    _, lengths = ours(scenario, lumped=False)
+    head = opensees.stand(scenario.column, lengths, HARDENING)
+    opensees.ops.reactions()
+    assert abs(opensees.ops.nodeReaction(opensees.SPRING, opensees.AXIS)) < 1e-6
+    assert opensees.ops.nodeDisp(head, opensees.AXIS) < 0.0

@@ -1,0 +1,62 @@
+"""EN 1994-1-1 Annex B.2 on the rows of a table: one series of nominally equal push tests."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from workbench.errors import InputError
+from workbench.studs.quantities import undamaged_headed_studs
+from workbench.studs.statistics.annex_b import AnnexB, evaluate_series
+
+EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fcm_MPa", "fu_MPa")
+
+Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def evaluate_table(
+    table: pd.DataFrame,
+    points: pd.DataFrame | None = None,
+    *,
+    specified_strength: float,
+    partial_factor: float = 1.25,
+) -> AnnexB:
+    """Evaluate the undamaged headed studs of a table as one series (see `evaluate_series`).
+
+    Arguments: `table` (schema `TESTS`) with the rows of the series only; `points` (schema `POINTS`)
+    with their load-slip curves to beyond the maximum, for the slip capacity; minimum
+    `specified_strength` of the stud material in Pa; `partial_factor`. Raises `InputError` when the
+    rows are not nominally equal, or a curve is missing.
+    """
+    rows = undamaged_headed_studs(table)
+    for column in EQUAL:
+        values = sorted(set(rows[column].astype(str)))
+        if len(values) > 1:
+            raise InputError(
+                column,
+                ", ".join(values),
+                "differs: a series of Annex B has nominally equal tests",
+                "choose the rows of one kind",
+            )
+    measured = float(rows["fu_MPa"].iloc[0])
+    if not np.isfinite(measured):
+        raise InputError("fu_MPa", None, "must be given: P_Rd is related to the measured strength")
+    curves = [] if points is None else [_curve(points, row) for _, row in rows.iterrows()]
+    return evaluate_series(
+        1e3 * rows["shear_kN"].to_numpy(float),
+        specified_strength=specified_strength,
+        measured_strength=1e6 * measured,
+        curves=curves,
+        partial_factor=partial_factor,
+    )
+
+
+def _curve(points: pd.DataFrame, row: pd.Series) -> Curve:
+    own = (points["campaign"] == row["campaign"]) & (points["specimen"] == row["specimen"])
+    own &= points["branch"] != "low-load reading"
+    if not own.any():
+        name = f"{row['campaign']} {row['specimen']}"
+        raise InputError("points", name, "has no curve", "give the curves of all tests, or none")
+    curve = points[own]
+    return 1e-3 * curve["slip_mm"].to_numpy(float), 1e3 * curve["load_kN"].to_numpy(float)
