@@ -73,7 +73,7 @@ gates = tuple(
         "relative_error",
         bound,
         "Wanted for design; the cases beyond it mark where the model stops being trustworthy.",
-        "bound set by this study, not by a standard",
+        "Bound set by this study, not by a standard.",
     )
     for model, bound in zip(REDUCED, (0.05, 0.10, 0.10, 0.10), strict=True)
 )

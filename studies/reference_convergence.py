@@ -69,16 +69,16 @@ def gate(model: str, against: str, quantity: str, bound: float, why: str, *names
 
 
 CONVERGED = (
-    "At first order the step between the two finest meshes is the grid convergence index over "
-    "1.25; both together within 2.7 % mean an index below 1.5 %."
+    "The step between the two finest meshes is the grid convergence index times (2^p - 1)/1.25 at "
+    "the observed order p; both together within 2.38 % mean an index below 1.5 % for p from 0.8 on."
 )
 AGREEMENT = (
     "Two formulations that share no element are to agree within their combined numerical "
     "uncertainty; 5 % bounds difference and uncertainty together."
 )
 gates = (
-    gate(LADDER[1], REFERENCE, "peak_displacement", 0.027, CONVERGED, *IMPACTS, CLAMPED),
-    gate(LADDER[1], REFERENCE, "input_energy", 0.027, CONVERGED, PUSH, SHORT_PUSH),
+    gate(LADDER[1], REFERENCE, "peak_displacement", 0.0238, CONVERGED, *IMPACTS, CLAMPED),
+    gate(LADDER[1], REFERENCE, "input_energy", 0.0238, CONVERGED, PUSH, SHORT_PUSH),
     gate(COROTATIONAL, REFERENCE, "peak_displacement", 0.05, AGREEMENT, *IMPACTS, CLAMPED),
     gate(COROTATIONAL, REFERENCE, "input_energy", 0.05, AGREEMENT, PUSH),
     gate(

@@ -25,11 +25,13 @@ POSITIONS = {  # m; V/Vpl of the bending mechanism runs from 0.5 to 2.4 and from
 REFERENCE = "shear-free beam"
 YIELDING = ("shear-yielding beam", "plane-stress solid")
 
+HARDENING = 1e-5  # over E: carries a mechanism without restraint along, below 0.3 % of the force
+
 models = {
-    "shear-free beam, coarse": FiberReissner(refinement=-1),
-    REFERENCE: FiberReissner(),
-    YIELDING[0]: FiberShear(),
-    YIELDING[1]: SolidPlaneStress(),
+    "shear-free beam, coarse": FiberReissner(refinement=-1, hardening_ratio=HARDENING),
+    REFERENCE: FiberReissner(hardening_ratio=HARDENING),
+    YIELDING[0]: FiberShear(hardening_ratio=HARDENING),
+    YIELDING[1]: SolidPlaneStress(hardening_ratio=HARDENING),
 }
 
 

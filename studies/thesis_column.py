@@ -22,7 +22,7 @@ published = data_directory() / "published"
 eccentric = load_scenario(published / "heng2017_impact_column.toml")
 clamped = load_scenario(published / "heng2017_clamped_column.toml")
 
-OWN_BOUND = "bound set by this study, not by a standard"
+OWN_BOUND = "Bound set by this study, not by a standard."
 FIGURE_5_9 = "heng2017-figure-5-9"
 FIGURE_5_4 = "heng2017-figure-5-4"
 REFERENCE = "fiber fine"

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
 
 from workbench.datafiles import data_directory
 from workbench.scenarios import ColumnImpact, load_scenario
+
+# The same examples in every run: a change fails because of the change, not because of the day.
+settings.register_profile("repeatable", derandomize=True)
+settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

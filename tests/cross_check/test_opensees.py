@@ -16,7 +16,7 @@ from workbench.sections import Section
 from workbench.sections.shapes import Rectangle
 from workbench.structures.impact import PointMass, impact
 
-SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 2.5e-5
+SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 5e-5
 MODEL = FiberCorotational(
     element="interpolated",
     shear_flexible=False,

@@ -216,8 +216,7 @@ def test_contract(thesis_impact):
     check_model(FiberCorotational(), scenarios)
 
 
-@settings(max_examples=12, deadline=None)
-@given(
+RANDOM_COLUMNS = given(
     section=st.sampled_from([find("HEB 220"), find("IPE 300"), find("HEA 160"), square(0.1)]),
     length=st.floats(2.0, 8.0),
     position=st.floats(0.1, 0.9),
@@ -230,7 +229,9 @@ def test_contract(thesis_impact):
     velocity=st.floats(1.0, 40.0),
     restitution=st.sampled_from([0.0, 0.5, 1.0]),
 )
-def test_random_columns_balance_their_energy(
+
+
+def energy_is_balanced(
     section, length, position, base, head, load, spring, head_mass, mass, velocity, restitution
 ):
     squash = 355e6 * section.area
@@ -253,3 +254,16 @@ def test_random_columns_balance_their_energy(
     assert float(np.abs(response["balance_error"]).max()) <= 1e-8 * energy
     assert np.diff(response["dissipated"]).min() >= -1e-9 * energy
     assert np.diff(response["contact_loss"]).min() >= -1e-9 * energy
+
+
+@settings(max_examples=12, deadline=None)
+@RANDOM_COLUMNS
+def test_random_columns_balance_their_energy(**values):
+    energy_is_balanced(**values)
+
+
+@pytest.mark.slow
+@settings(max_examples=200, deadline=None)
+@RANDOM_COLUMNS
+def test_two_hundred_random_columns_balance_their_energy(**values):
+    energy_is_balanced(**values)

@@ -130,31 +130,46 @@ def test_parameters_that_cannot_be_told_are_refused() -> None:
         profile_interval(fit(mean_problem(y, groups)), "slope")
 
 
-def test_nominal_coverage_of_profile_and_bootstrap_intervals() -> None:
+# How many runs: with 3000 runs each (standard error 0.0055) the coverages were measured as 0.894
+# (mean), 0.897 (slope), 0.903 (sigma), 0.895 (tau), 0.89 (bootstrap), 0.884 (nonlinear). The runs
+# below are so many that these differ from the edge of 90 % +- 3 % by more than 2.4 standard errors.
+
+
+def test_nominal_coverage_of_profile_intervals() -> None:
     """Campaigns with known parameters and effects: 90 % intervals cover in 90 % +- 3 %."""
     generator = np.random.default_rng(11)
     truth = {"mean": 0.1, "slope": 0.3, "sigma": 0.08, "tau": 0.1}
-    runs, draws = 500, 300
-    hits = dict.fromkeys(truth, 0)
-    drawn = dict.fromkeys(("mean", "slope"), 0)
-    for run in range(runs):
+    hits, runs = dict.fromkeys(truth, 0), 900
+    for _ in range(runs):
         y, groups = synthetic(generator, 10, 6, truth["tau"], truth["sigma"])
         x = generator.normal(size=len(y))
         estimate = fit(line_problem(y + truth["mean"] + truth["slope"] * x, x, groups))
-        intervals = {name: profile_interval(estimate, name, CONFIDENCE) for name in drawn}
-        intervals |= scatter_intervals(estimate, CONFIDENCE)
+        intervals = scatter_intervals(estimate, CONFIDENCE)
+        for name in ("mean", "slope"):
+            intervals[name] = profile_interval(estimate, name, CONFIDENCE)
         for name, interval in intervals.items():
             hits[name] += covers(interval, truth[name])
-        boot = bootstrap_by_campaign(estimate, resamples=draws, seed=run)
-        for name in drawn:
-            drawn[name] += covers(boot[name], truth[name])
-    for name, count in (*hits.items(), *((f"{n} by bootstrap", c) for n, c in drawn.items())):
+    for name, count in hits.items():
         assert abs(count / runs - CONFIDENCE) <= MARGIN, (name, count / runs)
 
 
-def test_nominal_coverage_of_a_nonlinear_parameter() -> None:
-    generator = np.random.default_rng(12)
-    runs, truth, hits = 300, 0.7, 0
+def test_nominal_coverage_of_bootstrap_intervals() -> None:
+    generator = np.random.default_rng(14)
+    truth = {"mean": 0.1, "slope": 0.3}
+    hits, runs = dict.fromkeys(truth, 0), 2500
+    for run in range(runs):
+        y, groups = synthetic(generator, 10, 6, 0.1, 0.08)
+        x = generator.normal(size=len(y))
+        estimate = fit(line_problem(y + truth["mean"] + truth["slope"] * x, x, groups))
+        drawn = bootstrap_by_campaign(estimate, resamples=300, seed=run)
+        for name, value in truth.items():
+            hits[name] += covers(drawn[name], value)
+    for name, count in hits.items():
+        assert abs(count / runs - CONFIDENCE) <= MARGIN, (name, count / runs)
+
+
+def nonlinear_coverage(runs: int) -> float:
+    generator, truth, hits = np.random.default_rng(12), 0.7, 0
     for _ in range(runs):
         y, groups = synthetic(generator, 6, 6, 0.04, 0.04)
         x = generator.uniform(0.0, 1.0, len(y))
@@ -164,7 +179,20 @@ def test_nominal_coverage_of_a_nonlinear_parameter() -> None:
                     upper=20.0)
         )  # fmt: skip
         hits += covers(profile_interval(estimate, "rate", CONFIDENCE), truth)
-    assert abs(hits / runs - CONFIDENCE) <= MARGIN + 0.005  # 300 runs: one standard error is 0.017
+    return hits / runs
+
+
+def test_coverage_of_a_nonlinear_parameter_is_not_off() -> None:
+    """A short run: it fails what is outside 90 % +- 3 % by more than its own error (2 x 0.021)."""
+    runs = 200
+    error = sqrt(CONFIDENCE * (1.0 - CONFIDENCE) / runs)
+    assert abs(nonlinear_coverage(runs) - CONFIDENCE) <= MARGIN + 2.0 * error
+
+
+@pytest.mark.slow
+def test_nominal_coverage_of_a_nonlinear_parameter() -> None:
+    """The long run, with no allowance."""
+    assert abs(nonlinear_coverage(4000) - CONFIDENCE) <= MARGIN
 
 
 def test_a_prediction_for_a_new_campaign_is_on_the_safe_side() -> None:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from verification_cases import (
     FORMULATIONS,
-    PLASTIC_MOMENT,
+    FY,
+    SIDE,
     hold,
     orders,
     steel_chain,
@@ -16,16 +17,18 @@ from verification_cases import (
 
 from workbench.structures.statics import push
 
+YIELD = 0.1 * FY  # a weak steel: hinges are complete while the geometry has hardly changed
+PLASTIC_MOMENT = YIELD * SIDE**3 / 4.0
 SAMPLED = {"reissner": 0.5, "corotational": 0.5 - 0.5 / np.sqrt(3.0)}  # of an element
 
 
 def beam(kind: str, elements: int, propped: bool) -> float:
     """Collapse load of a beam of 8 m with a central load, free to slide."""
     x = np.linspace(0.0, 8.0, elements + 1)
-    chain = steel_chain(kind, np.stack([x, 0.0 * x], axis=1))
+    chain = steel_chain(kind, np.stack([x, 0.0 * x], axis=1), YIELD)
     hold(chain, 0)
     hold(chain, elements, "v", *(() if propped else ("rotation",)))
-    path = np.linspace(0.0, 0.2, 21)[1:]
+    path = np.linspace(0.0, 0.1, 21)[1:]
     return [s.force for s in push(chain, chain.dof(elements // 2, "v"), path)][-1]
 
 
@@ -38,7 +41,7 @@ def test_clamped_beam(kind) -> None:
         force = beam(kind, elements, propped=False)
         errors.append(force / exact - 1.0)
         inside = SAMPLED[kind] * 8.0 / elements
-        assert force == pytest.approx(4.0 * PLASTIC_MOMENT / (4.0 - 2.0 * inside), rel=0.01)
+        assert force == pytest.approx(4.0 * PLASTIC_MOMENT / (4.0 - 2.0 * inside), rel=5e-3)
     assert orders(errors) == pytest.approx(1.0, abs=0.3)
 
 
@@ -53,18 +56,18 @@ def test_propped_beam(kind) -> None:
 @pytest.mark.parametrize("kind", FORMULATIONS)
 def test_sway_of_a_portal(kind) -> None:
     """4 Mp / h: hinges at both bases and both heads of columns of 4 m."""
-    height, part = 4.0, 40
+    height, part = 4.0, 20
     ticks = np.linspace(0.0, 1.0, part + 1)
     left = np.stack([0.0 * ticks, height * ticks], axis=1)
     top = np.stack([4.0 * ticks[1:], height + 0.0 * ticks[1:]], axis=1)
     right = np.stack([4.0 + 0.0 * ticks[1:], height * (1.0 - ticks[1:])], axis=1)
     points = np.concatenate([left, top, right])
-    assert all(np.hypot(*(b - a)) == pytest.approx(0.1) for a, b in pairwise(points))
-    frame = steel_chain(kind, points)
+    assert all(np.hypot(*(b - a)) == pytest.approx(height / part) for a, b in pairwise(points))
+    frame = steel_chain(kind, points, YIELD)
     hold(frame, 0)
     hold(frame, len(points) - 1)
-    steps = push(frame, frame.dof(part, "u"), np.linspace(0.0, 0.15, 31)[1:])
+    steps = push(frame, frame.dof(part, "u"), np.linspace(0.0, 0.08, 31)[1:])
     forces = [s.force for s in steps]
-    inside = SAMPLED[kind] * 0.1
+    inside = SAMPLED[kind] * height / part
     assert forces[-1] == pytest.approx(4.0 * PLASTIC_MOMENT / (height - 2.0 * inside), rel=0.01)
     assert forces[-1] == pytest.approx(forces[-6], rel=2e-3)  # the plateau

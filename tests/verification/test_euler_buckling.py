@@ -39,6 +39,6 @@ def buckling_load(kind: str, case: str, elements: int) -> float:
 @pytest.mark.parametrize("case", CASES)
 def test_buckling_loads_converge_at_second_order(kind, case) -> None:
     exact = CASES[case][2]
-    errors = [buckling_load(kind, case, n) / exact - 1.0 for n in (4, 8, 16, 32)]
+    errors = [buckling_load(kind, case, n) / exact - 1.0 for n in (8, 16, 32, 64)]
     assert orders(errors) == pytest.approx(2.0, abs=0.25)
     assert abs(errors[-1]) <= 4e-3

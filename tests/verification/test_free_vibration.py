@@ -17,7 +17,7 @@ CASES = {
 
 def roots(kind: str, case: str, elements: int) -> np.ndarray:
     base, head, _ = CASES[case]
-    beam = slender_chain(kind, along(1.0, elements), 1e-4)
+    beam = slender_chain(kind, along(1.0, elements))
     hold(beam, 0, *base)
     if head:
         hold(beam, elements, *head)
@@ -25,7 +25,8 @@ def roots(kind: str, case: str, elements: int) -> np.ndarray:
     beam.assemble(np.zeros(beam.size), None)
     stiffness = matrix(beam.tangent_times, beam.size)[part]
     mass = matrix(beam.mass_times, beam.size)[part]
-    return eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 1]) ** 0.25
+    # the other way round rounding errors of the axial stiffness would drown the lowest modes
+    return eigh(mass, stiffness, eigvals_only=True)[-1:-3:-1] ** -0.25
 
 
 @pytest.mark.parametrize("kind", FORMULATIONS)

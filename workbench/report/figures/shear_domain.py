@@ -28,16 +28,16 @@ def draw(request: Request) -> Drawing:
     statements: list[str] = []
     for case in request.cases:
         free = request.stored.response(case.name, against)
-        if free is None or "shear_utilisation" not in free:
-            statements.append(f"{case.name}: no answer from {against}.")
+        if free is None or not {"shear_utilisation", "force"} <= set(free.data_vars):
+            statements.append(f"{case.name}: no force and shear force from {against}.")
             continue
         x = float(free["shear_utilisation"].max())
         for label in request.shown(case):
             response = request.stored.response(case.name, label)
             if label == against:
                 continue
-            if response is None:
-                statements.append(f"{case.name}: no answer from {label}.")
+            if response is None or "force" not in response:
+                statements.append(f"{case.name}: no force from {label}.")
                 continue
             ratio = _final_force(response) / _final_force(free)
             series = points.setdefault((label, str(case.parameters.get(group, ""))), [])
@@ -50,10 +50,11 @@ def draw(request: Request) -> Drawing:
     blocks: list[Any] = []
     for (label, name), series in points.items():
         series.sort()
-        x, y = (np.array([point[i] for point in series], dtype=float) for i in (0, 1))
+        xs = np.array([point[0] for point in series])
+        ys = np.array([point[1] for point in series])
         panel.plot(
-            *(x, y),
-            color=request.looks[label].colour,
+            *(xs, ys),
+            color=request.looks[label].color,
             marker=_MARKERS[groups.index(name) % len(_MARKERS)],
             markersize=4.0,
             linewidth=1.1,
@@ -66,13 +67,13 @@ def draw(request: Request) -> Drawing:
                     "case": [point[2] for point in series],
                     "label": label,
                     "group": name,
-                    "shear_over_plastic_shear": x,
-                    "force_ratio": y,
+                    "shear_over_plastic_shear": xs,
+                    "force_ratio": ys,
                 },
-                len(x),
+                len(xs),
             )
         )
-        statements.append(f"{label}{', ' + name if name else ''}: {_bound(x, y, tolerance)}.")
+        statements.append(f"{label}{', ' + name if name else ''}: {_bound(xs, ys, tolerance)}.")
     panel.axhspan(1.0 - tolerance, 1.0 + tolerance, color=MUTED, alpha=0.18, linewidth=0.0)
     panel.axhline(1.0, color=INK, linewidth=0.6)
     panel.set_xlabel(f"V/Vpl in {against}")

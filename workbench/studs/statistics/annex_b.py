@@ -17,7 +17,6 @@ from workbench.studs.quantities import Array
 LARGEST_DEVIATION = 0.10  # of any test from the mean of the series
 REDUCTION = 0.9
 DUCTILE_SLIP = 6.0e-3  # m, EN 1994-1-1, 6.6.1.1(5)
-CYCLES, CYCLE_RANGE = 25, (0.05, 0.40)  # loading before the test, shares of the failure load
 
 
 @dataclass(frozen=True, slots=True)
