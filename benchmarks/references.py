@@ -45,9 +45,8 @@ ATTEMPTS = (
 )
 THEIRS = (
     ("OpenSeesPy", 0.05, 0.2, 1e-4),
-    ("OpenSeesPy", 0.025, 0.2, 2e-4),
     ("OpenSeesPy", 0.025, 0.2, 1e-4),
-    ("OpenSeesPy", 0.025, 0.1, 1e-4),
+    ("OpenSeesPy", 0.025, 0.1, 5e-5),
 )
 
 

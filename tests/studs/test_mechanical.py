@@ -38,6 +38,7 @@ AROUND = Surroundings()
 # -- laws ---------------------------------------------------------------------------------------
 
 
+@settings(deadline=None)
 @given(
     s=st.floats(-3e-3, 3e-3), large=st.floats(0.0, 2e-3), small=st.floats(-2e-3, 0.0),
     k=st.floats(1e7, 1e10), f=st.floats(1e3, 1e6),
@@ -55,6 +56,7 @@ def test_bearing_slope_is_its_derivative(
     assert abs(force) <= f
 
 
+@settings(deadline=None)
 @given(s=st.floats(0.0, 3e-3), large=st.floats(1e-5, 3e-3))
 def test_cone_unloads_below_its_envelope_and_returns_to_it(s: float, large: float) -> None:
     strength, peak, end = 80e3, 4e-4, 5e-3

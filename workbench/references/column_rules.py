@@ -56,15 +56,17 @@ def column_mesh(
     return below, above
 
 
-def mesh_findings(scenario: Scenario, below: Array, above: Array) -> list[Finding]:
+def mesh_findings(
+    scenario: Scenario, below: Array, above: Array, sampled: float = 0.5
+) -> list[Finding]:
     """Element lengths (m) for which the result is known to be off by several percent.
 
-    Arguments: element lengths `below` and `above` the hit point of elements that sample
-    plasticity in their middle.
+    Arguments: element lengths `below` and `above` the hit point; `sampled`, where an element
+    samples plasticity, from its end next to a hinge and over its length.
     """
     findings = []
     shorter = min((below, above), key=np.sum)
-    excess = 0.5 * (shorter[0] + shorter[-1]) / np.sum(shorter)
+    excess = sampled * (shorter[0] + shorter[-1]) / np.sum(shorter)
     if excess > LARGEST_EXCESS:
         text = (
             f"elements of {shorter[0]:.3g} m next to the hinges overestimate the resistance of a "

@@ -9,6 +9,7 @@ zero length, strains do not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ from workbench.references.column_beams import build_column, fiber_section
 from workbench.references.column_rules import (
     check_layers,
     column_mesh,
+    mesh_findings,
     section_findings,
     time_spans,
 )
@@ -39,6 +41,8 @@ SMALLEST = {
     ("balanced", ColumnImpact.KIND): (1.0 / 12.0, 0.3),
     ("balanced", ColumnPushover.KIND): (1.0 / 12.0, 0.3),
 }
+# Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
+SAMPLED = {"interpolated": 0.5 - 0.5 / sqrt(3.0), "balanced": 0.0}
 PUSH_STEPS = 1000
 
 
@@ -95,7 +99,11 @@ class FiberCorotational:
     def domain(self, scenario: Scenario) -> list[Finding]:
         """Findings common to all member models, and overrides that fibers cannot follow."""
         y, area = scenario.column.strength_section.fibers(self.layers)
-        return member_findings(scenario) + section_findings(scenario.column, y, area)
+        return [
+            *member_findings(scenario),
+            *section_findings(scenario.column, y, area),
+            *mesh_findings(scenario, *self.mesh(scenario), SAMPLED[self.element]),
+        ]
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a column pushover or a column impact."""
