@@ -62,7 +62,7 @@ gates = (
         0.05,
         "Without shear yielding a model is to be off by less than 5 %; the cases that fail mark "
         "the end of its domain and are the answer of this study, not a defect.",
-        "bound set by this study, not by a standard",
+        "Bound set by this study, not by a standard.",
     ),
 )
 
