@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from workbench.errors import OutOfDomainError
 from workbench.references.column_beams import SEGMENTS, WATCHED, ColumnBeams
@@ -18,7 +19,7 @@ from workbench.responses import (
     peak_of,
     residual_of,
 )
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.impact import PointMass, impact
 from workbench.structures.statics import push
@@ -32,6 +33,29 @@ COLLAPSE_SIDEWAYS = 0.9  # displacement of the hit point over the shorter segmen
 COLLAPSE_SHORTENING = 0.55  # of the length: the same geometry for a hit at mid-height
 COLLAPSE_CONTRACTION = 0.1  # of the length, along the axis: squashed
 LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
+
+
+PUSH_STEPS = 1000  # load steps of a pushover before refinement
+
+
+def run_column(
+    scenario: Scenario,
+    build: Callable[[Scenario], ColumnBeams],
+    spans: Callable[[ColumnImpact], Sequence[tuple[float, float]]],
+    refinement: int,
+    weight: float | None,
+) -> Response:
+    """Build a column and push or hit it.
+
+    Arguments: `build` gives the column under its axial load; `spans` the end times and time steps
+    (s) of an impact; `refinement` halves the load steps; `weight` of the end stresses in a time
+    step (None: explicit). Raises `SolverError`, `OutOfDomainError`.
+    """
+    with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
+        beams = build(scenario)
+        if isinstance(scenario, ColumnPushover):
+            return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**refinement))
+        return run_impact(scenario, beams, spans(scenario), weight)
 
 
 def run_impact(

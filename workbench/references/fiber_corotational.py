@@ -14,12 +14,11 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from workbench.fields import Choice, Flag, Number, check_fields, checked
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.references.column_beams import build_column, fiber_section
+from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
 from workbench.references.column_rules import (
     check_layers,
     column_mesh,
@@ -27,7 +26,7 @@ from workbench.references.column_rules import (
     section_findings,
     time_spans,
 )
-from workbench.references.column_runs import run_impact, run_pushover
+from workbench.references.column_runs import run_column
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 
@@ -43,7 +42,6 @@ SMALLEST = {
 }
 # Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
 SAMPLED = {"interpolated": 0.5 - 0.5 / sqrt(3.0), "balanced": 0.0}
-PUSH_STEPS = 1000
 
 
 @dataclass(frozen=True)
@@ -123,19 +121,19 @@ class FiberCorotational:
         """End times and time steps (s) of the parts of the record, refinement applied."""
         return time_spans(scenario, self.time_step, self.refinement, self.shear_flexible)
 
+    def beams(self, scenario: Scenario) -> ColumnBeams:
+        """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
+        section = fiber_section(
+            scenario.column, self.layers, self.hardening_ratio, self.shear_flexible
+        )
+        return build_column(
+            scenario.column,
+            section,
+            *self.mesh(scenario),
+            balanced=self.element == "balanced",
+            lumped=self.integrator == "explicit",
+        )
+
     def _solve(self, scenario: Scenario) -> Response:
-        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
-            section = fiber_section(
-                scenario.column, self.layers, self.hardening_ratio, self.shear_flexible
-            )
-            beams = build_column(
-                scenario.column,
-                section,
-                *self.mesh(scenario),
-                balanced=self.element == "balanced",
-                lumped=self.integrator == "explicit",
-            )
-            if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
-            weight = self.weight if self.integrator == "implicit" else None
-            return run_impact(scenario, beams, self.time_spans(scenario), weight)
+        weight = self.weight if self.integrator == "implicit" else None
+        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)

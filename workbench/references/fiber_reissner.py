@@ -12,7 +12,6 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Number, check_fields, checked
@@ -26,7 +25,7 @@ from workbench.references.column_rules import (
     section_findings,
     time_spans,
 )
-from workbench.references.column_runs import run_impact, run_pushover
+from workbench.references.column_runs import run_column
 from workbench.references.fiber_reissner_column import reissner_column, reissner_section
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
@@ -43,7 +42,6 @@ from workbench.structures.uniaxial import (
 Array = NDArray[np.float64]
 SMALLEST_SHARE = 1.0 / 64.0  # of the shorter segment: peaks within 1 % of the converged ones
 SMALLEST_DEPTH = 0.05  # of the depth
-PUSH_STEPS = 1000
 LAWS = ("linear", "menegotto-pinto")
 
 
@@ -185,14 +183,13 @@ class FiberReissner:
             lumped=self.integrator == "explicit",
         )
 
+    def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
+        """End times and time steps (s) of the parts of the record, refinement applied."""
+        return time_spans(scenario, self.time_step, self.refinement)
+
     def _solve(self, scenario: Scenario) -> Response:
-        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
-            beams = self.beams(scenario)
-            if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
-            spans = time_spans(scenario, self.time_step, self.refinement)
-            weight = self.weight if self.integrator == "implicit" else None
-            return run_impact(scenario, beams, spans, weight)
+        weight = self.weight if self.integrator == "implicit" else None
+        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)
 
 
 def pattern_findings(scenario: Scenario, pattern: str) -> list[Finding]:

@@ -11,7 +11,6 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from workbench.fields import Choice, Number, check_fields, checked
 from workbench.models.base import respond
@@ -24,9 +23,8 @@ from workbench.references.column_rules import (
     section_findings,
     time_spans,
 )
-from workbench.references.column_runs import run_impact, run_pushover
+from workbench.references.column_runs import run_column
 from workbench.references.fiber_reissner import (
-    PUSH_STEPS,
     SMALLEST_DEPTH,
     SMALLEST_SHARE,
     pattern_findings,
@@ -129,11 +127,10 @@ class FiberShear:
             lumped=self.integrator == "explicit",
         )
 
+    def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
+        """End times and time steps (s) of the parts of the record, refinement applied."""
+        return time_spans(scenario, self.time_step, self.refinement)
+
     def _solve(self, scenario: Scenario) -> Response:
-        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
-            beams = self.beams(scenario)
-            if isinstance(scenario, ColumnPushover):
-                return run_pushover(scenario, beams, round(PUSH_STEPS * 2.0**self.refinement))
-            spans = time_spans(scenario, self.time_step, self.refinement)
-            weight = self.weight if self.integrator == "implicit" else None
-            return run_impact(scenario, beams, spans, weight)
+        weight = self.weight if self.integrator == "implicit" else None
+        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)

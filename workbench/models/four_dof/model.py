@@ -186,7 +186,12 @@ class FourDof:
             [[0.0], np.cumsum(0.5 * (records[1:, 4] + records[:-1, 4]) * np.diff(state[:, 0]))]
         )
         dead = -column.axial_load * (state[:, 3] - state[0, 3])
-        elastic = self._elastic(kernel, stress, state[:, 3])
+        elastic = np.array(
+            [
+                _kernels.elastic_energy(forces, kernel["stiffness"], kernel["head"], u2)
+                for forces, u2 in zip(stress, state[:, 3], strict=True)
+            ]
+        )
         work = external + dead
         values: dict[str, Any] = {
             "displacement": state[:, 0],
@@ -292,15 +297,6 @@ class FourDof:
         return build_response(
             values, time=time, hinges=HINGES, segments=SEGMENTS, warnings=warnings
         )
-
-    @staticmethod
-    def _elastic(kernel: dict[str, Any], stress: Array, head: Array) -> Array:
-        """Elastic energy of hinges and spring along a record, in J."""
-        stiffness = kernel["stiffness"]
-        flexibility = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0.0)
-        spring = kernel["head"]
-        stored = 0.5 * np.sum(stress**2 * flexibility, axis=(1, 2))
-        return np.asarray(stored + 0.5 * spring[1] * (head - spring[2]) ** 2)
 
     @staticmethod
     def _hinge_values(

@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from workbench.report.figures.drawing import (
-    Absences,
     Array,
     Drawing,
     Request,
@@ -20,11 +19,10 @@ from workbench.report.figures.drawing import (
     nothing,
     rows,
 )
-from workbench.report.figures.panels import name_axes, panel_grid
+from workbench.report.figures.panels import first_answered, name_axes, panel_grid
 from workbench.report.figures.style import INK, legend_below
 from workbench.report.formatting import axis_label, number, unit_of
 from workbench.responses import Response
-from workbench.study.definition import Case
 
 # bottom to top; fixed colours that no label uses as a fill
 PARTS = (
@@ -39,7 +37,9 @@ _MOST_PANELS = 6
 
 def draw(request: Request) -> Drawing:
     """Stacked energies with the energy that has come in as a line on top."""
-    case, ledgers, statements = _ledgers(request)
+    case, ledgers, statements = first_answered(
+        request, {"dissipated", "elastic", "input_energy"}, "an energy ledger"
+    )
     if case is None:
         return nothing("No model keeps an energy ledger of these cases.", *statements)
     if len(ledgers) > _MOST_PANELS:
@@ -80,25 +80,6 @@ def draw(request: Request) -> Drawing:
     statements.insert(0, f"Case: {case.name}. Energies in J in the data file.")
     alt = f"energy ledgers of {', '.join(ledgers)} for {case.name}"
     return Drawing(canvas, joined(blocks), tuple(statements), alt)
-
-
-def _ledgers(request: Request) -> tuple[Case | None, dict[str, Response], list[str]]:
-    named = request.option("case", "")
-    for case in request.cases:
-        if named and case.name != named:
-            continue
-        found, absent = {}, Absences()
-        for label in request.shown(case):
-            response = request.stored.response(case.name, label)
-            if response is None:
-                absent.no_answer(label, case.name)
-            elif not {"dissipated", "elastic", "input_energy"} <= set(response.data_vars):
-                absent.without("an energy ledger", label)
-            else:
-                found[label] = response
-        if found:
-            return case, found, absent.sentences()
-    return None, {}, []
 
 
 def _stack(response: Response, history: str) -> tuple[Array, dict[str, Array], Array]:

@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from workbench.report.figures.drawing import (
-    Absences,
     Array,
     Drawing,
     Request,
@@ -21,7 +20,7 @@ from workbench.report.figures.drawing import (
     nothing,
     rows,
 )
-from workbench.report.figures.panels import name_axes, panel_grid
+from workbench.report.figures.panels import first_answered, name_axes, panel_grid
 from workbench.report.figures.style import INK, MUTED, PALETTE, legend_below
 from workbench.responses import Response
 from workbench.study.definition import Case
@@ -32,7 +31,7 @@ _MOST_POINTS = 1200
 
 def draw(request: Request) -> Drawing:
     """One panel per label: N/Npl across, M/Mpl up, hinges as lines that end in a dot."""
-    case, found, statements = _answers(request)
+    case, found, statements = first_answered(request, {"axial_force", "moment"}, "forces in hinges")
     if case is None:
         return nothing("No model states hinge forces over time for these cases.", *statements)
     if len(found) > _MOST_PANELS:
@@ -57,25 +56,6 @@ def draw(request: Request) -> Drawing:
     statements.insert(0, f"Case: {case.name}. Dots mark the end of the record.")
     alt = f"axial force and moment of the hinges of {', '.join(found)} for {case.name}"
     return Drawing(canvas, joined(blocks), tuple(statements), alt)
-
-
-def _answers(request: Request) -> tuple[Case | None, dict[str, Response], list[str]]:
-    named = request.option("case", "")
-    for case in request.cases:
-        if named and case.name != named:
-            continue
-        found, absent = {}, Absences()
-        for label in request.shown(case):
-            response = request.stored.response(case.name, label)
-            if response is None:
-                absent.no_answer(label, case.name)
-            elif not {"axial_force", "moment"} <= set(response.data_vars):
-                absent.without("forces in hinges", label)
-            else:
-                found[label] = response
-        if found:
-            return case, found, absent.sentences()
-    return None, {}, []
 
 
 def _surfaces(request: Request, case: Case, label: str, panel: Axes) -> list[Line2D]:

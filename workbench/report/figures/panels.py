@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
-from workbench.report.figures.drawing import Request
+from workbench.report.figures.drawing import Absences, Request
 from workbench.report.figures.style import Look, grid_shape, new_figure
+from workbench.responses import Response
 from workbench.study.definition import Case
 
 MOST_PANELS = 6
@@ -30,6 +31,32 @@ def chosen_cases(request: Request, kind: str = "") -> tuple[list[Case], list[str
     return cases[:MOST_PANELS], [
         f"Shown are the first {MOST_PANELS} of {len(cases)} cases; the tables hold all of them."
     ]
+
+
+def first_answered(
+    request: Request, needed: set[str], what: str
+) -> tuple[Case | None, dict[str, Response], list[str]]:
+    """The case of a figure that shows one: the option `case`, or the first with an answer.
+
+    Arguments: `needed`, the variables a response must have; `what` they are, in words. Result:
+    the case (None: no answer at all), its responses by label, and statements on absent ones.
+    """
+    named = request.option("case", "")
+    for case in request.cases:
+        if named and case.name != named:
+            continue
+        found, absent = {}, Absences()
+        for label in request.shown(case):
+            response = request.stored.response(case.name, label)
+            if response is None:
+                absent.no_answer(label, case.name)
+            elif not needed <= set(response.data_vars):
+                absent.without(what, label)
+            else:
+                found[label] = response
+        if found:
+            return case, found, absent.sentences()
+    return None, {}, []
 
 
 def panel_grid(
