@@ -118,7 +118,51 @@ class Instance:
         return value
 
 
-Rule = Number | Choice | Flag | Text | Instance
+@dataclasses.dataclass(frozen=True, slots=True)
+class Numbers:
+    """A list of numbers, each held to `item`; kept as a tuple."""
+
+    item: Number
+    shortest: int = 1
+    longest: int = 1_000_000
+
+    def allowed(self) -> str:
+        """The allowed length and the range of each number."""
+        return f"must be a list of {self.shortest} to {self.longest} numbers"
+
+    def check(self, path: str, value: object) -> tuple[float, ...]:
+        """Return the numbers, or raise `InputError` naming `path` or one place in it."""
+        items = value.tolist() if hasattr(value, "tolist") else value
+        if not isinstance(items, (list, tuple)):
+            raise InputError(path, value, self.allowed(), "write [1.0, 2.0]")
+        if not self.shortest <= len(items) <= self.longest:
+            raise InputError(path, items, f"{self.allowed()}, not {len(items)}")
+        return tuple(self.item.check(f"{path}.{i}", item) for i, item in enumerate(items))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Instances:
+    """A list of objects of one class; kept as a tuple."""
+
+    kind: type[Any]
+    shortest: int = 0
+
+    def allowed(self) -> str:
+        """The allowed length and class."""
+        least = f"{self.shortest} or more" if self.shortest else "any number of"
+        return f"must be a list of {least} {self.kind.__name__} objects"
+
+    def check(self, path: str, value: object) -> tuple[object, ...]:
+        """Return the objects, or raise `InputError` naming `path` or one place in it."""
+        if not isinstance(value, (list, tuple)):
+            raise InputError(path, value, self.allowed())
+        if len(value) < self.shortest:
+            raise InputError(path, None, self.allowed(), f"{len(value)} are given")
+        one = Instance(self.kind)
+        return tuple(one.check(f"{path}.{i}", item) for i, item in enumerate(value))
+
+
+Rule = Number | Choice | Flag | Text | Instance | Numbers | Instances
 
 
 def checked(

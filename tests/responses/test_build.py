@@ -72,6 +72,36 @@ def test_unknown_variables_cannot_be_built_and_unknown_quantities_are_absent() -
     assert "impulse" not in build_response({"impulse": None, "peak_force": 3.0})
 
 
+def test_snapshots_of_a_frame_have_their_coordinates() -> None:
+    members, hinges = ["A0-A1", "A1-B1"], ["A0-A1:start", "A0-A1:end"]
+    response = build_response(
+        {
+            "load_factor": [0.0, 1.0, 2.0, 1.5],
+            "snapshot_at": [0.0, 2.0, 3.0],
+            "shape_x": np.zeros((2, 9, 3)),
+            "shape_y": np.ones((2, 9, 3)),
+            "utilisation": np.full((2, 3), 0.5),
+            "shear_utilisation": [0.1, 0.2],
+        },
+        steps=4,
+        hinges=hinges,
+        segments=members,
+        members=members,
+    )
+    check_response(response)
+    assert response["load_factor"].dims == ("step",)
+    assert response["shape_x"].dims == ("member", "point", "snapshot")
+    assert list(response["point"].values) == pytest.approx(np.arange(9) / 8.0)
+    assert list(response["snapshot"].values) == [0, 1, 2]
+    assert list(response["member"].values) == members
+    assert response["utilisation"].sel(hinge="A0-A1:end").sizes == {"snapshot": 3}
+    assert {"member", "point", "snapshot"}.isdisjoint(
+        build_response({"force": [1.0]}, steps=1).dims
+    )
+    with pytest.raises(ValueError, match="snapshot"):
+        build_response({"snapshot_at": [0.0, 1.0], "utilisation": np.zeros((1, 3))}, hinges=["a"])
+
+
 @pytest.mark.parametrize("outcome", list(Outcome))
 def test_every_outcome_says_what_to_do(outcome: Outcome) -> None:
     response = failed_response(outcome, "reason")

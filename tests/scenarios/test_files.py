@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.datafiles import data_directory
 from workbench.errors import InputError
 from workbench.scenarios import (
     Column,
@@ -193,3 +194,12 @@ def test_a_stump_is_not_a_column() -> None:
 def test_a_push_past_twice_the_segment_is_refused() -> None:
     with pytest.raises(InputError, match="twice the shorter segment"):
         ColumnPushover("push", Column(find("HEB 220"), 0.8, 3.2), 1.7)
+
+
+def test_published_columns_keep_the_hash_that_keys_their_stored_answers() -> None:
+    folder = data_directory() / "published"
+    hashes = {
+        name: scenario_hash(load_scenario(folder / f"heng2017_{name}_column.toml"))
+        for name in ("impact", "clamped")
+    }
+    assert hashes == {"impact": "92bd2ecb9e9762e2", "clamped": "8e3b63c40ab43604"}

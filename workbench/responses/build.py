@@ -25,26 +25,27 @@ def build_response(
     steps: int | None = None,
     hinges: Sequence[str] = (),
     segments: Sequence[str] = (),
+    members: Sequence[str] = (),
     warnings: Sequence[Finding] = (),
 ) -> Response:
     """Make a response from plain arrays, with dimensions, units and names from the table.
 
     Arguments: `values`, variable name to array in the order of its dimensions (entries that
     are None are left out: a quantity that a model cannot know is absent); `time` in s for
-    histories in time, or `steps`, the number of load steps; names of `hinges` and `segments`;
-    `warnings` met while solving. Raises KeyError for a variable that is not in the table.
+    histories in time, or `steps`, the number of load steps; names of `hinges`, `segments` and
+    `members`; `warnings` met while solving. Points along members are evenly spaced, snapshots
+    numbered. Raises KeyError for a variable that is not in the table.
     """
     history = "time" if time is not None else "step"
-    along: dict[str, Any] = {"hinge": list(hinges) or None, "segment": list(segments) or None}
+    along: dict[str, Any] = {
+        "hinge": list(hinges) or None,
+        "segment": list(segments) or None,
+        "member": list(members) or None,
+    }
     if time is not None:
         along["time"] = np.asarray(time, dtype=float)
     elif steps is not None:
         along["step"] = np.arange(steps)
-    coordinates = {
-        name: (name, along[name], {"units": meaning.units, "long_name": meaning.long_name})
-        for name, meaning in COORDINATES.items()
-        if along.get(name) is not None
-    }
     data = {}
     for name, value in values.items():
         if value is None:
@@ -53,6 +54,20 @@ def build_response(
         dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
         attributes = {"units": variable.units, "long_name": variable.long_name}
         data[name] = xr.Variable(dims, np.asarray(value, dtype=float), attributes)
+    sizes = {
+        dim: size
+        for variable in data.values()
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+    }
+    if "point" in sizes:
+        along["point"] = np.linspace(0.0, 1.0, sizes["point"])
+    if "snapshot" in sizes:
+        along["snapshot"] = np.arange(sizes["snapshot"])
+    coordinates = {
+        name: (name, along[name], {"units": meaning.units, "long_name": meaning.long_name})
+        for name, meaning in COORDINATES.items()
+        if along.get(name) is not None
+    }
     response = xr.Dataset(data, coordinates)
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from workbench.responses.stud_tests import STUD_TESTS
+
 
 class Variable(NamedTuple):
     """Dimensions, SI unit and plain name of a response variable."""
@@ -18,6 +20,10 @@ COORDINATES: dict[str, Variable] = {
     "step": Variable(("step",), "1", "load step"),
     "hinge": Variable(("hinge",), "1", "plastic hinge (or section watched for plasticity)"),
     "segment": Variable(("segment",), "1", "member segment"),
+    "member": Variable(("member",), "1", "member of the frame"),
+    "point": Variable(("point",), "1", "place along the member, 0 at its start, 1 at its end"),
+    "snapshot": Variable(("snapshot",), "1", "number of the snapshot"),
+    "run": Variable(("run",), "1", "run that the numerical uncertainty rests on"),
 }
 
 # Histories stand over `time` in an impact and over `step` in a pushover.
@@ -26,7 +32,10 @@ HISTORY = "history"
 VARIABLES: dict[str, Variable] = {
     "displacement": Variable((HISTORY,), "m", "displacement of the hit point along the strike"),
     "velocity": Variable((HISTORY,), "m/s", "velocity of the hit point along the strike"),
+    "run_displacement": Variable(("run", HISTORY), "m", "displacement in each further run"),
+    "run_force": Variable(("run", HISTORY), "N", "force in each further run"),
     "force": Variable((HISTORY,), "N", "force on the hit point along the strike"),
+    "load_factor": Variable((HISTORY,), "1", "factor on the pattern of loads"),
     "percussion": Variable((HISTORY,), "N s", "contact impulse of the time step"),
     "striker_velocity": Variable((HISTORY,), "m/s", "velocity of the striker"),
     "shortening": Variable((HISTORY,), "m", "shortening of the column at its head"),
@@ -40,12 +49,17 @@ VARIABLES: dict[str, Variable] = {
     "contact_loss": Variable((HISTORY,), "J", "energy lost in contact so far"),
     "balance_error": Variable((HISTORY,), "J", "energy input less stored, lost and dissipated"),
     "shear_utilisation": Variable(("segment",), "1", "largest shear force over V_pl"),
+    "snapshot_at": Variable(("snapshot",), "1", "time (s) or step of the snapshot"),
+    "shape_x": Variable(("member", "point", "snapshot"), "m", "place of the deformed axis along x"),
+    "shape_y": Variable(("member", "point", "snapshot"), "m", "place of the deformed axis along y"),
+    "utilisation": Variable(("hinge", "snapshot"), "1", "utilisation of the hinge in N and M"),
     "peak_displacement": Variable((), "m", "largest displacement of the hit point"),
     "time_of_peak": Variable((), "s", "time of the largest displacement"),
     "residual_displacement": Variable((), "m", "permanent displacement of the hit point"),
     "peak_force": Variable((), "N", "largest contact force, mean over 1 ms"),
     "impulse": Variable((), "N s", "total impulse of the contact"),
     "input_energy": Variable((), "J", "energy brought in: striker, or work of the push"),
+    **{name: Variable((), "1", meaning) for name, meaning in STUD_TESTS.items()},
 }
 
 # Attributes that differ from run to run; all others repeat exactly.

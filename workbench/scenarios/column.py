@@ -9,26 +9,22 @@ from typing import ClassVar
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Instance, Number, Text, check_fields, checked
 from workbench.materials import Steel
+from workbench.scenarios.members import (
+    AREA,
+    LENGTH,
+    MASS_PER_LENGTH,
+    PLASTIC_MOMENT,
+    SECOND_MOMENT,
+    SQUASH_LOAD,
+    MemberProperties,
+    member_properties,
+)
 from workbench.sections import Section
 
-LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
-
-
-@dataclass(frozen=True)
-class MemberProperties:
-    """What lumped models need of a member, section values with the scenario's overrides (SI).
-
-    `area` (m2) and `second_moment` (m4) are elastic; `plastic_moment` (N m), `squash_load` (N)
-    and `shear_resistance` (N) are strengths; `mass_per_length` in kg/m, `impact_mass` in kg.
-    """
-
-    area: float
-    second_moment: float
-    plastic_moment: float
-    squash_load: float
-    shear_resistance: float
-    mass_per_length: float
-    impact_mass: float
+MASS = Number(0.0, 1e7, "kg", low_included=False)
+VELOCITY = Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
+RESTITUTION = Number(0.0, 1.0)
+DURATION = Number(0.0, 10.0, "s", low_included=False, advice="durations are in seconds")
 
 
 @dataclass(frozen=True)
@@ -58,16 +54,11 @@ class Column:
     )
     restraint_stiffness: float = checked(Number(0.0, 1e14, "N/m"), 0.0)
     head_mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
-    area: float | None = checked(
-        Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4"), optional=True
-    )
-    second_moment: float | None = checked(
-        Number(1e-12, 1.0, "m4", advice="second moments are in m4: 8091 cm4 is 8091e-8"),
-        optional=True,
-    )
-    plastic_moment: float | None = checked(Number(1.0, 1e9, "N m"), optional=True)
-    squash_load: float | None = checked(Number(1.0, 1e10, "N"), optional=True)
-    mass_per_length: float | None = checked(Number(0.01, 1e5, "kg/m"), optional=True)
+    area: float | None = checked(AREA, optional=True)
+    second_moment: float | None = checked(SECOND_MOMENT, optional=True)
+    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
+    squash_load: float | None = checked(SQUASH_LOAD, optional=True)
+    mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
     impact_mass: float | None = checked(Number(1e-3, 1e7, "kg"), optional=True)
 
     TABLE: ClassVar[str] = "column"
@@ -104,22 +95,18 @@ class Column:
     @cached_property
     def properties(self) -> MemberProperties:
         """Section values with the overrides of this column applied."""
-        strength, steel = self.strength_section, self.steel
-
-        def given(override: float | None, computed: float) -> float:
-            return computed if override is None else override
-
-        area = given(self.area, self.section.area)
-        mass = given(self.mass_per_length, steel.density * area)
-        return MemberProperties(
-            area=area,
-            second_moment=given(self.second_moment, self.section.second_moment),
-            plastic_moment=given(self.plastic_moment, strength.plastic_moment(steel)),
-            squash_load=given(self.squash_load, strength.squash_load(steel)),
-            shear_resistance=strength.shear_resistance(steel),
-            mass_per_length=mass,
-            impact_mass=given(self.impact_mass, mass * self.length / 3.0),
+        given = member_properties(
+            self.section,
+            self.steel,
+            self.length,
+            fillets=self.fillets,
+            area=self.area,
+            second_moment=self.second_moment,
+            plastic_moment=self.plastic_moment,
+            squash_load=self.squash_load,
+            mass_per_length=self.mass_per_length,
         )
+        return given if self.impact_mass is None else replace(given, impact_mass=self.impact_mass)
 
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
@@ -131,11 +118,9 @@ class Column:
 class Striker:
     """A rigid mass that hits the column: `mass` in kg, `velocity` in m/s, Newton `restitution`."""
 
-    mass: float = checked(Number(0.0, 1e7, "kg", low_included=False))
-    velocity: float = checked(
-        Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
-    )
-    restitution: float = checked(Number(0.0, 1.0), 0.0)
+    mass: float = checked(MASS)
+    velocity: float = checked(VELOCITY)
+    restitution: float = checked(RESTITUTION, 0.0)
 
     TABLE: ClassVar[str] = "striker"
 
@@ -180,11 +165,7 @@ class ColumnImpact:
     name: str = checked(Text())
     column: Column = checked(Instance(Column))
     striker: Striker = checked(Instance(Striker))
-    duration: float = checked(
-        Number(0.0, 10.0, "s", low_included=False, advice="durations are in seconds"),
-        0.1,
-        path="time.duration",
-    )
+    duration: float = checked(DURATION, 0.1, path="time.duration")
 
     KIND: ClassVar[str] = "column-impact"
 

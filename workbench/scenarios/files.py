@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -15,13 +14,24 @@ from workbench.errors import InputError
 from workbench.fields import Choice, check_keys
 from workbench.materials import Steel
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import Section, section_from
+from workbench.scenarios.frame_files import (
+    FRAME_TABLES,
+    FrameScenario,
+    frame_scenario_from,
+    frame_tables,
+)
+from workbench.scenarios.stud import StudTests, stud_tests_from
+from workbench.scenarios.tables import build, fields_of, label_of, table_in
+from workbench.sections import section_from
 
-Scenario = ColumnPushover | ColumnImpact
+ColumnScenario = ColumnPushover | ColumnImpact
+Scenario = ColumnScenario | FrameScenario | StudTests
 
 _TABLES: dict[str, tuple[str, ...]] = {
     ColumnPushover.KIND: ("column", "steel", "pushover"),
     ColumnImpact.KIND: ("column", "steel", "striker", "time"),
+    **FRAME_TABLES,
+    StudTests.KIND: (StudTests.TABLE,),
 }
 
 
@@ -48,17 +58,36 @@ def load_scenario(path: Path | str, overrides: Iterable[str] = ()) -> Scenario:
 
 
 def apply_override(tables: dict[str, Any], override: str) -> None:
-    """Set one value in a nested table from ``key.path=value`` (value as TOML, else text)."""
+    """Set one value in a nested table from ``key.path=value`` (value as TOML, else text).
+
+    Entries of an array of tables are addressed by name, by node, or by number from 0:
+    ``member.A0-A1.section=HEB 200``. Raises `InputError`.
+    """
     path, equals, text = override.partition("=")
     keys = [key.strip() for key in path.split(".")]
     if not equals or not all(keys):
         raise InputError("--set", override, "must look like column.axial_load=2e5")
-    target = tables
+    target: Any = tables
     for key in keys[:-1]:
-        target = target.setdefault(key, {})
-        if not isinstance(target, dict):
+        listed = isinstance(target, list)
+        target = _entry(target, key, override) if listed else target.setdefault(key, {})
+        if not isinstance(target, (dict, list)):
             raise InputError("--set", override, f"{key} is a value, not a table")
+    if isinstance(target, list):
+        raise InputError("--set", override, f"{path.strip()} is an entry, not one of its keys")
     target[keys[-1]] = parse_value(text.strip())
+
+
+def _entry(entries: list[Any], key: str, override: str) -> Any:
+    """The entry that a key of an override names."""
+    tables = [entry for entry in entries if isinstance(entry, dict)]
+    found = [entry for number, entry in enumerate(tables) if label_of(entry, number) == key]
+    if not found and key.isdecimal():
+        found = tables[int(key) : int(key) + 1]
+    if len(found) == 1:
+        return found[0]
+    how = "several entries are" if found else "no entry is"
+    raise InputError("--set", override, f"{how} called {key}", "numbers from 0 name entries, too")
 
 
 def parse_value(text: str) -> Any:
@@ -79,27 +108,35 @@ def scenario_from(tables: Mapping[str, Any]) -> Scenario:
         raise InputError("kind", None, "is missing", "write one of " + ", ".join(_TABLES))
     kind = Choice(tuple(_TABLES)).check("kind", tables["kind"])
     check_keys(list(tables), ("kind", "name", *_TABLES[kind]), "")
+    if kind == StudTests.KIND:
+        return stud_tests_from(tables)
     name = tables.get("name", kind)
-    column = _column_from(_table(tables, "column"), _table(tables, "steel", optional=True))
+    if kind in FRAME_TABLES:
+        return frame_scenario_from(kind, name, tables)
+    column = _column_from(table_in(tables, "column"), table_in(tables, "steel", optional=True))
     if kind == ColumnPushover.KIND:
-        push = _table(tables, "pushover", optional=True)
+        push = table_in(tables, "pushover", optional=True)
         check_keys(list(push), ("displacement",), "pushover")
         return ColumnPushover(name, column=column, **push)
-    time = _table(tables, "time", optional=True)
+    time = table_in(tables, "time", optional=True)
     check_keys(list(time), ("duration",), "time")
-    striker = _build(Striker, _table(tables, "striker"), "striker")
+    striker = build(Striker, table_in(tables, "striker"), "striker")
     return ColumnImpact(name, column=column, striker=striker, **time)
 
 
 def to_tables(scenario: Scenario) -> dict[str, Any]:
     """The scenario as nested tables in canonical order, defaults written out."""
-    column = _fields_of(scenario.column)
+    if isinstance(scenario, StudTests):
+        return scenario.to_tables()
+    if isinstance(scenario, FrameScenario):
+        return frame_tables(scenario)
+    column = fields_of(scenario.column)
     column["section"] = scenario.column.section.to_toml()
     tables: dict[str, Any] = {"kind": scenario.KIND, "name": scenario.name}
     tables["column"] = column
-    tables["steel"] = _fields_of(scenario.column.steel)
+    tables["steel"] = fields_of(scenario.column.steel)
     if isinstance(scenario, ColumnImpact):
-        tables["striker"] = _fields_of(scenario.striker)
+        tables["striker"] = fields_of(scenario.striker)
         tables["time"] = {"duration": scenario.duration}
     else:
         tables["pushover"] = {"displacement": scenario.displacement}
@@ -125,40 +162,11 @@ def canonical(scenario: Scenario) -> tuple[str, str]:
     return f"{tomli_w.dumps(head)}\n{body}", digest
 
 
-def _fields_of(instance: Any) -> dict[str, Any]:
-    pairs = ((f.name, getattr(instance, f.name)) for f in dataclasses.fields(instance))
-    return {
-        name: value
-        for name, value in pairs
-        if value is not None and not isinstance(value, (Section, Steel))
-    }
-
-
-def _table(tables: Mapping[str, Any], name: str, optional: bool = False) -> dict[str, Any]:
-    if name not in tables:
-        if optional:
-            return {}
-        raise InputError(name, None, f"the table [{name}] is missing", f"add [{name}]")
-    table = tables[name]
-    if not isinstance(table, dict):
-        raise InputError(name, table, f"must be a table [{name}]")
-    return dict(table)
-
-
-def _build(kind: Any, table: dict[str, Any], path: str) -> Any:
-    fields = dataclasses.fields(kind)
-    check_keys(list(table), [f.name for f in fields], path)
-    for field in fields:
-        if field.default is dataclasses.MISSING and field.name not in table:
-            raise InputError(f"{path}.{field.name}", None, "is missing", "add the key")
-    return kind(**table)
-
-
 def _column_from(table: dict[str, Any], steel: dict[str, Any]) -> Column:
     if "steel" in table:
         raise InputError("column.steel", table["steel"], "is a table of its own", "use [steel]")
     if "section" in table:
         table["section"] = section_from(table["section"], "column.section")
-    table["steel"] = _build(Steel, steel, "steel")
-    column: Column = _build(Column, table, "column")
+    table["steel"] = build(Steel, steel, "steel")
+    column: Column = build(Column, table, "column")
     return column

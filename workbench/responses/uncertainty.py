@@ -1,0 +1,171 @@
+"""Numerical uncertainty of a response from the coarser and finer runs that stand behind it.
+
+A reference answers with its finest mesh and carries what its other runs said: their scalars and
+their main curve, and the directions in which they differ. Whatever is derived from the response,
+a scalar or a metric of a history, gets its half-width from the same rule over the same runs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.responses.build import Response
+from workbench.responses.convergence import SAFE, Ladder, ladder
+from workbench.responses.variables import COORDINATES, VARIABLES, Variable
+
+Array = NDArray[np.float64]
+FINEST = "h"  # the run that is the answer
+FIBERS, STEPS = "fibers", "steps"
+SPACE, SPACE_AND_STEPS = "space", "space and steps"
+CURVES = {"displacement": "run_displacement", "force": "run_force"}
+WIDTHS, BASIS = "numerical_uncertainty", "refinement"  # attributes of a response
+
+
+def level_names(levels: int) -> tuple[str, ...]:
+    """Names of so many meshes from coarse to fine: ``4 h``, ``2 h``, ``h``."""
+    return tuple(f"{2**k} h" if k else FINEST for k in reversed(range(levels)))
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """One kind of step, and the runs that differ in it alone, from coarse to fine.
+
+    `factor` times the difference of two runs is the half-width that this direction leaves in the
+    answer (None: the runs are a ladder that ends with the answer).
+    """
+
+    name: str
+    runs: tuple[str, ...]
+    factor: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What the runs say about one number of the answer.
+
+    `width`, the half-width (None: unknown) in the unit of the number; `parts`, that of each
+    direction; `found`, the ladder of the meshes (None: a value is missing); `note`, one sentence.
+    """
+
+    width: float | None
+    parts: Mapping[str, float | None]
+    found: Ladder | None
+    note: str
+
+
+def estimate(directions: Sequence[Direction], values: Mapping[str, float]) -> Estimate:
+    """Half-width of a number from its `values` by run; a run without a value leaves it unknown."""
+    parts: dict[str, float | None] = {}
+    found, missing = None, []
+    for direction in directions:
+        known = [values[run] for run in direction.runs if run in values]
+        if len(known) < len(direction.runs):
+            missing += [run for run in direction.runs if run not in values]
+            parts[direction.name] = None
+        elif direction.factor is None:
+            found = ladder(known)
+            parts[direction.name] = found.uncertainty
+        else:
+            parts[direction.name] = direction.factor * abs(known[1] - known[0])
+    if missing:
+        note = f"no value of {', '.join(dict.fromkeys(missing))}: unknown"
+    else:
+        note = found.note if found is not None else "one mesh only: unknown"
+    return Estimate(combined(parts), parts, found, note)
+
+
+def combined(parts: Mapping[str, float | None]) -> float | None:
+    """Half-width from those of the directions; None (unknown) in any of them, or none at all.
+
+    Discretisation errors are not random and may have one sign, so that they add up (ASME V&V 20
+    adds them likewise). Where steps are refined with space they count alone only if that says
+    more than both together, as errors of space and time may cancel.
+    """
+    if not parts or any(width is None for width in parts.values()):
+        return None
+    known = {name: width or 0.0 for name, width in parts.items()}
+    if SPACE_AND_STEPS in known:
+        known[SPACE_AND_STEPS] = max(known[SPACE_AND_STEPS], known.pop(STEPS, 0.0))
+    return sum(known.values())
+
+
+def fiber_direction(coarsest: str, other: str, ratio: float) -> Direction:
+    """Layers of the section, `ratio` times as many in `other` as in the answer.
+
+    Convergence is of second order, but not smooth; even at first order the limit is ratio over
+    (ratio - 1) changes away. With fewer layers (ratio below one) it is the finer of the two.
+    """
+    if ratio > 1.0:
+        return Direction(FIBERS, (coarsest, other), SAFE * ratio / (ratio - 1.0))
+    return Direction(FIBERS, (other, coarsest), SAFE * ratio / (1.0 - ratio))
+
+
+def step_direction(coarsest: str, halved: str, coarsening: float, cautious: float) -> Direction:
+    """Steps alone: half as long in `halved`, at first order.
+
+    The steps of the coarsest run are `coarsening` times those of the answer; `cautious`, the
+    safety factor of two levels.
+    """
+    return Direction(STEPS, (coarsest, halved), cautious * 2.0 / coarsening)
+
+
+def attach_curves(response: Response, runs: Mapping[str, Response]) -> None:
+    """Keep the main curve of every other run, on the abscissa of the answer.
+
+    Histories in time stand over its instants; static curves over the displacement travelled so
+    far, which grows on cyclic and unloading paths too.
+    """
+    if not runs or "displacement" not in response:
+        return
+    history = response["displacement"].dims[0]
+    names = list(runs)
+    response.coords["run"] = ("run", names, _described(COORDINATES["run"]))
+    at = _abscissa(response)
+    for name, kept in CURVES.items():
+        if name not in response:
+            continue
+        table = np.stack([np.interp(at, _abscissa(run), run[name].values) for run in runs.values()])
+        response[kept] = (("run", history), table, _described(VARIABLES[kept]))
+
+
+def variants(response: Response) -> Iterator[tuple[str, Response]]:
+    """The answer with the main curve of each of its runs in turn, itself last."""
+    for name in [] if "run" not in response.coords else response["run"].values:
+        curves = {}
+        for variable, kept in CURVES.items():
+            if kept in response:
+                own = response[variable]
+                curves[variable] = (own.dims, response[kept].sel(run=name).values, own.attrs)
+        yield str(name), response.assign(curves)
+    yield FINEST, response
+
+
+def directions_of(response: Response) -> tuple[Direction, ...]:
+    """The directions of the runs that stand behind a response (empty: one mesh only)."""
+    basis = json.loads(response.attrs.get(BASIS, "{}"))
+    return tuple(
+        Direction(d["name"], tuple(d["runs"]), d["factor"]) for d in basis.get("directions", ())
+    )
+
+
+def uncertainty_of(response: Response, quantity: str) -> float | None:
+    """Half-width of a scalar of a response, None if it is unknown or was never asked for."""
+    width = json.loads(response.attrs.get(WIDTHS, "{}")).get(quantity)
+    return None if width is None else float(width)
+
+
+def _abscissa(response: Response) -> Array:
+    displacement = response["displacement"]
+    if displacement.dims == ("time",):
+        return np.asarray(response["time"].values, dtype=float)
+    travelled = np.cumsum(np.abs(np.diff(displacement.values)))
+    return np.concatenate([[0.0], travelled])
+
+
+def _described(variable: Variable) -> dict[str, str]:
+    return {"units": variable.units, "long_name": variable.long_name}

@@ -1,0 +1,198 @@
+"""The frame: nodes, members, joints and dead loads that fit together."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import hypot
+from typing import ClassVar, TypeVar
+
+from workbench.errors import InputError
+from workbench.fields import Flag, Instance, Instances, check_fields, checked
+from workbench.materials import Steel
+from workbench.scenarios.frame_parts import PREDEFINED, RIGID, Joint, Load, Member, Node
+from workbench.scenarios.members import LENGTH, MemberProperties, member_properties
+from workbench.scenarios.topology import check_connected, check_places, check_supported, extent
+from workbench.sections import Section
+
+ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A planar steel frame.
+
+    Arguments: `nodes`, `members`; `loads`, dead loads that are brought on first and kept;
+    `joints` beside the predefined ``rigid`` and ``pinned``; `steel`; `fillets`, whether root
+    fillets count in the strength of the sections (stiffness and mass are those of the rolled
+    profile either way). Raises `InputError` for names that do not fit together, members without
+    length, parts that are not connected, and supports that leave the whole free to move.
+    """
+
+    nodes: tuple[Node, ...] = checked(Instances(Node, 2))
+    members: tuple[Member, ...] = checked(Instances(Member, 1))
+    loads: tuple[Load, ...] = checked(Instances(Load), ())
+    joints: tuple[Joint, ...] = checked(Instances(Joint), ())
+    steel: Steel = checked(Instance(Steel), Steel())
+    fillets: bool = checked(Flag(), True)
+
+    TABLE: ClassVar[str] = "frame"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+        for joint in self.joints:
+            if joint.name in PREDEFINED:
+                raise InputError("joint.name", joint.name, "is predefined", "choose another name")
+        for parts in (self.nodes, self.members, self.joints):
+            _unique(parts)
+        for member in self.members:
+            self._check_member(member)
+        for load in self.loads:
+            self.node(load.node, f"load.{load.node}.node")
+        check_places(self.nodes, self.members)
+        check_connected(self.nodes, self.members)
+        check_supported(self.nodes, self._turned(), loaded=bool(self.loads))
+
+    def _check_member(self, member: Member) -> None:
+        path = f"member.{member.name}"
+        start = self.node(member.start, f"{path}.start")
+        end = self.node(member.end, f"{path}.end")
+        self.joint(member.joint_start, f"{path}.joint_start")
+        self.joint(member.joint_end, f"{path}.joint_end")
+        length = hypot(end.x - start.x, end.y - start.y)
+        if not LENGTH.low * ROUNDING <= length <= LENGTH.high / ROUNDING:
+            ends = f"between {member.start} and {member.end}"
+            raise InputError(
+                path,
+                None,
+                f"is {length:g} m long {ends}; a length {LENGTH.allowed()}",
+                LENGTH.advice,
+            )
+
+    def _turned(self) -> set[str]:
+        """Names of nodes that cannot turn without a member."""
+        ends = [(m.start, m.joint_start) for m in self.members]
+        ends += [(m.end, m.joint_end) for m in self.members]
+        return {node for node, joint in ends if self.joint(joint).rotational_stiffness != 0.0}
+
+    @cached_property
+    def _nodes(self) -> dict[str, Node]:
+        return {node.name: node for node in self.nodes}
+
+    @cached_property
+    def _members(self) -> dict[str, Member]:
+        return {member.name: member for member in self.members}
+
+    @cached_property
+    def _joints(self) -> dict[str, Joint]:
+        return PREDEFINED | {joint.name: joint for joint in self.joints}
+
+    @cached_property
+    def _properties(self) -> dict[str, MemberProperties]:
+        return {member.name: self._properties_of(member) for member in self.members}
+
+    def node(self, name: str, path: str = "node") -> Node:
+        """The node of this name. Raises `InputError` naming `path`."""
+        return _named(self._nodes, name, path, "node")
+
+    def member(self, name: str, path: str = "member") -> Member:
+        """The member of this name. Raises `InputError` naming `path`."""
+        return _named(self._members, name, path, "member")
+
+    def joint(self, name: str, path: str = "joint") -> Joint:
+        """The joint of this name. Raises `InputError` naming `path`."""
+        return _named(self._joints, name, path, "joint")
+
+    @cached_property
+    def extent(self) -> float:
+        """Diagonal of the box around the nodes, in m."""
+        return extent(self.nodes)
+
+    def length(self, member: Member | str) -> float:
+        """Length of a member, in m."""
+        given = self._own(member)
+        start, end = self._nodes[given.start], self._nodes[given.end]
+        return hypot(end.x - start.x, end.y - start.y)
+
+    def properties(self, member: Member | str) -> MemberProperties:
+        """Section values of a member with its overrides applied."""
+        return self._properties[self._own(member).name]
+
+    def strength_section(self, member: Member | str) -> Section:
+        """The section whose fibers and envelope give a member's strength (`fillets` applied)."""
+        section = self._own(member).section
+        return section if self.fillets else section.without_fillets()
+
+    def split(self, member: Member | str, at: float, node: str) -> Frame:
+        """The frame with a new `node` on a member, `at` m from its start.
+
+        The parts are named ``<member>/1`` and ``<member>/2``; joints stay at the outer ends.
+        Raises `InputError`.
+        """
+        name = member.name if isinstance(member, Member) else member
+        whole = self.member(name, "split.member")
+        length = self.length(whole)
+        distance = float(LENGTH.check("split.at", at))
+        if not distance <= length - LENGTH.low:
+            raise InputError(
+                "split.at",
+                at,
+                f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m "
+                "from its start",
+                "measure from the start of the member",
+            )
+        if node in self._nodes:
+            raise InputError("split.node", node, "is the name of a node already", "choose another")
+        start, end = self._nodes[whole.start], self._nodes[whole.end]
+        share = distance / length
+        middle = Node(
+            node, start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
+        )
+        parts = (
+            replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
+            replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
+        )
+        members: list[Member] = []
+        for other in self.members:
+            members.extend(parts if other is whole else (other,))
+        return replace(self, nodes=(*self.nodes, middle), members=tuple(members))
+
+    def _own(self, member: Member | str) -> Member:
+        return self.member(member.name if isinstance(member, Member) else member)
+
+    def _properties_of(self, member: Member) -> MemberProperties:
+        return member_properties(
+            member.section,
+            self.steel,
+            self.length(member),
+            fillets=self.fillets,
+            area=member.area,
+            second_moment=member.second_moment,
+            plastic_moment=member.plastic_moment,
+            squash_load=member.squash_load,
+            mass_per_length=member.mass_per_length,
+        )
+
+
+Part = TypeVar("Part", Node, Member, Joint)
+
+
+def _unique(parts: Iterable[Node | Member | Joint]) -> None:
+    seen: set[str] = set()
+    for part in parts:
+        if part.name in seen:
+            raise InputError(
+                f"{part.TABLE}.name", part.name, "is given twice", "names must be unique"
+            )
+        seen.add(part.name)
+
+
+def _named(parts: Mapping[str, Part], name: str, path: str, what: str) -> Part:
+    if isinstance(name, str) and name in parts:
+        return parts[name]
+    near = difflib.get_close_matches(name, parts, 1) if isinstance(name, str) else []
+    shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
+    advice = f"did you mean {near[0]}?" if near else f"known are {shown}"
+    raise InputError(path, name, f"there is no {what} of this name", advice)

@@ -1,0 +1,222 @@
+"""What can happen to a frame: a static loading, an impact, a motion of its ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from math import hypot
+from typing import ClassVar
+
+from workbench.errors import InputError
+from workbench.fields import (
+    Choice,
+    Instance,
+    Instances,
+    Number,
+    Numbers,
+    Text,
+    check_fields,
+    checked,
+)
+from workbench.scenarios.column import DURATION, MASS, RESTITUTION, VELOCITY
+from workbench.scenarios.frame import Frame
+from workbench.scenarios.frame_parts import COMPONENT, NAME, Load
+
+MOTIONS = ("x", "y", "rotation", "-x", "-y", "-rotation")
+STRIKES = ("+x", "-x", "+y", "-y")
+CONTROLS = ("displacement", "load", "arc-length")
+LARGEST_ROTATION = 20.0  # rad; three turns
+TARGETS = Numbers(Number(-1e9, 1e9), 1, 10_000)
+ACCELERATIONS = Numbers(
+    Number(-1e3, 1e3, "m/s2", advice="accelerations are in m/s2: 0.3 g is 2.94"), 2, 200_000
+)
+RECORD = replace(DURATION, high=1e3)
+
+
+@dataclass(frozen=True)
+class FrameStriker:
+    """A rigid mass that hits a node of a frame.
+
+    Arguments: `mass` in kg; `velocity` in m/s; Newton `restitution`; name of the `node`;
+    `direction` in which it flies, +x, -x, +y or -y. Raises `InputError`.
+    """
+
+    mass: float = checked(MASS)
+    velocity: float = checked(VELOCITY)
+    restitution: float = checked(RESTITUTION, 0.0)
+    _: KW_ONLY
+    node: str = checked(NAME)
+    direction: str = checked(Choice(STRIKES), "+x")
+
+    TABLE: ClassVar[str] = "striker"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+
+
+@dataclass(frozen=True)
+class FrameStatic:
+    """Static loading of a frame by a pattern of loads times a load factor.
+
+    Arguments: `name`; `frame`, whose own loads are brought on first and kept; `loads`, the
+    pattern; `node` and `direction` (x, y or rotation, with an optional minus sign) of the
+    displacement that is recorded; `path`, what is reached one after the other:
+
+    * control ``displacement``: displacements (m or rad) along the direction; several for cycles;
+    * control ``load``: load factors;
+    * control ``arc-length``: one displacement, followed through limit points.
+
+    Raises `InputError`.
+    """
+
+    name: str = checked(Text())
+    frame: Frame = checked(Instance(Frame))
+    loads: tuple[Load, ...] = checked(Instances(Load, 1), path="pattern")
+    node: str = checked(NAME, path="push.node")
+    direction: str = checked(Choice(MOTIONS), path="push.direction")
+    path: tuple[float, ...] = checked(TARGETS, path="push.path")
+    control: str = checked(Choice(CONTROLS), "displacement", path="push.control")
+
+    KIND: ClassVar[str] = "frame-static"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "")
+        _check_pattern(self.frame, self.loads)
+        _check_motion(self.frame, self.node, self.direction, "push")
+        _check_path(self)
+
+    @property
+    def magnitude(self) -> float:
+        """Size of the pattern at a load factor of 1.
+
+        Its resultant force in N; the largest single force where those balance each other; the
+        largest moment in N m where there are only moments.
+        """
+        forces = [hypot(load.x, load.y) for load in self.loads]
+        if not any(forces):
+            return max(abs(load.moment) for load in self.loads)
+        resultant = hypot(sum(load.x for load in self.loads), sum(load.y for load in self.loads))
+        return resultant if resultant > 1e-9 * max(forces) else max(forces)
+
+
+@dataclass(frozen=True)
+class FrameImpact:
+    """A rigid striker hits a frame at rest under its dead loads; followed for `duration` (s)."""
+
+    name: str = checked(Text())
+    frame: Frame = checked(Instance(Frame))
+    striker: FrameStriker = checked(Instance(FrameStriker))
+    duration: float = checked(DURATION, 0.1, path="time.duration")
+
+    KIND: ClassVar[str] = "frame-impact"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "")
+        _check_motion(self.frame, self.striker.node, self.striker.direction, "striker")
+
+    @property
+    def input_energy(self) -> float:
+        """Kinetic energy of the striker before the impact, in J."""
+        return 0.5 * self.striker.mass * self.striker.velocity**2
+
+    def at_velocity(self, velocity: float) -> FrameImpact:
+        """The same impact at another velocity (m/s)."""
+        return replace(self, striker=replace(self.striker, velocity=velocity))
+
+
+@dataclass(frozen=True)
+class FrameGroundMotion:
+    """The ground under all supports of a frame at rest moves along `direction` (x or y).
+
+    Arguments: `name`; `frame`; `acceleration` of the ground in m/s2, at the times 0, `time_step`
+    (s), 2 time_step and so on, zero after its end; `node`, whose displacement relative to the
+    ground is recorded; `direction`; `duration` in s (None: to the end of the acceleration);
+    `damping` in 1/s, forces in proportion to mass and relative velocity. Raises `InputError`.
+    """
+
+    name: str = checked(Text())
+    frame: Frame = checked(Instance(Frame))
+    acceleration: tuple[float, ...] = checked(ACCELERATIONS, path="ground.acceleration")
+    time_step: float = checked(
+        Number(1e-6, 1.0, "s", advice="time steps are in seconds"), path="ground.time_step"
+    )
+    node: str = checked(NAME, path="ground.node")
+    direction: str = checked(Choice(("x", "y")), "x", path="ground.direction")
+    duration: float = checked(RECORD, optional=True, path="time.duration")  # never None afterwards
+    damping: float = checked(Number(0.0, 1e4, "1/s"), 0.0, path="ground.damping")
+
+    KIND: ClassVar[str] = "frame-ground-motion"
+
+    def __post_init__(self) -> None:
+        check_fields(self, "")
+        if not any(self.acceleration):
+            raise InputError("ground.acceleration", None, "must not be zero throughout")
+        _check_motion(self.frame, self.node, self.direction, "ground")
+        if self.duration is None:
+            end = (len(self.acceleration) - 1) * self.time_step
+            object.__setattr__(self, "duration", RECORD.check("time.duration", end))
+
+
+def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ...]:
+    """Targets that swing `cycles` times between both signs of each amplitude, then end at zero.
+
+    Equal amplitudes give the constant protocol, rising ones the increasing one. Raises
+    `InputError`.
+    """
+    count = int(Number(1, 1000, integer=True).check("cycles", cycles))
+    rule = Numbers(Number(0.0, 1e9, low_included=False), 1, 1000)
+    path = [(a, -a) for a in rule.check("amplitudes", amplitudes) for _ in range(count)]
+    return (*(target for pair in path for target in pair), 0.0)
+
+
+def _check_motion(frame: Frame, node: str, direction: str, table: str) -> None:
+    """Refuse nodes that are not there or cannot move along a direction."""
+    given, axis = frame.node(node, f"{table}.node"), direction.lstrip("+-")
+    held = COMPONENT[axis] in given.held or given.locked == axis
+    if held:
+        by = f"support {given.support}" if COMPONENT[axis] in given.held else "lock"
+        raise InputError(
+            f"{table}.direction",
+            direction,
+            f"node {node} cannot move there: its {by} holds it",
+            "take another node or direction",
+        )
+
+
+def _check_pattern(frame: Frame, loads: Sequence[Load]) -> None:
+    moves = False
+    for load in loads:
+        node = frame.node(load.node, f"pattern.{load.node}.node")
+        for axis, value in (("x", load.x), ("y", load.y), ("rotation", load.moment)):
+            moves |= value != 0.0 and COMPONENT[axis] not in node.held and node.locked != axis
+    if not moves:
+        raise InputError(
+            "pattern", None, "no load acts where the frame can move", "give x, y or moment"
+        )
+
+
+def _check_path(scenario: FrameStatic) -> None:
+    path, control = scenario.path, scenario.control
+    if control == "arc-length" and len(path) != 1:
+        raise InputError(
+            "push.path",
+            path,
+            "must be one displacement under arc-length control",
+            "use control displacement or load for several",
+        )
+    before = 0.0
+    for i, target in enumerate(path):
+        if target == before:
+            raise InputError(
+                f"push.path.{i}", target, "must differ from the one before (at first: from 0)"
+            )
+        before = target
+    if control == "load":
+        return
+    turning = scenario.direction.endswith("rotation")
+    limit = LARGEST_ROTATION if turning else 2.0 * scenario.frame.extent
+    for i, target in enumerate(path):
+        if abs(target) > limit:
+            what = f"rotations up to {limit:g} rad" if turning else f"twice the frame, {limit:g} m"
+            advice = "targets are displacements in m or rad; control load takes load factors"
+            raise InputError(f"push.path.{i}", target, f"must stay within {what}", advice)

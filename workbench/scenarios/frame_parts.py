@@ -1,0 +1,181 @@
+"""Parts of planar frames: nodes, joints, members and loads.
+
+Directions are global: x to the right, y up, rotation counter-clockwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+from typing import ClassVar
+
+from workbench.errors import InputError
+from workbench.fields import Choice, Instance, Number, Text, check_fields, checked
+from workbench.scenarios.members import (
+    AREA,
+    MASS_PER_LENGTH,
+    PLASTIC_MOMENT,
+    SECOND_MOMENT,
+    SQUASH_LOAD,
+)
+from workbench.sections import Section
+
+NAME = Text(60)
+COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not millimetres")
+SPRING = Number(0.0, 1e14, "N/m")
+ROTATIONAL_SPRING = Number(0.0, 1e14, "N m/rad")
+HELD: dict[str, tuple[str, ...]] = {
+    "free": (),
+    "clamped": ("u", "v", "rotation"),
+    "pinned": ("u", "v"),
+    "roller-x": ("v",),
+    "roller-y": ("u",),
+    "guide-x": ("v", "rotation"),
+    "guide-y": ("u", "rotation"),
+}
+COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
+
+
+def _checked_name(part: Node | Member | Joint) -> str:
+    """Check all fields of a named part; return its path for messages."""
+    name = NAME.check(f"{part.TABLE}.name", part.name)
+    if ":" in name or name != name.strip():
+        allowed = "must not hold a colon, nor start or end with a space"
+        raise InputError(f"{part.TABLE}.name", name, allowed)
+    path = f"{part.TABLE}.{name}"
+    check_fields(part, path)
+    return path
+
+
+@dataclass(frozen=True)
+class Node:
+    """A point where members meet.
+
+    Arguments (SI): `name`; `x`, `y`; `support`, free, clamped, pinned, roller-x (free along x and
+    to rotate), roller-y, guide-x (free along x only) or guide-y; `mass` and `rotary_inertia`
+    (kg m2) beside those of the members; `spring_x`, `spring_y`, `spring_rotation` to the ground,
+    unstressed once the dead loads are on; `locked`, the direction (x, y or none) in which the
+    node is held once the dead loads are on. Raises `InputError`.
+    """
+
+    name: str = checked(NAME)
+    x: float = checked(COORDINATE)
+    y: float = checked(COORDINATE)
+    support: str = checked(Choice(tuple(HELD)), "free")
+    mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
+    rotary_inertia: float = checked(Number(0.0, 1e9, "kg m2"), 0.0)
+    spring_x: float = checked(SPRING, 0.0)
+    spring_y: float = checked(SPRING, 0.0)
+    spring_rotation: float = checked(ROTATIONAL_SPRING, 0.0)
+    locked: str = checked(Choice(("none", "x", "y")), "none")
+
+    TABLE: ClassVar[str] = "node"
+
+    def __post_init__(self) -> None:
+        path = _checked_name(self)
+        for direction, component in COMPONENT.items():
+            name = f"spring_{direction}"
+            if component in self.held and (stiffness := getattr(self, name)) > 0.0:
+                raise InputError(
+                    f"{path}.{name}",
+                    stiffness,
+                    f"acts where the support {self.support} already holds the node",
+                    "drop the spring or change the support",
+                )
+        if self.locked != "none" and COMPONENT[self.locked] in self.held:
+            raise InputError(
+                f"{path}.locked",
+                self.locked,
+                f"the support {self.support} already holds the node there",
+                "write none or change the support",
+            )
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Displacements that the support holds, out of u (along x), v (along y) and rotation."""
+        return HELD[self.support]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How the end of a member is joined to its node.
+
+    Arguments (SI): `name`; `rotational_stiffness` (N m/rad, zero for a pin) and `axial_stiffness`
+    (N/m), None for rigid; `plastic_moment`, sagging positive in the member's own axes,
+    `plastic_moment_negative`, `tension_resistance` and `compression_resistance`, all as positive
+    numbers, None for the member's own. Raises `InputError`.
+    """
+
+    name: str = checked(NAME)
+    rotational_stiffness: float | None = checked(ROTATIONAL_SPRING, optional=True)
+    axial_stiffness: float | None = checked(Number(1.0, 1e14, "N/m"), optional=True)
+    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
+    plastic_moment_negative: float | None = checked(PLASTIC_MOMENT, optional=True)
+    tension_resistance: float | None = checked(SQUASH_LOAD, optional=True)
+    compression_resistance: float | None = checked(SQUASH_LOAD, optional=True)
+
+    TABLE: ClassVar[str] = "joint"
+
+    def __post_init__(self) -> None:
+        path = _checked_name(self)
+        if self.rotational_stiffness != 0.0:
+            return
+        for name in ("plastic_moment", "plastic_moment_negative"):
+            if (moment := getattr(self, name)) is not None:
+                advice = "drop it or give a rotational stiffness"
+                raise InputError(f"{path}.{name}", moment, "a pin carries no moment", advice)
+
+
+RIGID, PINNED = Joint("rigid"), Joint("pinned", rotational_stiffness=0.0)
+PREDEFINED = {joint.name: joint for joint in (RIGID, PINNED)}
+
+
+@dataclass(frozen=True)
+class Member:
+    """A straight member from node `start` to node `end`, bent about its strong axis.
+
+    Arguments (SI): `name`; names of the two nodes; `section`; names of the joints at its ends;
+    the other fields override what the section gives. Its internal moment is positive where it
+    stretches the fibers on the right of somebody who looks from start to end.
+    Raises `InputError`.
+    """
+
+    name: str = checked(NAME)
+    start: str = checked(NAME)
+    end: str = checked(NAME)
+    section: Section = checked(Instance(Section, "use sections.find(name)"))
+    joint_start: str = checked(NAME, RIGID.name)
+    joint_end: str = checked(NAME, RIGID.name)
+    area: float | None = checked(AREA, optional=True)
+    second_moment: float | None = checked(SECOND_MOMENT, optional=True)
+    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
+    squash_load: float | None = checked(SQUASH_LOAD, optional=True)
+    mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
+
+    TABLE: ClassVar[str] = "member"
+
+    def __post_init__(self) -> None:
+        path = _checked_name(self)
+        if self.start == self.end:
+            raise InputError(f"{path}.end", self.end, "must be another node than the start")
+
+
+@dataclass(frozen=True)
+class Load:
+    """Forces `x` and `y` (N) and a `moment` (N m) on the node of that name."""
+
+    node: str = checked(NAME)
+    x: float = checked(Number(-1e9, 1e9, "N"), 0.0)
+    y: float = checked(Number(-1e9, 1e9, "N"), 0.0)
+    moment: float = checked(Number(-1e9, 1e9, "N m"), 0.0)
+
+    TABLE: ClassVar[str] = "load"
+
+    def __post_init__(self) -> None:
+        path = f"{self.TABLE}.node"
+        check_fields(self, f"{self.TABLE}.{NAME.check(path, self.node)}")
+
+    @property
+    def resultant(self) -> tuple[float, float]:
+        """Magnitude of its force (N) and of its moment (N m)."""
+        return hypot(self.x, self.y), abs(self.moment)

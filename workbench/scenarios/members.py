@@ -1,0 +1,68 @@
+"""What columns and members of frames share: properties, and the ranges of their overrides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from workbench.fields import Number
+from workbench.materials import Steel
+from workbench.sections import Section
+
+LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
+AREA = Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4")
+SECOND_MOMENT = Number(1e-12, 1.0, "m4", advice="second moments are in m4: 8091 cm4 is 8091e-8")
+PLASTIC_MOMENT = Number(1.0, 1e9, "N m")
+SQUASH_LOAD = Number(1.0, 1e10, "N")
+MASS_PER_LENGTH = Number(0.01, 1e5, "kg/m")
+
+
+@dataclass(frozen=True)
+class MemberProperties:
+    """What lumped models need of a member, section values with the scenario's overrides (SI).
+
+    `area` (m2) and `second_moment` (m4) are elastic; `plastic_moment` (N m), `squash_load` (N)
+    and `shear_resistance` (N) are strengths; `mass_per_length` in kg/m, `impact_mass` in kg.
+    """
+
+    area: float
+    second_moment: float
+    plastic_moment: float
+    squash_load: float
+    shear_resistance: float
+    mass_per_length: float
+    impact_mass: float
+
+
+def member_properties(
+    section: Section,
+    steel: Steel,
+    length: float,
+    *,
+    fillets: bool = True,
+    area: float | None = None,
+    second_moment: float | None = None,
+    plastic_moment: float | None = None,
+    squash_load: float | None = None,
+    mass_per_length: float | None = None,
+) -> MemberProperties:
+    """Properties of a member of `length` (m); what is None follows from its section.
+
+    Stiffness and mass are those of the whole profile, the strength leaves the root fillets out
+    unless `fillets`; the impact mass is rho A L / 3 (Heng 2017, section 5.2).
+    """
+    strength = section if fillets else section.without_fillets()
+
+    def given(override: float | None, computed: float) -> float:
+        return computed if override is None else override
+
+    area = given(area, section.area)
+    mass = given(mass_per_length, steel.density * area)
+    return MemberProperties(
+        area=area,
+        second_moment=given(second_moment, section.second_moment),
+        plastic_moment=given(plastic_moment, strength.plastic_moment(steel)),
+        squash_load=given(squash_load, strength.squash_load(steel)),
+        shear_resistance=strength.shear_resistance(steel),
+        mass_per_length=mass,
+        impact_mass=mass * length / 3.0,
+    )
