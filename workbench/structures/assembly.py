@@ -11,6 +11,7 @@ from scipy.linalg import lapack
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from workbench.errors import InputError
 from workbench.structures import _kernels
 from workbench.structures.ledger import StepEnergies
 
@@ -68,10 +69,28 @@ class ForceGroup(Protocol):
 
 @runtime_checkable
 class RateGroup(Protocol):
-    """A group whose material may depend on the rate."""
+    """A group whose material may depend on the rate, or whose inertia on the motion."""
 
     def begin_step(self, duration: float) -> None:
         """Take the duration of the step to come, in s."""
+        ...
+
+
+@runtime_checkable
+class KineticGroup(Protocol):
+    """A group with inertia that depends on the configuration (see `Superelements`)."""
+
+    def kinetic_energy(self) -> float:
+        """Committed kinetic energy that is not in the mass matrix, in J."""
+        ...
+
+
+@runtime_checkable
+class MassGroup(Protocol):
+    """A group with constant inertia that couples the dofs of an element."""
+
+    def mass_matrices(self) -> Array:
+        """Mass matrices (elements, 6, 6), in addition to `masses`."""
         ...
 
 
@@ -79,18 +98,25 @@ class PlanarAssembly:
     """Nodes with (u, v, rotation), element groups, and everything attached to single dofs.
 
     Arguments: `coordinates` (nodes, 2) in m; `groups`; `lumped`, mass at the nodes instead of
-    consistent with linear interpolation. Nodes are renumbered inside to keep the band narrow, so
-    dofs come from `dof(node, component)`. `displacement` and `velocity` are the committed state;
-    a trial state lives in the groups until `commit`.
+    consistent with linear interpolation; `ties`, pairs (master, slave) of nodes at one place: the
+    slave shares u and v of the master but turns by itself. Nodes are renumbered inside to keep
+    the band narrow, so dofs come from `dof(node, component)`. `displacement` and `velocity` are
+    the committed state; a trial state lives in the groups until `commit`. Raises `InputError`.
     """
 
     def __init__(
-        self, coordinates: ArrayLike, groups: Sequence[ElementGroup], *, lumped: bool = False
+        self,
+        coordinates: ArrayLike,
+        groups: Sequence[ElementGroup],
+        *,
+        lumped: bool = False,
+        ties: Iterable[tuple[int, int]] = (),
     ) -> None:
         self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
         self.groups = tuple(groups)
-        self._place_of_node = self._numbering()
         self.size = 3 * len(self.coordinates)
+        self._master = self._masters(tuple(ties))
+        self._dof_of_node = self._numbering()
         self.width = 5
         self._shortest = np.inf
         for group in self.groups:
@@ -103,7 +129,7 @@ class PlanarAssembly:
         self.displacement: Array = np.zeros(self.size)
         self.velocity: Array = np.zeros(self.size)
         self.load: Array = np.zeros(self.size)
-        self._held: Indices = np.zeros(0, dtype=np.int64)
+        self._held: Indices = self._unused.copy()
         self._springs: dict[int, tuple[float, float]] = {}
         self.stored = 0.0
         self._force: Array = np.zeros(self.size)
@@ -111,11 +137,31 @@ class PlanarAssembly:
 
     # -- numbering ---------------------------------------------------------------------------
 
+    def _masters(self, ties: tuple[tuple[int, int], ...]) -> Indices:
+        """The node whose translations each node has (nodes,): itself, or its master."""
+        master = np.arange(len(self.coordinates), dtype=np.int64)
+        for leader, slave in ties:
+            if master[slave] != slave or leader == slave:
+                raise InputError("ties", (leader, slave), "must tie a node once, to another one")
+            if np.any(self.coordinates[leader] != self.coordinates[slave]):
+                raise InputError("ties", (leader, slave), "must be two nodes at one place")
+            master[slave] = leader
+        if np.any(master[master] != master):
+            raise InputError("ties", ties, "must not make the master of one tie a slave in another")
+        return master
+
     def _numbering(self) -> Indices:
+        """Dofs (nodes, 3); those that a tied node does not use are kept in `_unused`."""
         count = len(self.coordinates)
-        pairs = np.concatenate([group.nodes for group in self.groups])
-        spread = int(np.max(np.abs(pairs[:, 0] - pairs[:, 1])))
         place = np.arange(count, dtype=np.int64)
+        tied = self._master != place
+        pairs = np.concatenate([group.nodes for group in self.groups])
+        if np.any(tied):  # rotations of nodes meet translations of masters
+            master = self._master[pairs]
+            across = np.stack([pairs, master[:, ::-1]], axis=2).reshape(-1, 2)
+            own = np.stack([pairs, master], axis=2).reshape(-1, 2)
+            pairs = np.concatenate([pairs, master, across, own])
+        spread = int(np.max(np.abs(pairs[:, 0] - pairs[:, 1])))
         if spread > 1:
             ones = np.ones(len(pairs))
             graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
@@ -124,26 +170,31 @@ class PlanarAssembly:
             renumbered[order] = np.arange(count)
             if np.max(np.abs(np.diff(renumbered[pairs], axis=1))) < spread:
                 place = renumbered
-        return place
+        dofs = 3 * place[:, None] + np.arange(3)
+        self._unused: Indices = np.sort(dofs[tied, :2].ravel())
+        dofs[:, :2] = dofs[self._master, :2]
+        return dofs
 
     def dof(self, node: int, component: str) -> int:
-        """Number of a dof; `component` is u, v or rotation."""
-        return int(3 * self._place_of_node[node] + COMPONENTS[component])
+        """Number of a dof; `component` is u, v or rotation. A slave's u and v are its master's."""
+        return int(self._dof_of_node[node, COMPONENTS[component]])
 
     def dofs(self, nodes: Iterable[int], component: str) -> Indices:
         """Numbers of the same dof of several nodes."""
         return np.array([self.dof(node, component) for node in nodes], dtype=np.int64)
 
     def _dofs(self, nodes: Indices) -> Indices:
-        first = 3 * self._place_of_node[nodes]
-        return np.asarray((first[:, :, None] + np.arange(3)).reshape(len(nodes), 6))
+        return self._dof_of_node[nodes].reshape(len(nodes), 6)
 
     def _place(self, group: ElementGroup) -> None:
         dofs = self._dofs(group.nodes)
         self.width = max(self.width, int(np.max(dofs.max(axis=1) - dofs.min(axis=1))))
         ends = self.coordinates[group.nodes]
         chords = ends[:, 1] - ends[:, 0]
-        self._shortest = min(self._shortest, float(np.min(np.hypot(*chords.T))))
+        lengths = np.hypot(*chords.T)
+        self._shortest = min(
+            self._shortest, float(np.min(lengths, where=lengths > 0.0, initial=np.inf))
+        )
         group.place(dofs, chords)
 
     def _band_positions(self, dofs: Indices) -> Indices:
@@ -167,6 +218,8 @@ class PlanarAssembly:
                     for j in range(2):
                         place = positions[:, 6 * (3 * i + component) + 3 * j + component]
                         np.add.at(self.mass, place, pattern[i, j] * inertia[component])
+            if isinstance(group, MassGroup):
+                np.add.at(self.mass, positions, group.mass_matrices().reshape(len(positions), 36))
 
     def add_mass(self, node: int, mass: float, rotary: float = 0.0) -> None:
         """Add a point mass (kg), and a rotary inertia (kg m2), to a node."""
@@ -184,11 +237,12 @@ class PlanarAssembly:
 
     def release(self, dofs: Iterable[int]) -> None:
         """Let held dofs go."""
-        self._held = np.setdiff1d(self._held, np.fromiter(dofs, dtype=np.int64))
+        free = np.setdiff1d(self._held, np.fromiter(dofs, dtype=np.int64))
+        self._held = np.union1d(free, self._unused)
 
     @property
     def held(self) -> Indices:
-        """The dofs that are held."""
+        """The dofs that are held, and those that tied nodes do not use."""
         return self._held
 
     # -- forces, solution, commit ------------------------------------------------------------
@@ -229,7 +283,7 @@ class PlanarAssembly:
         return force
 
     def begin_step(self, duration: float) -> None:
-        """Tell groups whose material depends on the rate how long the next step is, in s."""
+        """Tell groups to which the rate matters how long the next step is, in s."""
         for group in self.groups:
             if isinstance(group, RateGroup):
                 group.begin_step(duration)
@@ -297,6 +351,7 @@ class PlanarAssembly:
             self.velocity = velocity
 
     def kinetic_energy(self, velocity: Array | None = None) -> float:
-        """Kinetic energy of the structure, in J."""
+        """Kinetic energy of the structure, in J; `velocity` (dofs,), None for the committed one."""
         v = self.velocity if velocity is None else velocity
-        return 0.5 * float(v @ self.mass_times(v))
+        groups = sum(g.kinetic_energy() for g in self.groups if isinstance(g, KineticGroup))
+        return 0.5 * float(v @ self.mass_times(v)) + groups

@@ -61,6 +61,13 @@ def end_gradients(dx: float, dy: float, length: float) -> Gradients:
 
 
 @njit(cache=True, error_model="numpy")
+def initial_gradients(Dx: float, Dy: float, L: float) -> Gradients:
+    """Gradients of first-order theory: those of the initial chord, which do not change."""
+    c, s = Dx / L, Dy / L
+    return (c, s, -s / L, c / L, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
 def step_gradients(
     d0x: float, d0y: float, l0: float, d1x: float, d1y: float, l1: float, turn: float
 ) -> Gradients:

@@ -1,0 +1,6 @@
+"""Co-rotational superelements: a rigid or flexible elastic bar between two generalized hinges."""
+
+from workbench.structures.superelements.element import HingeEnd, Superelement, sway_stiffness
+from workbench.structures.superelements.group import Superelements
+
+__all__ = ["HingeEnd", "Superelement", "Superelements", "sway_stiffness"]
