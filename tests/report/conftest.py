@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from synthetic_frames import frame_study
 from synthetic_study import small_study, store_of, sweep_study
 
 from workbench.report.stored import Stored
@@ -18,6 +19,11 @@ def small(tmp_path_factory) -> Stored:
 @pytest.fixture(scope="session")
 def sweep(tmp_path_factory) -> Stored:
     return store_of(sweep_study(), tmp_path_factory.mktemp("sweep"))
+
+
+@pytest.fixture(scope="session")
+def frames(tmp_path_factory) -> Stored:
+    return store_of(frame_study(), tmp_path_factory.mktemp("frames"))
 
 
 @pytest.fixture(scope="session")

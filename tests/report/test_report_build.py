@@ -119,7 +119,7 @@ def test_failures_are_told(page):
     assert "3 cells of 28 hold no answer" in text
     assert "residual 0.00032; tried halving the step 12 times" in text
     assert "No answer from breaks: 15 metres per second, 20 metres per second." in text
-    assert "Without displacement and shortening: estimate." in text
+    assert "Without deformed shape: estimate." in text
 
 
 def test_shear_beyond_the_resistance_is_told(page):

@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from workbench.report.bibliography import BIBLIOGRAPHY, Reference, reference_of
-from workbench.report.chapters import configuration, cost, limits, reference, results, verdicts
+from workbench.report.chapters import (
+    configuration,
+    cost,
+    limits,
+    reference,
+    results,
+    stud_design,
+    stud_evidence,
+    verdicts,
+)
 from workbench.report.content import (
     Block,
     Bullets,
@@ -35,14 +44,17 @@ def document(
         kind: [drawn[figure.key] for figure in figures if figure.kind == kind]
         for kind in _ELSEWHERE
     }
+    shear = limits.shear_demand(study, stored)
     keys = [figure.key for figure in figures if figure.kind not in _ELSEWHERE]
     parts: list[Section | None] = [
         verdicts.asked(study, stored),
-        verdicts.verdicts(stored, limits.headline(study, stored)),
+        stud_evidence.in_short(study, stored),
+        verdicts.verdicts(stored, shear.headline),
         limits.missing(stored),
-        limits.domain(study, stored),
+        limits.domain(stored, shear),
         limits.notes(study),
         results.pictures(drawn, keys),
+        stud_design.design(study, stored),
         results.numbers(study, stored),
         reference.convergence(study, stored, [*own["convergence"]]),
         cost.cost(study, stored, [*own["cost"]]),

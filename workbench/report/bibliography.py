@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from workbench.report.stud_works import STUD_WORKS
+
 
 class Reference(NamedTuple):
     """A published work: `where` names journal, publisher or institution; `doi` may be empty."""
@@ -217,7 +219,9 @@ _WORKS = (
     ),
 )
 
-BIBLIOGRAPHY: dict[str, Reference] = {work.key: work for work in _WORKS}
+BIBLIOGRAPHY: dict[str, Reference] = {
+    work.key: work for work in (*_WORKS, *(Reference(*entry) for entry in STUD_WORKS))
+}
 
 
 def reference_of(key: str) -> Reference:

@@ -98,7 +98,8 @@ class Table:
 class Picture:
     """A figure: `svg` text (empty if nothing could be drawn), caption, statements below it.
 
-    `width` is its share of the text width; `files` are the names of data files beside it.
+    `width` is its share of the text width; `files` are the names of data files beside it;
+    `moving` is HTML that a screen shows instead of the SVG (empty: the SVG).
     """
 
     key: str
@@ -109,6 +110,7 @@ class Picture:
     width: float = 1.0
     statements: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
+    moving: str = ""
     kind: ClassVar[str] = "picture"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from workbench.assessment import METRICS
+from workbench.assessment import METRICS, Scope
 from workbench.responses.variables import COORDINATES, VARIABLES
 
 MINUS, TIMES, PLUS_MINUS = "\u2212", "\u00d7", "\u00b1"
@@ -67,6 +67,12 @@ def number(value: float | None, digits: int = 4) -> str:
     return text.replace("-", MINUS)
 
 
+def brief(value: float) -> str:
+    """A number of the input without needless zeros: ``4``, ``0.8``, ``20000``."""
+    text = f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.4g}"
+    return text.replace("-", MINUS)
+
+
 def percent(value: float | None, *, signed: bool = True) -> str:
     """A share as percentage with two decimals below 10 %, one above."""
     if value is None or not math.isfinite(value):
@@ -108,6 +114,8 @@ def interval(metric: str, quantity: str, value: float | None, width: float | Non
     """Value ± uncertainty of a metric; an unknown uncertainty is said to be so."""
     text = metric_value(metric, quantity, value)
     if value is None or not math.isfinite(value):
+        return text
+    if metric in METRICS and METRICS[metric].scope is Scope.RUN:
         return text
     if width is None or math.isnan(width):
         return f"{text} (uncertainty unknown)"

@@ -34,7 +34,8 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
     (target / "figures").mkdir(parents=True, exist_ok=True)
     lines = [f"# {_escaped(study.title)}", "", _escaped(study.question), ""]
     lines += _verdicts(stored)
-    for section in (limits.missing(stored), limits.domain(study, stored)):
+    shear = limits.shear_demand(study, stored)
+    for section in (limits.missing(stored), limits.domain(stored, shear)):
         for block in walk((section,)):
             if isinstance(block, Callout):
                 lines += [f"> {_escaped(block.text)}", ""]

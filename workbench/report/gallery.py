@@ -12,6 +12,7 @@ from workbench.report.figures import Drawing, Request, draw
 from workbench.report.figures.drawing import save_png, to_csv, to_svg
 from workbench.report.figures.style import looks
 from workbench.report.stored import Stored
+from workbench.scenarios import StudTests
 from workbench.study.definition import Case, Figure, Study
 
 # Figures that every report has; a study that names one of the kind draws its own instead.
@@ -60,6 +61,7 @@ class Plate:
             drawing.width,
             drawing.statements,
             files,
+            drawing.moving,
         )
 
 
@@ -85,7 +87,9 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
     added = [
         figure
         for figure in _STANDARD
-        if figure.kind not in kinds and (figure.kind != "convergence" or len(study.ladder) > 1)
+        if figure.kind not in kinds
+        and (figure.kind != "convergence" or len(study.ladder) > 1)
+        and (figure.kind != "structure" or not all(_is_of_studs(case) for case in study.cases))
     ]
     first = [figure for figure in added if figure.kind == "structure"]
     rest = [figure for figure in added if figure.kind != "structure"]
@@ -95,6 +99,10 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
         if keys.count(key) > 1 or not key.replace("-", "").replace("_", "").isalnum():
             raise InputError("figure.key", key, "must be unique letters, digits, - and _")
     return whole
+
+
+def _is_of_studs(case: Case) -> bool:
+    return isinstance(case.scenario, StudTests)
 
 
 def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:

@@ -25,6 +25,7 @@ def render_html(document: Document) -> str:
     environment.filters["rich"] = lambda text: _rich(document, text)
     environment.filters["anchor"] = anchor
     environment.filters["inline_svg"] = _inline
+    environment.filters["trusted"] = Markup  # HTML made by a figure, which escapes what it holds
     template = environment.get_template("report.html.jinja")
     return template.render(
         document=document,

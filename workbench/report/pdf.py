@@ -106,6 +106,8 @@ def _soft(text: str) -> str:
 
 def _block(document: Document, block: Block, level: int) -> str:
     match block:
+        case Section() if all(_is_plate(inner) for inner in block.blocks):
+            return _plates(document, block, level)
         case Section():
             title = f"#heading(level: {min(level, 4)}, {quoted(block.title)})"
             inner = [_block(document, inner, level + 1) for inner in block.blocks]
@@ -130,16 +132,47 @@ def _block(document: Document, block: Block, level: int) -> str:
             return _table(document, block)
 
 
-def _picture(document: Document, block: Picture) -> str:
+def _is_plate(block: Block) -> bool:
+    """A section that holds one picture and nothing else."""
+    match block:
+        case Section(blocks=(Picture(svg=svg),)):
+            return bool(svg)
+    return False
+
+
+def _plates(document: Document, section: Section, level: int) -> str:
+    """A chapter of pictures: the template lets them share pages."""
+    items = []
+    for block in section.blocks:
+        assert isinstance(block, Section)
+        picture = block.blocks[0]
+        assert isinstance(picture, Picture)
+        caption, statements = _below(document, picture)
+        content = f"scale => {_image(picture, ' * scale')}"
+        items.append(
+            f"  (title: {quoted(block.title)}, content: {content}, caption: {caption}, "
+            f"statements: ({statements})),"
+        )
+    return "\n".join([f"#plates({quoted(section.title)}, {level}, (", *items, "))"])
+
+
+def _image(block: Picture, scale: str = "") -> str:
+    width = f"{100 * block.width:.0f}%{scale}"
+    return f"image({quoted(block.key + '.svg')}, width: {width}, alt: {quoted(block.alt)})"
+
+
+def _below(document: Document, block: Picture) -> tuple[str, str]:
+    """Caption and statements of a picture."""
     statements = [_rich(document, text) for text in block.statements]
     statements += [f'plain("Numbers: ") + code({quoted(name)})' for name in block.files]
-    listed = "".join(f"{text}, " for text in statements)
-    caption = _rich(document, block.caption)
+    return _rich(document, block.caption), "".join(f"{text}, " for text in statements)
+
+
+def _picture(document: Document, block: Picture) -> str:
+    caption, statements = _below(document, block)
     if not block.svg:
-        return f"#undrawn({caption}, ({listed}))"
-    image = f"image({quoted(block.key + '.svg')}, width: {100 * block.width:.0f}%, "
-    image += f"alt: {quoted(block.alt)})"
-    return f"#picture({image}, {caption}, ({listed}))"
+        return f"#undrawn({caption}, ({statements}))"
+    return f"#picture({_image(block)}, {caption}, ({statements}))"
 
 
 def _table(document: Document, block: Table) -> str:

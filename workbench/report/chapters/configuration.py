@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 import tomllib
 from collections.abc import Mapping
 from typing import Any
@@ -21,9 +23,13 @@ from workbench.report.content import (
 )
 from workbench.report.stored import Stored
 from workbench.scenarios import to_toml
-from workbench.study.definition import Study
+from workbench.study.definition import Case, Study
 
 _PRINTED = 60
+_MOST_CHANGES = 12
+_MOST_ITEMS = 6
+_WIDE = 96  # characters of a line in a listing
+_NUMBERS = re.compile(r"^(\S+ = )\[\n((?:\s+[-+.\deE]+,\n)+)\]", re.MULTILINE)
 
 
 def configuration(study: Study, stored: Stored) -> Section:
@@ -68,34 +74,29 @@ def _value(value: object) -> str:
 
 
 def _cases(study: Study) -> Section:
-    texts = {case.name: to_toml(case.scenario) for case in study.cases}
-    first, *others = study.cases
-    blocks: list[Block] = [
-        Paragraph(
-            "The first case in full; the table says how the others differ from it. Each listing "
-            "is a scenario file that `workbench simulate` reads."
-        )
-        if others
-        else Paragraph("The case is a scenario file that `workbench simulate` reads."),
-        Listing(first.name, texts[first.name]),
-    ]
+    """The first case of each kind in full, for all others what differs from it."""
+    texts = {case.name: _compact(to_toml(case.scenario)) for case in study.cases}
+    first: dict[str, Case] = {}
+    for case in study.cases:
+        first.setdefault(case.scenario.KIND, case)
+    others = [case for case in study.cases if case is not first[case.scenario.KIND]]
+    full = "The case is" if len(first) == 1 else "The first case of each kind is"
+    text = f"{full} a scenario file that `workbench simulate` reads."
     if others:
-        base = _flat(tomllib.loads(texts[first.name]))
+        text = f"{full} given in full; the table says how the others differ from it."
+    blocks: list[Block] = [Paragraph(text)]
+    blocks.extend(Listing(case.name, texts[case.name]) for case in first.values())
+    if others:
         rows = []
         for case in others:
-            other = _flat(tomllib.loads(texts[case.name]))
-            changes = [
-                f"`{key} = {other.get(key, 'not set')}`"
-                for key in dict.fromkeys([*base, *other])
-                if key != "name" and base.get(key) != other.get(key)
-            ]
+            like = first[case.scenario.KIND]
+            changes = _changes(texts[like.name], texts[case.name])
             answered = ", ".join(case.models) if case.models else "all that apply"
-            rows.append(
-                (Cell(case.name), Cell(", ".join(changes) or "as the first"), Cell(answered))
-            )
+            rows.append((Cell(case.name), Cell(like.name), Cell(changes), Cell(answered)))
         columns = (
-            Column("case", width=2.0),
-            Column(f"differs from {first.name} in", width=4.5),
+            Column("case", width=1.8),
+            Column("differs from", width=1.3),
+            Column("in", width=4.0),
             Column("models asked", width=2.0),
         )
         blocks.append(Table("cases", "All other cases.", columns, tuple(rows), _PRINTED))
@@ -103,11 +104,45 @@ def _cases(study: Study) -> Section:
     return Section("cases", "Cases", tuple(blocks))
 
 
+def _changes(first: str, other: str) -> str:
+    """Entries in which one scenario file differs from another."""
+    old, new = _flat(tomllib.loads(first)), _flat(tomllib.loads(other))
+    keys = [
+        key for key in dict.fromkeys([*old, *new]) if key != "name" and old.get(key) != new.get(key)
+    ]
+    if len(keys) > _MOST_CHANGES:
+        return f"{len(keys)} entries: its listing is in the HTML report"
+    said = [f"`{key} = {_short(new.get(key, 'not set'))}`" for key in keys]
+    return ", ".join(said) or "nothing but its name"
+
+
+def _compact(toml: str) -> str:
+    """The same TOML with lists of numbers along the line instead of below each other."""
+
+    def along(found: re.Match[str]) -> str:
+        numbers = " ".join(found.group(2).split())
+        lines = textwrap.wrap(f"[{numbers.removesuffix(',')}]", _WIDE, subsequent_indent="    ")
+        return found.group(1) + "\n".join(lines)
+
+    return _NUMBERS.sub(along, toml)
+
+
+def _short(value: Any) -> str:
+    """A value as text, long lists by their ends."""
+    if isinstance(value, list) and len(value) > _MOST_ITEMS:
+        return f"[{value[0]}, ..., {value[-1]}] ({len(value)} values)"
+    return str(value)
+
+
 def _flat(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """Every entry by its path; tables in lists go by their names."""
     found: dict[str, Any] = {}
     for key, value in tables.items():
         if isinstance(value, dict):
             found.update(_flat(value, f"{path}{key}."))
+        elif isinstance(value, list) and value and all(isinstance(v, dict) for v in value):
+            named = {str(v.get("name", v.get("node", i))): v for i, v in enumerate(value)}
+            found.update(_flat(named, f"{path}{key}."))
         else:
             found[f"{path}{key}"] = value
     return found

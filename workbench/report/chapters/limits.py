@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from workbench.report.content import (
     Block,
@@ -86,24 +87,30 @@ def _names(cases: Iterable[str]) -> str:
     return f"{', '.join(names[: _LISTED - 2])} and {len(names) - _LISTED + 2} more"
 
 
-def domain(study: Study, stored: Stored) -> Section:
+@dataclass(frozen=True)
+class ShearDemand:
+    """What the cells say about shear.
+
+    A `table` of V/Vpl (None: no model states it), and the `headline` on demand above the plastic
+    resistance (empty: there is none).
+    """
+
+    table: Table | None
+    headline: str
+
+
+def domain(stored: Stored, shear: ShearDemand) -> Section:
     """Warnings of the models, and the shear demand of every case."""
     blocks: list[Block] = []
-    shear, headline = _shear_table(study, stored)
-    if headline:
-        blocks.append(Callout("doubt", headline))
+    if shear.headline:
+        blocks.append(Callout("doubt", shear.headline))
     blocks.extend(_warnings(stored))
-    if shear is not None:
-        blocks.append(shear)
+    if shear.table is not None:
+        blocks.append(shear.table)
     if not blocks:
         text = "No model reports that a case lies outside its assumptions."
         blocks.append(Callout("good", text))
     return Section("domain", "Where models leave their assumptions", tuple(blocks))
-
-
-def headline(study: Study, stored: Stored) -> str:
-    """The sentence on shear demand above the plastic resistance; empty if there is none."""
-    return _shear_table(study, stored)[1]
 
 
 def _warnings(stored: Stored) -> list[Block]:
@@ -141,14 +148,15 @@ def _warnings(stored: Stored) -> list[Block]:
     return [table]
 
 
-def _shear_table(study: Study, stored: Stored) -> tuple[Table | None, str]:
+def shear_demand(study: Study, stored: Stored) -> ShearDemand:
+    """Largest shear force over the plastic resistance, by case and label."""
     labels = [
         label
         for label in study.models
         if any(stored.number(case.name, label, "shear_utilisation") for case in study.cases)
     ]
     if not labels:
-        return None, ""
+        return ShearDemand(None, "")
     entries = []
     for case in study.cases:
         values = {
@@ -172,7 +180,7 @@ def _shear_table(study: Study, stored: Stored) -> tuple[Table | None, str]:
             f"In {len(over)} of {count(len(entries), 'case')} the shear force exceeds the plastic "
             f"shear resistance, up to V/Vpl = {number(worst[1], 3)} ({worst[0]}). There every "
             f"model without shear yielding{also} is outside its domain: agreement between such "
-            "models says nothing about a real column."
+            "models says nothing about a real structure."
         )
     rows = tuple(
         (Cell(name), *(_share(values.get(label)) for label in labels)) for name, values in entries
@@ -182,7 +190,7 @@ def _shear_table(study: Study, stored: Stored) -> tuple[Table | None, str]:
         "Largest shear force over the plastic shear resistance, V/Vpl, of the most loaded "
         "segment; a dash where a model did not answer."
     )
-    return Table("shear", caption, columns, rows, _PRINTED), headline
+    return ShearDemand(Table("shear", caption, columns, rows, _PRINTED), headline)
 
 
 def _share(value: float | None) -> Cell:

@@ -9,21 +9,26 @@ from workbench.report.formatting import number, percent, title_of, unit_of
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
+_MEASURED = ("published", "stud-measured")
+
 
 def convergence(study: Study, stored: Stored, figures: list[Block]) -> Section:
     """The table of the ladder and the figures that show it."""
-    if len(study.ladder) < 2:
+    if study.models[study.reference].name in _MEASURED:
+        text = f"{study.reference} are measured numbers: there is no mesh to refine."
+        return Section("convergence", "Convergence of the reference", (Paragraph(text),))
+    if len(study.steps) < 2:
         text = (
             f"{study.reference} is not refined in this study: its numerical uncertainty is "
             "unknown, and no gate against it can pass."
         )
         return Section("convergence", "Convergence of the reference", (Callout("doubt", text),))
     method = Paragraph(
-        f"Each level of the ladder {', '.join(study.ladder)} halves the element size and the time "
+        f"Each level of the ladder {', '.join(study.steps)} halves the element size and the time "
         "step of the one before. The observed order comes from the three finest levels; within "
-        "0.7 to 1.3 of the expected order the uncertainty is the grid convergence index with "
+        "0.7 to 1.1 of the expected order the uncertainty is the grid convergence index with "
         "safety factor 1.25, else 3 [@roache1994] [@celik2008]. Sequences that oscillate or "
-        "diverge get three times their spread."
+        f"diverge get three times their spread.{_alone(study)}"
     )
     blocks: list[Block] = [method, *figures]
     table = _table(study, stored)
@@ -34,19 +39,29 @@ def convergence(study: Study, stored: Stored, figures: list[Block]) -> Section:
     return Section("convergence", "Convergence of the reference", tuple(blocks))
 
 
+def _alone(study: Study) -> str:
+    """What the interval holds beside the ladder, if the reference makes these runs itself."""
+    if study.steps == study.ladder:
+        return ""
+    return (
+        " Four times as many fibers and half the steps are tried on the coarsest mesh; what they "
+        "change is part of the uncertainty."
+    )
+
+
 def _table(study: Study, stored: Stored) -> Table | None:
     rows = []
     for row in stored.tables["ladder"].to_dict("records"):
-        known = any(not np.isnan(float(row.get(label, np.nan))) for label in study.ladder)
+        known = any(not np.isnan(float(row.get(label, np.nan))) for label in study.steps)
         answered = all(
             stored.ok(row["case"], label)
-            for label in study.ladder
+            for label in (*study.ladder, study.reference)
             if stored.expects(row["case"], label)
         )
         if answered and not known:
             continue  # this kind of case does not have the quantity
         unit = unit_of(row["quantity"])
-        levels = [float(row.get(label, np.nan)) for label in study.ladder]
+        levels = [float(row.get(label, np.nan)) for label in study.steps]
         accepted = row["accepted"] == "true"
         quantity = title_of(row["quantity"])
         rows.append(
@@ -69,7 +84,7 @@ def _table(study: Study, stored: Stored) -> Table | None:
     columns = (
         Column("case", width=1.6),
         Column("quantity", width=1.7),
-        *(Column(label, True, 1.15) for label in study.ladder),
+        *(Column(label, True, 1.15) for label in study.steps),
         Column("order", True, 0.7),
         Column("extrapolated", True, 1.1),
         Column("uncertainty", True, 1.05),

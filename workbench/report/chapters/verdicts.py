@@ -45,8 +45,8 @@ def asked(study: Study, stored: Stored) -> Section:
         f"{count(len(cells), 'cell')}; {answered} of them hold an answer."
     )
     reference = f"The reference is {study.reference}"
-    if len(study.ladder) > 1:
-        reference += f", refined in {count(len(study.ladder), 'level')} ({', '.join(study.ladder)})"
+    if len(study.steps) > 1:
+        reference += f", refined in {count(len(study.steps), 'level')} ({', '.join(study.steps)})"
     return Section(
         "question", "What was asked", (Paragraph(study.question), Paragraph(f"{done} {reference}."))
     )
@@ -66,6 +66,8 @@ def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
         verdicts = list(rows["verdict"])
         worst = next(verdict.value for verdict in _WORST if verdict in verdicts)
         valued = rows[rows["value"].notna()]
+        same = valued[valued["verdict"] == worst]
+        valued = valued if same.empty else same
         reach = valued["value"].abs() + valued["uncertainty"].fillna(0.0)
         top = None if valued.empty else valued.loc[reach.idxmax()]
         found.append(
@@ -112,16 +114,23 @@ def _doubts(stored: Stored) -> Iterator[str]:
     ladder = stored.tables["ladder"]
     if ladder.empty or "relative" not in ladder:
         return
-    coarse = ladder[
-        (ladder["quantity"] == "peak_displacement") & (ladder["relative"] > _WELL_KNOWN)
-    ]
+    peaks = ladder[ladder["quantity"] == "peak_displacement"]
+    reference = stored.study.reference
+    present = peaks["case"].map(
+        lambda case: stored.number(case, reference, "peak_displacement") is not None
+    )
+    coarse = peaks[(peaks["relative"] > _WELL_KNOWN) | (peaks["relative"].isna() & present)]
     if not coarse.empty:
-        listed = [f"{r['case']}: {100.0 * r['relative']:.1f} %" for _, r in coarse.iterrows()]
+        listed = [f"{r['case']}: {_share(r['relative'])}" for _, r in coarse.iterrows()]
         shown = "; ".join(listed[:_LISTED]) + ("; …" if len(listed) > _LISTED else "")
         yield (
             "The reference itself is known only to (numerical uncertainty of its peak "
             f"displacement): {shown}. The intervals below contain this."
         )
+
+
+def _share(relative: float) -> str:
+    return "unknown" if pd.isna(relative) else f"{100.0 * relative:.1f} %"
 
 
 def _headline(rows: list[dict[str, Any]]) -> Callout:
@@ -135,6 +144,8 @@ def _headline(rows: list[dict[str, Any]]) -> Callout:
 def question_of(row: dict[str, Any]) -> str:
     """What a gate asks, in words."""
     quantity = title_of(str(row["quantity"]))
+    if row["model"] == row["against"]:
+        return f"{row['model']}: {metric_title(row['metric'])} of {quantity}"
     return f"{row['model']} against {row['against']}: {metric_title(row['metric'])} of {quantity}"
 
 

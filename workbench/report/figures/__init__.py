@@ -7,12 +7,13 @@ from collections.abc import Callable
 
 from workbench.errors import InputError
 from workbench.report.figures.drawing import Drawing, Request, nothing
-from workbench.report.figures.style import house_style
+from workbench.report.figures.style import house_style, settle
 
 # kind -> module; each has a function draw(request) -> Drawing
 KINDS = {
     "structure": "structure",
     "deformed": "deformed",
+    "animation": "animation",
     "history": "history",
     "force-displacement": "force_displacement",
     "peaks": "peaks",
@@ -22,6 +23,13 @@ KINDS = {
     "cost": "cost",
     "sweep": "sweep",
     "shear-domain": "shear_domain",
+    "stud-scatter": "stud_scatter",
+    "stud-residuals": "stud_residuals",
+    "stud-curves": "stud_curves",
+    "stud-model": "stud_model",
+    "stud-unseen": "stud_unseen",
+    "stud-interaction": "stud_interaction",
+    "stud-guideline": "stud_guideline",
 }
 
 
@@ -35,7 +43,10 @@ def draw(request: Request) -> Drawing:
     module = importlib.import_module(f"workbench.report.figures.{KINDS[kind]}")
     function: Callable[[Request], Drawing] = module.draw
     with house_style():
-        return function(request)
+        drawing = function(request)
+        if drawing.canvas is not None:
+            settle(drawing.canvas)
+    return drawing
 
 
 __all__ = ["KINDS", "Drawing", "Request", "draw"]

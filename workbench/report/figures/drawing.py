@@ -51,7 +51,8 @@ class Drawing:
     """A drawn figure: `canvas` (None if there was nothing to draw), the numbers in it, its text.
 
     `data` is a long table of everything drawn; `statements` say what is absent and why; `alt`
-    describes the picture in words; `width` is its share of the text width.
+    describes the picture in words; `width` is its share of the text width; `moving` is HTML that a
+    screen shows instead of the canvas (empty: the canvas).
     """
 
     canvas: Canvas | None
@@ -59,6 +60,7 @@ class Drawing:
     statements: tuple[str, ...] = ()
     alt: str = ""
     width: float = 1.0
+    moving: str = ""
 
 
 class Absences:
@@ -106,6 +108,10 @@ def to_svg(canvas: Canvas, key: str) -> str:
     text = re.sub(r"\s*<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", key)
+    # ids of clips are hashes of coordinates, whose last digit depends on the layout solver
+    found = dict.fromkeys(re.findall(r'\bid="([A-Za-z]\w*[0-9a-f]{10})"', text))
+    plain = {name: f"item{number}" for number, name in enumerate(found)}
+    text = re.sub(r"\b[A-Za-z]\w*[0-9a-f]{10}\b", lambda m: plain.get(m[0], m[0]), text)
     text = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', text)
     text = re.sub(r'xlink:href="#([^"]+)"', rf'xlink:href="#{prefix}-\1"', text)
     return re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", text)
@@ -123,14 +129,19 @@ def to_csv(data: pd.DataFrame) -> str:
 
 
 def thinned(x: Array, y: Array, most: int = 700) -> tuple[Array, Array]:
-    """Fewer points of a curve for drawing; extremes within each bucket are kept."""
+    """Fewer points of a curve for drawing; extremes of x and y within each bucket are kept.
+
+    The order of the points stays, so that loops stay loops.
+    """
     if len(x) <= most:
         return x, y
     edges = np.linspace(0, len(x), most // 2 + 1).astype(int)
     keep = {0, len(x) - 1}
+    turns = bool(np.any(np.diff(x) < 0.0))
     for low, high in itertools.pairwise(edges):
-        keep.add(low + int(np.argmin(y[low:high])))
-        keep.add(low + int(np.argmax(y[low:high])))
+        for values in (y, x) if turns else (y,):
+            keep.add(low + int(np.argmin(values[low:high])))
+            keep.add(low + int(np.argmax(values[low:high])))
     index = np.array(sorted(keep))
     return x[index], y[index]
 

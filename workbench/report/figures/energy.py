@@ -48,10 +48,13 @@ def draw(request: Request) -> Drawing:
     canvas, axes = panel_grid(len(ledgers))
     unit = unit_of("kinetic").factor
     blocks: list[Any] = []
+    stacked: set[str] = set()
     for i, ((label, response), panel) in enumerate(zip(ledgers.items(), axes, strict=True)):
         history = "time" if "time" in response.dims else "step"
-        at, parts, brought = _stack(response, history)
+        struck = case.scenario.KIND.endswith("impact")
+        at, parts, brought = _stack(response, history, struck)
         x = at * unit_of(history).factor
+        stacked |= set(parts)
         colors = [color for name, _, color in PARTS if name in parts]
         panel.stackplot(x, *(part * unit for part in parts.values()), colors=colors, linewidth=0.0)
         panel.plot(x, brought * unit, color=INK, linestyle="--", linewidth=1.1)
@@ -74,7 +77,9 @@ def draw(request: Request) -> Drawing:
                 len(at),
             )
         )
-    handles: list[Any] = [Patch(color=color, label=title) for _, title, color in PARTS[::-1]]
+    handles: list[Any] = [
+        Patch(color=color, label=title) for name, title, color in PARTS[::-1] if name in stacked
+    ]
     handles.append(Line2D([], [], color=INK, linestyle="--", label="brought in so far"))
     legend_below(canvas, handles)
     statements.insert(0, f"Case: {case.name}. Energies in J in the data file.")
@@ -82,7 +87,7 @@ def draw(request: Request) -> Drawing:
     return Drawing(canvas, joined(blocks), tuple(statements), alt)
 
 
-def _stack(response: Response, history: str) -> tuple[Array, dict[str, Array], Array]:
+def _stack(response: Response, history: str, struck: bool) -> tuple[Array, dict[str, Array], Array]:
     at = np.asarray(response[history].values, dtype=float)
     index = np.unique(np.linspace(0, len(at) - 1, min(len(at), _MOST_POINTS)).astype(int))
     parts = {
@@ -93,7 +98,8 @@ def _stack(response: Response, history: str) -> tuple[Array, dict[str, Array], A
     work = np.zeros(len(index))
     if "external_work" in response:
         work = np.asarray(response["external_work"].values, dtype=float)[index]
-    # what was stored before the impact (axial load) is part of every later sum
-    brought = float(response["input_energy"]) + work if history == "time" else work
+    # a striker brings its energy at once, all else does work; what dead loads had stored before
+    # is part of every later sum
+    brought = float(response["input_energy"]) + work if struck else work
     stored = float(response["elastic"].values[0]) if history == "time" else 0.0
     return at[index], parts, brought + stored

@@ -1,7 +1,7 @@
 """Histories over time, all labels of a case in one panel.
 
-Options: `quantity` (a history; `impulse` stands for the percussions summed up), `cases`,
-`until` (s).
+Options: `quantity` (a history; `impulse` stands for the percussions summed up), `hinge` (a name,
+for quantities that belong to hinges), `cases`, `until` (s).
 """
 
 from __future__ import annotations
@@ -21,8 +21,15 @@ from workbench.report.figures.drawing import (
     rows,
     thinned,
 )
-from workbench.report.figures.panels import chosen_cases, handle, name_axes, panel_grid
-from workbench.report.figures.style import legend_below
+from workbench.report.figures.panels import (
+    IN_TIME,
+    chosen_cases,
+    handle,
+    level,
+    name_axes,
+    panel_grid,
+)
+from workbench.report.figures.style import MUTED, legend_below
 from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.responses import Response
 from workbench.study.definition import Case
@@ -33,10 +40,10 @@ _PEAKS = {"displacement": ("peak_displacement", "time_of_peak")}
 def draw(request: Request) -> Drawing:
     """Overlaid histories, one panel per case; models without a history show their peak."""
     quantity = str(request.option("quantity", "displacement"))
-    cases, statements = chosen_cases(request, "impact")
+    cases, statements = chosen_cases(request, IN_TIME)
     if not cases:
-        return nothing("Histories in time need an impact; none of the cases is one.")
-    canvas, axes = panel_grid(len(cases))
+        return nothing("Histories in time need an impact or a ground motion; no case is one.")
+    canvas, axes = panel_grid(len(cases), share_y=False)
     absent = Absences()
     blocks: list[Any] = []
     handles: list[Any] = []
@@ -46,6 +53,12 @@ def draw(request: Request) -> Drawing:
         name_axes(panel, i, len(cases), axis_label("time"), axis_label(quantity))
         panel.set_xlim(left=0.0)
         panel.margins(x=0.0)
+        if not panel.lines:
+            panel.text(0.5, 0.5, "no curve", transform=panel.transAxes, ha="center", color=MUTED)
+    level(axes)
+    hinge = request.option("hinge", "")
+    if hinge:
+        statements.append(f"Hinge: {hinge}.")
     statements += absent.sentences()
     if not blocks:
         return nothing(f"No model answered these cases with {title_of(quantity)}.", *statements)
@@ -68,7 +81,7 @@ def _panel(
         if response is None:
             absent.no_answer(label, case.name)
             continue
-        curve = _curve(response, quantity)
+        curve = _curve(response, quantity, str(request.option("hinge", "")))
         if curve is not None:
             time, values = curve
             inside = time <= until
@@ -83,7 +96,9 @@ def _panel(
             for name in _PEAKS.get(quantity, ("", ""))
         )
         if peak is None:
-            absent.without(f"{title_of(quantity)} over time", label)
+            hinge = request.option("hinge", "")
+            where = f" of {hinge} in {case.name}" if hinge else ""
+            absent.without(f"{title_of(quantity)} over time{where}", label)
         elif when is None:
             panel.axhline(peak * unit, **{**look.curve(), "linestyle": ":"})
             handles.append(handle(f"{label} (peak only)", look._replace(line=":")))
@@ -99,7 +114,7 @@ def _panel(
     return handles
 
 
-def _curve(response: Response, quantity: str) -> tuple[Array, Array] | None:
+def _curve(response: Response, quantity: str, hinge: str) -> tuple[Array, Array] | None:
     if "time" not in response.coords:
         return None
     time = np.asarray(response["time"].values, dtype=float)
@@ -107,6 +122,11 @@ def _curve(response: Response, quantity: str) -> tuple[Array, Array] | None:
         if "percussion" not in response:
             return None
         return time, np.cumsum(response["percussion"].values)
-    if quantity not in response or response[quantity].dims != ("time",):
+    if quantity not in response:
         return None
-    return time, np.asarray(response[quantity].values, dtype=float)
+    values = response[quantity]
+    if values.dims == ("hinge", "time") and hinge in values["hinge"].values:
+        values = values.sel(hinge=hinge)
+    if values.dims != ("time",):
+        return None
+    return time, np.asarray(values.values, dtype=float)

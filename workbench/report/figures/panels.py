@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -9,20 +10,26 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.lines import Line2D
 
 from workbench.report.figures.drawing import Absences, Request
-from workbench.report.figures.style import Look, grid_shape, new_figure
+from workbench.report.figures.style import TEXT_WIDTH, Look, grid_shape, new_figure
 from workbench.responses import Response
 from workbench.study.definition import Case
 
 MOST_PANELS = 6
 
 
-def chosen_cases(request: Request, kind: str = "") -> tuple[list[Case], list[str]]:
+STATIC = ("pushover", "static")
+IN_TIME = ("impact", "motion")
+
+
+def chosen_cases(
+    request: Request, kinds: str | tuple[str, ...] = ""
+) -> tuple[list[Case], list[str]]:
     """The cases that get a panel, and a statement if some do not.
 
-    Arguments: `kind` keeps scenarios whose kind ends so (empty: all). The option `cases` names
+    Arguments: `kinds` keeps scenarios whose kind ends so (empty: all). The option `cases` names
     them; otherwise the first six are taken.
     """
-    cases = [case for case in request.cases if case.scenario.KIND.endswith(kind)]
+    cases = [case for case in request.cases if case.scenario.KIND.endswith(kinds)]
     named = request.option("cases", ())
     if named:
         return [case for case in cases if case.name in named], []
@@ -60,13 +67,19 @@ def first_answered(
 
 
 def panel_grid(
-    count: int, *, height: float = 2.35, share_x: bool = False, share_y: bool = True, most: int = 3
+    count: int,
+    *,
+    height: float = 2.2,
+    width: float = TEXT_WIDTH,
+    share_x: bool = False,
+    share_y: bool = True,
+    most: int = 3,
 ) -> tuple[Canvas, list[Axes]]:
-    """A figure with a number of panels; each row is `height` inches high."""
+    """A figure with a number of panels; each row is `height` inches high, a single one higher."""
     rows, columns = grid_shape(count, most)
     if count == 1:
-        height = max(1.3 * height, 2.9)
-    canvas = new_figure(height * rows + 0.55)
+        height *= 1.25
+    canvas = new_figure(height * rows + 0.55, width)
     axes = canvas.subplots(rows, columns, sharex=share_x, sharey=share_y, squeeze=False)
     flat = list(axes.flat)
     for spare in flat[count:]:
@@ -81,6 +94,17 @@ def name_axes(panel: Axes, index: int, count: int, x: str, y: str, most: int = 3
         panel.set_xlabel(x)
     if index % columns == 0:
         panel.set_ylabel(y)
+
+
+def level(axes: Sequence[Axes], most: float = 4.0) -> None:
+    """One scale up for all panels whose ranges differ by no more than a factor `most`."""
+    limits = [panel.get_ylim() for panel in axes if panel.lines]
+    sizes = [high - low for low, high in limits]
+    if not limits or max(sizes) > most * min(sizes):
+        return
+    common = min(low for low, _ in limits), max(high for _, high in limits)
+    for panel in axes:
+        panel.set_ylim(*common)
 
 
 def handle(label: str, look: Look, *, curve: bool = True) -> Line2D:

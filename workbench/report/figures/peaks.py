@@ -28,6 +28,9 @@ def draw(request: Request) -> Drawing:
     named = request.option("cases", ())
     cases = [case for case in request.cases if not named or case.name in named]
     statements = []
+    cases, without = _known(request, cases, quantity)
+    if cases and without:
+        statements.append(f"Without {title_of(quantity)} of any model: {', '.join(without)}.")
     if len(cases) > MOST_CASES:
         statements.append(
             f"Shown are the first {MOST_CASES} of {len(cases)} cases; the tables hold all of them."
@@ -40,7 +43,7 @@ def draw(request: Request) -> Drawing:
     ]
     if not labels:
         return nothing(f"No model answered these cases with {title_of(quantity)}.")
-    canvas = new_figure(4.6)
+    canvas = new_figure(4.3)
     top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=[1.15, 1.0])
     middle, step = 0.5 * (len(labels) - 1), 0.8 / len(labels)
     slots = {label: (i - middle) * step for i, label in enumerate(labels)}
@@ -48,8 +51,10 @@ def draw(request: Request) -> Drawing:
     deviations = _deviations(request, bottom, cases, slots, quantity, against)
     statements.extend(_absences(request, cases, quantity))
     top.set_ylabel(axis_label(quantity))
-    top.set_ylim(0.0, 1.08 * top.get_ylim()[1])
+    low, high = top.get_ylim()
+    top.set_ylim(1.08 * min(low, 0.0), 1.08 * max(high, 0.0))
     bottom.set_ylabel(f"deviation from {against} (%)" if len(against) < 16 else "deviation (%)")
+    bottom.margins(y=0.12)
     bottom.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
     bottom.set_xticks(range(len(cases)), [_wrapped(case.name, len(cases)) for case in cases])
     for panel in (top, bottom):
@@ -69,6 +74,18 @@ def draw(request: Request) -> Drawing:
     if deviations:
         data = data.merge(joined_rows(deviations), on=["case", "label"], how="left")
     return Drawing(canvas, data, tuple(statements), alt)
+
+
+def _known(request: Request, cases: list[Case], quantity: str) -> tuple[list[Case], list[str]]:
+    """Cases that have the quantity, and names of answered ones that do not (statics, say)."""
+    known, without = [], []
+    for case in cases:
+        labels = request.shown(case)
+        if any(request.stored.number(case.name, label, quantity) is not None for label in labels):
+            known.append(case)
+        elif any(request.stored.ok(case.name, label) for label in labels):
+            without.append(case.name)
+    return known, without
 
 
 def _values(

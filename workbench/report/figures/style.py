@@ -12,6 +12,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from workbench.study.definition import Study
 
+_LEGEND_ROW = 0.16  # inches
+_PASSES = 6
 TEXT_WIDTH = 6.7  # inches: the text width of the printed page
 INK, MUTED, GRID = "#1a1a1a", "#6b6b6b", "#d9d9d9"
 
@@ -150,14 +152,44 @@ def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout=layout)
 
 
+def settle(figure: Figure) -> None:
+    """Lay a figure out until nothing moves any more, then keep it so.
+
+    One pass is not enough where panels keep an aspect: margins are measured before they shrink.
+    """
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    before: list[float] = []
+    for _ in range(_PASSES):
+        engine.execute(figure)
+        places = [edge for panel in figure.axes for edge in panel.get_position().extents]
+        if before and max(abs(a - b) for a, b in zip(places, before, strict=True)) < 1e-3:
+            break
+        before = places
+    figure.set_layout_engine("none")
+
+
+def legend_beside(figure: Figure, handles: list[Any]) -> None:
+    """A legend right of all panels, for high figures of one panel; equal names appear once."""
+    named = {str(handle.get_label()): handle for handle in handles}
+    if named:
+        figure.legend(handles=list(named.values()), loc="outside right center", handletextpad=0.6)
+
+
 def legend_below(figure: Figure, handles: list[Any], columns: int = 0) -> None:
-    """A legend under all panels, outside the data; equal names appear once."""
+    """A legend under all panels, outside the data; equal names appear once.
+
+    Each row beyond the second makes the figure higher: panels keep their size.
+    """
     named = {str(handle.get_label()): handle for handle in handles}
     if not named:
         return
     longest = max(len(name) for name in named)
     fit = max(1, int(figure.get_figwidth() / (0.062 * longest + 0.55)))
     wanted = columns or min(fit, len(named), 5)
+    rows = -(-len(named) // wanted)
+    figure.set_figheight(figure.get_figheight() + _LEGEND_ROW * max(rows - 2, 0))
     figure.legend(
         handles=list(named.values()),
         loc="outside lower center",

@@ -1,0 +1,203 @@
+"""Curves, ledgers, paths of hinges and peaks of frames; frames in whole reports."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_frames import SyntheticFrame, frame_study, portal
+from synthetic_study import store_of
+from test_report_figures import request
+
+from workbench.errors import InputError
+from workbench.report import build_report
+from workbench.report.chapters import configuration, limits
+from workbench.report.content import Document, Listing, Picture, Section, Table, walk
+from workbench.report.figures import draw
+from workbench.report.figures.drawing import thinned, to_svg
+from workbench.report.pdf import render_pdf
+from workbench.scenarios import FrameStatic, Load, scenario_from
+from workbench.study import Case
+
+
+def test_loops_keep_all_their_reversals(frames):
+    drawing = draw(request(frames, "force-displacement"))
+    response = frames.response("cycles", "reference")
+    data = drawing.data[drawing.data["label"] == "reference"]
+    x = data["displacement_SI"].to_numpy()
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(x))) != 0)
+    assert len(turns) == 18  # 19 targets
+    assert x.max() == pytest.approx(response["displacement"].values.max())
+    assert data["force_SI"].min() == pytest.approx(-8e4)
+    (panel,) = drawing.canvas.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("displacement (mm)", "force (kN)")
+    low, high = panel.get_ylim()
+    assert low < -80.0 < 80.0 < high
+
+
+def test_loops_over_the_load_factor(frames):
+    drawing = draw(request(frames, "force-displacement", quantity="load_factor"))
+    assert drawing.canvas.axes[0].get_ylabel() == "load factor"
+    response = frames.response("cycles", "rigid")
+    data = drawing.data[drawing.data["label"] == "rigid"]
+    assert data["load_factor_SI"].max() == pytest.approx(response["load_factor"].values.max())
+    with pytest.raises(InputError, match=r"figure\.options\.quantity"):
+        draw(request(frames, "force-displacement", quantity="shear"))
+
+
+def test_records_end_at_the_first_displacement_beyond_the_limit(frames):
+    data = draw(request(frames, "force-displacement", until=0.03, labels=["reference"])).data
+    assert data["displacement_SI"].abs().max() <= 0.03
+    assert data["displacement_SI"].min() == pytest.approx(-0.02, abs=2e-3)
+
+
+def test_moments_over_rotations_have_their_units(tmp_path):
+    push = FrameStatic("turn", portal(), (Load("C", moment=1e4),), "C", "rotation", (0.1, -0.1))
+    study = replace(
+        frame_study("turning"),
+        cases=(Case("turn", push),),
+        models={"reference": SyntheticFrame()},
+        figures=(),
+    )
+    stored = store_of(study, tmp_path)
+    (panel,) = draw(request(stored, "force-displacement")).canvas.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("rotation (rad)", "moment (kN m)")
+    titles = [
+        panel.get_title(loc="left") for panel in draw(request(stored, "deformed")).canvas.axes
+    ]
+    assert any("rad" in title for title in titles)
+
+
+def test_thinned_loops_keep_extremes_of_both_axes():
+    t = np.linspace(0.0, 60.0 * np.pi, 40_001)
+    x, y = np.sin(t) * t, np.cos(t) * t
+    x[20_000], y[30_000] = 1e3, -1e3
+    few_x, few_y = thinned(x, y, 2000)
+    assert len(few_x) < 5000
+    assert few_x.max() == 1e3
+    assert few_y.min() == -1e3
+
+
+def test_histories_cover_impacts_and_ground_motions(frames):
+    drawing = draw(request(frames, "history"))
+    assert list(dict.fromkeys(drawing.data["case"])) == ["storeys", "from above", "shaken"]
+    # a drop of 25 mm and an impact of 300 mm do not share a scale
+    limits_up = [panel.get_ylim()[1] for panel in drawing.canvas.axes]
+    assert limits_up[0] > 5.0 * limits_up[1]
+
+
+def test_histories_of_a_hinge(frames):
+    shown = request(frames, "history", quantity="plastic_rotation", hinge="E-D:end")
+    drawing = draw(shown)
+    data = drawing.data[(drawing.data["label"] == "rigid") & (drawing.data["case"] == "shaken")]
+    stored = frames.response("shaken", "rigid")["plastic_rotation"].sel(hinge="E-D:end")
+    assert data["plastic_rotation_SI"].max() == pytest.approx(float(stored.max()))
+    assert any("E-D:end in storeys" in text for text in drawing.statements)
+
+
+def test_hinges_are_chosen_and_normalised_by_their_members(frames):
+    drawing = draw(request(frames, "interaction", case="from above", labels=["rigid"]))
+    assert "Shown are the 6 of 8 hinges" in drawing.statements[1]
+    assert len(set(drawing.data["hinge"])) == 6
+    one = draw(
+        request(frames, "interaction", case="from above", labels=["rigid"], hinges=("B-C:end",))
+    )
+    assert set(one.data["hinge"]) == {"B-C:end"}
+    response = frames.response("from above", "rigid")
+    moment = response["moment"].sel(hinge="B-C:end").values
+    strength = portal().properties("B-C").plastic_moment
+    ratio = one.data["moment_over_plastic_moment"].to_numpy()
+    assert ratio.max() == pytest.approx(moment.max() / strength, rel=1e-3)
+    with pytest.raises(InputError, match=r"figure\.options\.hinges.*must be among A-B:start"):
+        draw(request(frames, "interaction", case="from above", hinges=("Z:end",)))
+
+
+def test_surfaces_of_members_are_drawn_as_their_model_states_them(frames):
+    drawing = draw(request(frames, "interaction", case="from above", labels=["rigid"]))
+    words = [text.get_text() for text in drawing.canvas.legends[0].get_texts()]
+    assert "super-ellipse α = 1, β = 1.7" in words
+    assert {"exact plastic envelope of HEB 220", "exact plastic envelope of IPE 300"} <= set(words)
+
+
+@pytest.mark.parametrize("case", ["storeys", "shaken"])
+def test_ledgers_close_whatever_brings_the_energy(frames, case):
+    data = draw(request(frames, "energy", case=case, labels=["reference"])).data
+    parts = data[["kinetic", "elastic", "dissipated", "contact_loss"]].sum(axis=1)
+    energy = 1.0 if case == "shaken" else 0.97  # the closed forms leave out some of the impact
+    assert (parts / data["brought_in"]).between(energy - 0.01, 1.01).all()
+
+
+def test_peaks_leave_out_cases_without_one(frames):
+    drawing = draw(request(frames, "peaks"))
+    assert "Without peak displacement of any model: cycles, shaken." in drawing.statements
+    assert set(drawing.data["case"]) == {"storeys", "from above"}
+
+
+def test_the_layout_of_a_drawn_figure_is_final(frames):
+    drawing = draw(request(frames, "interaction", case="storeys"))
+    before = [panel.get_position().extents for panel in drawing.canvas.axes]
+    first = to_svg(drawing.canvas, "key")
+    assert to_svg(drawing.canvas, "key") == first
+    after = [panel.get_position().extents for panel in drawing.canvas.axes]
+    assert np.array_equal(before, after)
+
+
+def test_shear_is_worked_out_once_for_all_chapters(frames):
+    shear = limits.shear_demand(frames.study, frames)
+    assert shear.headline == ""
+    section = limits.domain(frames, shear)
+    assert [block.key for block in walk((section,)) if isinstance(block, Table)] == ["shear"]
+
+
+def test_every_kind_of_case_is_listed_in_full(frames):
+    section = configuration.configuration(frames.study, frames)
+    listings = [block for block in walk((section,)) if isinstance(block, Listing)]
+    printed = [block.title for block in listings if block.printed]
+    assert printed == ["storeys", "cycles", "shaken"]
+    for case, block in zip(
+        sorted(frames.study.cases, key=lambda case: case.name),
+        sorted(listings, key=lambda block: block.title),
+        strict=True,
+    ):
+        assert scenario_from(tomllib.loads(block.text)) == case.scenario
+        assert max(map(len, block.text.splitlines())) < 140
+    table = next(b for b in walk((section,)) if isinstance(b, Table) and b.key == "cases")
+    ((name, like, changes, _),) = table.rows
+    assert (name.text, like.text) == ("from above", "storeys")
+    assert "its listing is in the HTML report" in changes.text
+
+
+def pages_of(pictures: int, height: float) -> int:
+    """Pages of a report with pictures of a height (mm) over the whole width of 170 mm."""
+    box = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 170 {height}"/>'
+    chapter = Section(
+        "results",
+        "Results",
+        tuple(
+            Section(f"s{i}", f"Picture {i}", (Picture(f"p{i}", "t", "caption", box, "alt"),))
+            for i in range(pictures)
+        ),
+    )
+    pdf = render_pdf(Document("Report", "", ("fact",), (chapter,), ()))
+    return len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
+
+
+def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
+    assert pages_of(1, 80.0) == 1
+    assert pages_of(6, 60.0) <= 3
+    # two of 118 mm and their captions are higher than a page, at 84 % they are not
+    assert pages_of(5, 118.0) == 3
+    assert pages_of(4, 160.0) == 4
+
+
+def test_the_whole_report_repeats(frames, tmp_path):
+    one = build_report(frames.directory, frames.study, out=tmp_path / "one")
+    two = build_report(frames.directory, frames.study, out=tmp_path / "two")
+    for name in ("html", "pdf"):
+        assert one[name].read_bytes() == two[name].read_bytes()
+    html = one["html"].read_text(encoding="utf-8")
+    assert "http://" not in html
+    assert 'id="plot-film"' in html

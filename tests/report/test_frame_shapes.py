@@ -1,0 +1,230 @@
+"""Deformed frames, still and moving: what is drawn is what was stored."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.colors import to_rgb
+from synthetic_frames import SyntheticFrame, frame_study
+from synthetic_study import store_of
+from test_report_figures import request
+
+from workbench.errors import InputError
+from workbench.report import build_report
+from workbench.report.figures import draw
+from workbench.report.figures.film import LARGEST, film
+from workbench.report.figures.hinge_states import YIELDING, YIELDS, colour_of, hinge_places
+from workbench.report.figures.shapes import Shapes, magnification, shapes_of
+from workbench.scenarios import FrameImpact, FrameStriker, regular_frame
+from workbench.sections import find
+from workbench.study import Case
+
+
+def shapes(stored, case: str, label: str) -> Shapes:
+    return shapes_of(
+        next(c for c in stored.study.cases if c.name == case), stored.response(case, label)
+    )
+
+
+def test_points_and_states_are_those_of_the_snapshots(frames):
+    drawing = draw(request(frames, "deformed", cases=[frames.study.cases[0]], labels=["rigid"]))
+    response = frames.response("storeys", "rigid")
+    peak = int(np.argmin(np.abs(response["snapshot_at"].values - float(response["time_of_peak"]))))
+    data = drawing.data[drawing.data["instant"] == "peak"]
+    points = data[data["member"] == "C0-C1/1"]
+    stored = response["shape_x"].sel(member="C0-C1/1").values[:, peak]
+    assert points["x_m"].to_numpy() == pytest.approx(stored)
+    states = data[data["hinge"].notna()].set_index("hinge")["utilisation"]
+    assert states["D2-E2:end"] == 1.0
+    assert states.to_numpy() == pytest.approx(response["utilisation"].values[:, peak])
+    assert set(data["time"]) == {response["snapshot_at"].values[peak]}
+
+
+def test_instants(frames):
+    found = shapes(frames, "storeys", "reference")
+    peak, half = found.index("peak"), found.index("half-way")
+    assert found.moved[peak] == found.moved.max()
+    assert found.moved[half] >= 0.5 * found.moved[peak] > found.moved[half - 1]
+    assert (found.index("start"), found.index("end")) == (0, len(found.at) - 1)
+    assert found.at[found.index(0.01)] == pytest.approx(0.01, abs=5e-4)
+    assert found.words(peak).replace("\u2009", " ").startswith("20.0 ms")
+    shown = request(frames, "deformed", cases=[frames.study.cases[0]], instants=("start", 0.01))
+    titles = [panel.get_title(loc="left") for panel in draw(shown).canvas.axes]
+    assert titles[0].startswith("start: 0")
+    assert titles[1].startswith("10.2")
+
+
+@pytest.mark.parametrize("instants", [("late",), (True,), (), ("end",) * 5, (float("nan"),)])
+def test_bad_instants_are_refused(frames, instants):
+    with pytest.raises(InputError, match=r"figure\.options\.instants"):
+        draw(request(frames, "deformed", instants=instants))
+
+
+def test_bad_layouts_are_refused(frames):
+    with pytest.raises(InputError, match=r"figure\.options\.layout.*must be one of instants"):
+        draw(request(frames, "deformed", layout="pile"))
+
+
+def test_scale_is_true_or_told(frames):
+    large = draw(request(frames, "deformed", cases=[frames.study.cases[0]]))
+    assert large.statements[0] == "True to scale, displacements too."
+    labels = [panel.get_xlabel() for panel in large.canvas.axes]
+    assert "x (m)" in labels
+    small = draw(request(frames, "deformed", cases=[frames.study.cases[1]]))
+    times = re.fullmatch(r"Displacements are drawn (\d+) times .*", small.statements[0])
+    assert times
+    assert f"x (m), displacements × {times[1]}" in [a.get_xlabel() for a in small.canvas.axes]
+    for panel in large.canvas.axes[:9]:
+        assert panel.get_aspect() == 1.0
+
+
+@given(st.floats(1e-9, 100.0), st.floats(0.1, 100.0))
+def test_magnifications_are_round_and_modest(largest, size):
+    times = magnification(largest, size)
+    assert times >= 1.0
+    if times > 1.0:
+        assert times * largest <= 0.05 * size * (1.0 + 1e-9)
+        assert f"{times:e}"[0] in "125"
+
+
+def test_models_without_shapes_are_named(frames):
+    drawing = draw(request(frames, "deformed"))
+    assert "Without deformed shape: bare." in drawing.statements
+
+
+def test_overlaid_frames_have_one_panel_per_case(frames):
+    drawing = draw(request(frames, "deformed", layout="overlaid"))
+    titles = [panel.get_title(loc="left") for panel in drawing.canvas.axes]
+    assert titles == ["storeys", "from above", "cycles", "shaken"]
+    assert set(drawing.data["instant"]) == {"peak", "end"}
+
+
+def test_columns_lie_with_named_axes_and_say_that_lines_are_chords(small):
+    drawing = draw(request(small, "deformed", cases=[small.study.cases[0]]))
+    (panel,) = drawing.canvas.axes
+    assert panel.get_ylabel() == "displacement\n(m)"
+    assert panel.get_xlabel() == "height above the base (m)"
+    said = next(text for text in drawing.statements if text.startswith("Straight lines"))
+    assert "shape between is not known" in said
+    data = drawing.data[
+        (drawing.data["label"] == "reference") & (drawing.data["instant"] == "peak")
+    ]
+    peak = small.number(small.study.cases[0].name, "reference", "peak_displacement")
+    assert data["x_m"].max() == pytest.approx(peak, rel=1e-3)
+
+
+def test_columns_also_come_as_small_multiples(small):
+    drawing = draw(
+        request(
+            small, "deformed", cases=[small.study.cases[0]], layout="instants", labels=["reference"]
+        )
+    )
+    assert len(drawing.canvas.axes) == 3
+    assert "Without utilisation of member ends: reference." in drawing.statements
+
+
+def test_circles_stand_beside_the_ends_of_curves():
+    angle = np.linspace(0.0, np.pi, 181)
+    x, y = np.cos(angle)[None, :], np.sin(angle)[None, :]
+    first, last = hinge_places(x, y, 0.3)
+    assert np.arctan2(first[1], first[0]) == pytest.approx(0.3, rel=1e-3)
+    assert np.pi - np.arctan2(last[1], last[0]) == pytest.approx(0.3, rel=1e-3)
+    close = hinge_places(x[:, :2], y[:, :2], 0.3)  # shorter than twice the gap
+    assert close[0] != pytest.approx(close[1])
+
+
+def test_colours_darken_and_yielding_stands_out():
+    def luminance(color: str) -> float:
+        return float(np.dot([0.2126, 0.7152, 0.0722], to_rgb(color)))
+
+    shades = [luminance(colour_of(u)) for u in np.linspace(0.0, YIELDS - 1e-6, 30)]
+    assert np.all(np.diff(shades) <= 1e-3)
+    assert shades[0] > 0.85
+    assert shades[-1] < 0.25
+    assert colour_of(YIELDS) == colour_of(1.0) == YIELDING
+    assert abs(luminance(YIELDING) - shades[-1]) > 0.1
+
+
+def decoded(text: str, fine: int) -> np.ndarray:
+    """What the script of the report makes of a string of differences."""
+    frames = [[int(step or 0) for step in frame.split(" ")] for frame in text.split(";")]
+    return np.cumsum(frames, axis=0).reshape(len(frames), -1, 2) / fine
+
+
+def numbers_of(text: str) -> dict:
+    return json.loads(re.search(r"<script[^>]*>(.*?)</script>", text, re.DOTALL)[1])
+
+
+def test_the_film_shows_every_snapshot_where_it_was(frames):
+    found = {label: shapes(frames, "storeys", label) for label in ("rigid", "reference")}
+    text, every = film(found)
+    assert every == 1
+    data = numbers_of(text)
+    lead = found["reference"]
+    assert data["at"] == pytest.approx(lead.at / lead.at[-1], abs=1e-4)
+    for panel, (label, one) in zip(data["panels"], found.items(), strict=True):
+        pixels = np.stack([decoded(path, data["fine"])[:, [0, -1]] for path in panel["paths"]])
+        ends = np.stack([one.x, one.y], axis=-1)[:, [0, -1]].transpose(0, 2, 1, 3)
+        (ax, bx), *_ = np.polyfit(ends[..., 0].ravel(), pixels[..., 0].ravel(), 1, full=True)
+        (ay, by), *_ = np.polyfit(ends[..., 1].ravel(), pixels[..., 1].ravel(), 1, full=True)
+        assert ax == pytest.approx(-ay, rel=1e-3), label  # one scale for both directions
+        assert np.abs(ax * ends[..., 0] + bx - pixels[..., 0]).max() < 0.2
+        assert np.abs(ay * ends[..., 1] + by - pixels[..., 1]).max() < 0.2
+        yielding = np.array([[letter == "u" for letter in used] for used in panel["used"]])
+        assert np.array_equal(yielding.T, one.used >= YIELDS)
+        assert panel["words"][lead.peak].startswith("peak: ")
+        circles = decoded(panel["circles"], data["fine"])
+        assert circles.shape == (len(one.at), len(one.hinges), 2)
+
+
+def test_bent_members_keep_their_points(frames):
+    text, _ = film({"one": shapes(frames, "storeys", "reference")})
+    data = numbers_of(text)
+    counts = {decoded(path, 1).shape[1] for path in data["panels"][0]["paths"]}
+    assert counts == {2, 9}  # straight members go by their ends
+
+
+def test_films_stand_still_without_a_script(frames):
+    text, _ = film({"one": shapes(frames, "storeys", "reference")})
+    still = text.partition("<script")[0]
+    assert still.count('class="film-member"') == 19
+    assert '<div class="film-controls" hidden>' in still
+    assert "peak: 20.0" in still
+    assert "http" not in text
+    assert text == film({"one": shapes(frames, "storeys", "reference")})[0]
+
+
+def test_films_of_large_frames_stay_small_and_say_so(tmp_path):
+    big = regular_frame((5.0,) * 12, (3.5,) * 10, find("HEB 300"), find("IPE 360"))
+    case = Case("tower", FrameImpact("t", big, FrameStriker(9e4, 60.0, node="F3"), 0.05))
+    study = replace(
+        frame_study("tower"),
+        cases=(case,),
+        models={"reference": SyntheticFrame(gain=10.0)},
+        figures=(),
+    )
+    drawing = draw(request(store_of(study, tmp_path), "animation"))
+    assert len(drawing.moving.encode()) <= LARGEST
+    assert any("stored snapshots is shown" in text for text in drawing.statements)
+
+
+def test_the_animation_of_the_report(frames, tmp_path):
+    film_only = tuple(figure for figure in frames.study.figures if figure.kind == "animation")
+    study = replace(frames.study, figures=film_only)
+    written = build_report(frames.directory, study, formats=("html",), out=tmp_path)
+    html = written["html"].read_text(encoding="utf-8")
+    assert html.count('<div class="film">') == 1
+    assert "flexible <b>" not in html
+    assert "prefers-reduced-motion: reduce" in html
+    assert re.search(r"@media print \{.*\.film-controls \{ display: none; \}", html, re.DOTALL)
+    still = (written["figures"] / "film.svg").read_text(encoding="utf-8")
+    assert still.startswith("<svg")  # the four pictures of the PDF
+    drawing = draw(request(frames, "animation", cases=[study.cases[0]], labels=["rigid"]))
+    titles = [panel.get_title(loc="left").partition(":")[0] for panel in drawing.canvas.axes]
+    assert titles[:4] == ["start", "half-way", "peak", "end"]
