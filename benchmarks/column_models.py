@@ -22,8 +22,8 @@ MODELS = {
     "SDOF analytic": (SingleDof(resistance="analytic"), 50),
     "4-DOF": (FourDof(), 20),
     "4-DOF explicit": (FourDof(integrator="moreau"), 20),
-    "fiber coarse": (FiberCorotational(refinement=-1), 3),
-    "fiber medium": (FiberCorotational(refinement=0), 3),
+    "fiber coarse": (FiberCorotational(levels=1, refinement=-1), 3),
+    "fiber medium": (FiberCorotational(levels=1, refinement=0), 3),
 }
 
 

@@ -12,7 +12,7 @@ from workbench.cli import main
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
-from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.scenarios import Column, ColumnImpact, Striker
 from workbench.sections import find, square
 from workbench.study import Case, Figure, Study
@@ -22,11 +22,10 @@ SECTIONS = {"IPE 300": find("IPE 300"), "HEB 220": find("HEB 220"), "square 150"
 POSITIONS = (0.15, 0.3, 0.5)  # hit point over length
 LOADS = (0.0, 0.15, 0.3)  # axial load over squash load
 VELOCITIES = (5.0, 10.0, 20.0)  # m/s
-REFERENCE = "fiber fine"
+REFERENCE = "fiber beam"
 
 models = {
-    "fiber coarse": FiberCorotational(refinement=0),
-    REFERENCE: FiberCorotational(refinement=1),
+    REFERENCE: FiberReissner(),
     "4-DOF": FourDof(),
     "SDOF analytic": SingleDof(resistance="analytic"),
     "SDOF cubic": SingleDof(resistance="cubic"),
@@ -113,7 +112,6 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
-    ladder=("fiber coarse", REFERENCE),
     gates=gates,
     figures=figures,
 )

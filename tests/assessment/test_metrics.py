@@ -14,7 +14,8 @@ from workbench.errors import InputError
 from workbench.responses import Response, build_response
 
 QUANTITY = {Scope.SCALAR: "peak_displacement", Scope.HISTORY: "velocity", Scope.CURVE: "force"}
-metrics = pytest.mark.parametrize("metric", METRICS.values(), ids=METRICS)
+COMPARING = {name: metric for name, metric in METRICS.items() if metric.scope is not Scope.RUN}
+metrics = pytest.mark.parametrize("metric", COMPARING.values(), ids=COMPARING)
 
 
 def response(metric: Metric, seed: int, scale: float = 1.0, base: float = 1.0) -> Response:
@@ -198,3 +199,24 @@ def test_relative_error_needs_a_reference_that_is_not_zero():
     with pytest.raises(InputError, match="zero"):
         METRICS["relative_error"](one, zero, "impulse")
     assert METRICS["relative_error"](zero, one, "impulse") == -1.0
+
+
+def test_the_shortfall_of_a_number_about_the_run():
+    run = build_response({"peak_displacement": 0.25}, steps=0)
+    run.attrs["yield_ratio"] = 0.998
+    metric = METRICS["shortfall"]
+    assert metric(run, run, "yield_ratio") == pytest.approx(0.002)
+    assert metric(run, run, "peak_displacement") == 0.75
+    for absent in ("impulse", "outcome"):
+        with pytest.raises(InputError, match=absent):
+            metric(run, run, absent)
+
+
+def test_the_relative_uncertainty_of_a_run():
+    run = build_response({"peak_displacement": -0.25, "impulse": 2.0}, steps=0)
+    run.attrs["numerical_uncertainty"] = '{"peak_displacement": 0.01, "impulse": null}'
+    metric = METRICS["relative_uncertainty"]
+    assert metric(run, run, "peak_displacement") == pytest.approx(0.04)
+    for unknown in ("impulse", "peak_force"):
+        with pytest.raises(InputError, match=unknown):
+            metric(run, run, unknown)

@@ -42,7 +42,7 @@ def test_help_imports_nothing_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     print(f"workbench --help took {time.perf_counter() - begin:.3f} s")
     assert done.stderr.strip() == "loaded [] 0"
-    for verb in ("models", "simulate", "run", "status", "report", "validate", "data", "doctor"):
+    for verb in ("models", "simulate", "run", "status", "report", "validate", "fit", "data", "doctor"):
         assert f"\n  {verb}" in done.stdout
     assert "..." not in done.stdout.partition("Commands:")[2]
 
@@ -60,6 +60,9 @@ def test_help_imports_nothing_heavy() -> None:
         ("data", "show"),
         ("data", "check"),
         ("doctor",),
+        ("fit", "stud-strength"),
+        ("fit", "load-slip"),
+        ("fit", "residual"),
     ],
 )
 def test_every_verb_has_help_and_json(
@@ -176,7 +179,7 @@ def test_bad_settings(
 KEYS = {
     *("model", "outcome", "message", "peak_displacement", "time_of_peak"),
     *("residual_displacement", "peak_force", "impulse", "energies", "shear_utilisation"),
-    *("warnings", "wall_time", "provenance"),
+    *("warnings", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
 }
 
 
@@ -237,15 +240,33 @@ def test_an_answer_that_fails_is_status_1(
     push = ColumnPushover("push", column=thesis_impact.column, displacement=0.05)
     path = tmp_path / "push.toml"
     path.write_text(to_toml(push))
-    assert run(["simulate", str(path), "--model", "published", "--json"]) == 1
+    options = ["--option", "dataset=heng2017-figure-5-9", "--option", "series=SDOF"]
+    assert run(["simulate", str(path), "--model", "published", *options, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert found["outcome"] == "out-of-domain"
     assert found["message"]
     assert found["peak_displacement"] is None
     assert found["energies"]["kinetic"] is None
     assert found["shear_utilisation"] is None
-    assert run(["simulate", str(path), "--model", "published"]) == 1
+    assert run(["simulate", str(path), "--model", "published", *options]) == 1
     assert "out-of-domain" in capsys.readouterr().out
+
+
+def test_published_numbers_must_be_named(
+    scenario_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["simulate", str(scenario_file), "--model", "published"]
+    assert run(arguments) == 2
+    assert "option.dataset: must be one of heng2017-figure-5-" in capsys.readouterr().err
+    named = [*arguments, "--option", "dataset=heng2017-figure-5-9"]
+    assert run(named) == 2
+    said = capsys.readouterr().err
+    assert "option.series: must be one of 4-DOF nonlinear yield surface; SDOF" in said
+    assert run([*named, "--option", "series=SDOF"]) == 0
+    assert "0.1911 m" in capsys.readouterr().out
+    wrong = [*arguments, "--option", "dataset=profiles"]
+    assert run(wrong) == 2
+    assert "option.dataset = 'profiles': must be one of" in capsys.readouterr().err
 
 
 def test_models(capsys: pytest.CaptureFixture[str]) -> None:
@@ -253,7 +274,7 @@ def test_models(capsys: pytest.CaptureFixture[str]) -> None:
     entries = {entry["name"]: entry for entry in json.loads(capsys.readouterr().out)["models"]}
     assert entries["four-dof"]["answers"] == ["column-impact", "column-pushover"]
     assert entries["four-dof"]["assumptions"]
-    assert entries["published"]["sources"] == ["heng2017"]
+    assert entries["published"]["options"] == {"dataset": None, "series": None}
     assert run(["models", "four-dof"]) == 0
     text = capsys.readouterr().out
     assert entries["four-dof"]["assumptions"][0][:60] in " ".join(text.split())

@@ -23,6 +23,7 @@ def test_a_sound_environment(capsys: pytest.CaptureFixture[str], tmp_path: Path)
     assert expected <= set(found)
     assert {name for name, state in found.items() if state == "fail"} == set()
     assert found["physics single-dof"] == found["physics four-dof"] == "ok"
+    assert found["physics fiber-reissner"] == found["physics fiber-corotational"] == "ok"
     assert status == 0
     assert not (tmp_path / "reports").exists()  # a check leaves nothing behind
 
@@ -67,6 +68,12 @@ def test_physics_that_drifts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
         "workbench.registry.make_model", lambda name: SimpleNamespace(simulate=simulate)
     )
     assert {check.state for check in doctor._physics()} == {"fail"}
+
+
+def test_a_reference_that_drifts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    soft = make_model("fiber-corotational", {"layers": 4, "levels": 1})
+    monkeypatch.setattr("workbench.registry.make_model", lambda name, options: soft)
+    assert {check.state for check in doctor._references()} == {"fail"}
 
 
 def test_a_store_that_cannot_be_written(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from workbench.structures.impact import PointMass, impact
 
 SIZE, HARDENING, TIME_STEP = 0.1, 1e-4, 5e-5
 MODEL = FiberCorotational(
+    levels=1,
     element="interpolated",
     shear_flexible=False,
     smallest_element=SIZE,

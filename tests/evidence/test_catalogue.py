@@ -20,6 +20,15 @@ def test_every_dataset_is_described_and_present() -> None:
         assert len(load(entry.name)) > 0
 
 
+def test_every_table_of_tests_names_its_works() -> None:
+    from workbench.report.bibliography import BIBLIOGRAPHY
+
+    for entry in datasets():
+        if entry.file.startswith("studs/"):
+            assert entry.keys
+            assert set(entry.keys) <= set(BIBLIOGRAPHY)
+
+
 def test_unknown_names_suggest_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean heng2017-figure-5-9"):
         dataset("heng2017-figure-5-8")

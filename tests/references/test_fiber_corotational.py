@@ -39,41 +39,47 @@ def elastic_column(**options) -> Column:
 @pytest.mark.parametrize("velocity", CONVERGED)
 def test_default_answer_for_the_thesis_column(thesis_impact, velocity):
     scenario = replace(thesis_impact.at_velocity(velocity), duration=0.04)
-    assert peak(FiberCorotational(), scenario) == pytest.approx(CONVERGED[velocity], rel=0.012)
+    assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(
+        CONVERGED[velocity], rel=0.012
+    )
 
 
 def test_refinement_hardly_changes_balanced_elements(thesis_impact):
     scenario = replace(thesis_impact, duration=0.03)
     coarse, middle = (
-        peak(FiberCorotational(element="balanced", refinement=r), scenario) for r in (0, 1)
+        peak(FiberCorotational(levels=1, element="balanced", refinement=r), scenario)
+        for r in (0, 1)
     )
     assert middle == pytest.approx(coarse, rel=0.005)
 
 
 def test_refinement_halves_elements_and_steps(thesis_impact):
     scenario = thesis_impact
-    halved = FiberCorotational(refinement=2)
+    halved = FiberCorotational(levels=1, refinement=2)
     assert sum(map(len, halved.mesh(scenario))) == 2 * sum(
-        map(len, FiberCorotational().mesh(scenario))
+        map(len, FiberCorotational(levels=1).mesh(scenario))
     )
-    assert halved.time_spans(scenario)[0][1] == FiberCorotational().time_spans(scenario)[0][1] / 2
+    assert (
+        halved.time_spans(scenario)[0][1]
+        == FiberCorotational(levels=1).time_spans(scenario)[0][1] / 2
+    )
 
 
 def test_classical_element_converges_to_the_same_peak_from_below(thesis_impact):
     scenario = replace(thesis_impact.at_velocity(10.0), duration=0.024)
     peaks = [
-        peak(FiberCorotational(element="interpolated", smallest_element=h), scenario)
+        peak(FiberCorotational(levels=1, element="interpolated", smallest_element=h), scenario)
         for h in (0.05, 0.025)
     ]
     extrapolated = 2 * peaks[1] - peaks[0]
     assert peaks[0] < peaks[1] < extrapolated
-    assert peak(FiberCorotational(), scenario) == pytest.approx(extrapolated, rel=0.01)
+    assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(extrapolated, rel=0.01)
 
 
 def test_clamped_column_of_the_thesis(clamped_impact):
     """Axially fixed ends, 25 m/s: converged 0.5055 m."""
     scenario = replace(clamped_impact, duration=0.042)
-    assert peak(FiberCorotational(), scenario) == pytest.approx(0.5055, rel=0.008)
+    assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(0.5055, rel=0.008)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +88,7 @@ def test_clamped_column_of_the_thesis(clamped_impact):
 def test_pushover_of_the_thesis_column(thesis_impact, element, early, late):
     """The first three points lie before, the others in the catenary range."""
     scenario = ColumnPushover("push", thesis_impact.column, 0.3)
-    response = FiberCorotational(element=element).simulate(scenario)
+    response = FiberCorotational(levels=1, element=element).simulate(scenario)
     force = np.interp(STATIC_AT, response["displacement"], response["force"])
     assert force == pytest.approx(STATIC, rel=late)
     assert force[:3] == pytest.approx(STATIC[:3], rel=early)
@@ -102,14 +108,16 @@ def test_elastic_stiffness(base, head):
     for sheared in (False, True):
         if sheared:
             stiffness = 1.0 / (1.0 / stiffness + 4.0 / 4.0 / section.shear_stiffness)
-        model = FiberCorotational(shear_flexible=sheared)
+        model = FiberCorotational(levels=1, shear_flexible=sheared)
         response = model.simulate(ColumnPushover("elastic", column, 1e-4))
         assert response["force"].values[-1] / 1e-4 == pytest.approx(stiffness, rel=1e-4)
         assert response.attrs.get("yield_ratio") is None
 
 
 def test_signs_of_the_watched_sections(thesis_impact):
-    response = FiberCorotational().simulate(ColumnPushover("push", thesis_impact.column, 0.05))
+    response = FiberCorotational(levels=1).simulate(
+        ColumnPushover("push", thesis_impact.column, 0.05)
+    )
     moment = response["moment"].values[:, -1]
     assert np.all(np.sign(moment) == [1, -1, -1, 1])
     assert moment[1] == pytest.approx(moment[2], rel=1e-6)  # no moment is applied in between
@@ -125,7 +133,7 @@ def test_signs_of_the_watched_sections(thesis_impact):
 
 def test_fixed_head_is_locked_after_the_axial_load():
     column = elastic_column(head="fixed", axial_load=4e5, restraint_stiffness=1e7)
-    response = FiberCorotational().simulate(ColumnPushover("push", column, 0.1))
+    response = FiberCorotational(levels=1).simulate(ColumnPushover("push", column, 0.1))
     assert np.ptp(response["shortening"].values) == 0.0
     assert response["axial_force"].values[0, 0] == pytest.approx(-4e5, rel=1e-6)
     assert response["axial_force"].values[0, -1] > 0.0  # catenary
@@ -140,7 +148,7 @@ def test_spring_is_unstressed_under_the_axial_load():
 
 def test_impulse_is_the_momentum_that_the_striker_lost(thesis_impact):
     scenario = replace(thesis_impact.at_velocity(10.0), duration=0.03)
-    response = FiberCorotational().simulate(scenario)
+    response = FiberCorotational(levels=1).simulate(scenario)
     lost = scenario.striker.mass * (10.0 - response["striker_velocity"].values[-1])
     assert response["impulse"] == pytest.approx(lost, rel=1e-9)
     assert float(response["percussion"].min()) >= 0.0
@@ -149,7 +157,7 @@ def test_impulse_is_the_momentum_that_the_striker_lost(thesis_impact):
 
 
 def test_record_that_ends_before_the_peak(thesis_impact):
-    response = FiberCorotational().simulate(replace(thesis_impact, duration=0.01))
+    response = FiberCorotational(levels=1).simulate(replace(thesis_impact, duration=0.01))
     assert "no-peak" in subjects(response)
     assert "peak_displacement" not in response
     assert "residual_displacement" not in response
@@ -159,19 +167,19 @@ def test_coarse_time_step_is_noticed():
     scenario = ColumnImpact(
         "fast", Column(square(0.1), 1.0, 1.0, head="fixed"), Striker(50.0, 60.0, 1.0), 0.02
     )
-    response = FiberCorotational().simulate(scenario)
+    response = FiberCorotational(levels=1).simulate(scenario)
     assert "yield-ratio" in subjects(response)
     assert response.attrs["yield_ratio"] < 0.995
 
 
 def test_light_striker_is_noticed():
     scenario = ColumnImpact("light", Column(find("IPE 500"), 4.0, 4.0), Striker(200.0, 3.0), 0.01)
-    assert "damping" in subjects(FiberCorotational().simulate(scenario))
+    assert "damping" in subjects(FiberCorotational(levels=1).simulate(scenario))
 
 
 def test_collapse_is_out_of_the_domain():
     column = Column(find("HEB 220"), 1.0, 3.0, axial_load=1.5e6)
-    response = FiberCorotational().simulate(
+    response = FiberCorotational(levels=1).simulate(
         ColumnImpact("collapse", column, Striker(3000.0, 15.0), 0.4)
     )
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
@@ -180,7 +188,7 @@ def test_collapse_is_out_of_the_domain():
 
 def test_overrides_that_fibers_cannot_follow_are_told():
     near = Column(find("HEB 220"), 1.0, 3.0, area=91e-4, second_moment=8091e-8)
-    model = FiberCorotational()
+    model = FiberCorotational(levels=1)
     assert "section" not in [f.subject for f in model.domain(ColumnPushover("a", near))]
     far = replace(near, plastic_moment=4e5, area=91.9e-4)
     found = [f for f in model.domain(ColumnPushover("b", far)) if f.subject == "section"]
@@ -199,7 +207,7 @@ def test_options_are_checked():
         {"smallest_element": 0.0},
     ):
         with pytest.raises(InputError, match="option"):
-            FiberCorotational(**options)
+            FiberCorotational(levels=1, **options)
 
 
 def test_contract(thesis_impact):
@@ -213,7 +221,7 @@ def test_contract(thesis_impact):
             0.02,
         ),
     ]
-    check_model(FiberCorotational(), scenarios)
+    check_model(FiberCorotational(levels=1), scenarios)
 
 
 RANDOM_COLUMNS = given(
@@ -246,7 +254,7 @@ def energy_is_balanced(
         head_mass=head_mass,
     )
     scenario = ColumnImpact("any", column, Striker(mass, velocity, restitution), 0.01)
-    response = FiberCorotational().simulate(scenario)
+    response = FiberCorotational(levels=1).simulate(scenario)
     if outcome_of(response) is not Outcome.OK:
         assert outcome_of(response) is Outcome.OUT_OF_DOMAIN, response.attrs["message"]
         return

@@ -36,7 +36,7 @@ def force_at(response, displacement) -> np.ndarray:
 
 
 def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
-    model = FiberReissner(smallest_element=0.05)
+    model = FiberReissner(levels=1, smallest_element=0.05)
     scenarios = [
         replace(thesis_impact, duration=0.03),
         ColumnPushover("push", thesis_impact.column, 0.1),
@@ -58,7 +58,7 @@ def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law
     ]
     for scenario in scenarios:
         fast, slow = (
-            FiberReissner(formulation=name, time_step=2e-4, **coarse).simulate(scenario)
+            FiberReissner(levels=1, formulation=name, time_step=2e-4, **coarse).simulate(scenario)
             for name in ("kernel", "forms")
         )
         for name in ("force", "moment", "displacement", "dissipated"):
@@ -70,10 +70,10 @@ def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law
 def test_the_elastic_column_agrees_with_the_corotational_one(thesis_impact) -> None:
     """Both formulations have the same stiffness, this one at second order in the mesh."""
     push = ColumnPushover("elastic", replace(thesis_impact.column, axial_load=0.0), 1e-4)
-    expected = force_at(FiberCorotational(refinement=0).simulate(push), 1e-4)
+    expected = force_at(FiberCorotational(levels=1, refinement=0).simulate(push), 1e-4)
     errors = []
     for k in range(4):
-        model = FiberReissner(smallest_element=0.2, largest_element=0.2, refinement=k)
+        model = FiberReissner(levels=1, smallest_element=0.2, largest_element=0.2, refinement=k)
         errors.append(force_at(model.simulate(push), 1e-4) / expected - 1.0)
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2.0, atol=0.02)
     assert abs(errors[-1] - errors[-2]) / 3.0 == pytest.approx(abs(errors[-1]), rel=0.02)
@@ -87,7 +87,10 @@ def test_both_formulations_agree_for_all_supports(thesis_impact, base, head) -> 
     mesh = {"smallest_element": 0.025, "time_step": 1e-4, "refinement": 0}
     peaks = [
         peak(model.simulate(impact))
-        for model in (FiberReissner(**mesh), FiberCorotational(element="interpolated", **mesh))
+        for model in (
+            FiberReissner(levels=1, **mesh),
+            FiberCorotational(levels=1, element="interpolated", **mesh),
+        )
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
 
@@ -99,7 +102,10 @@ def test_static_curve_of_the_thesis_column(thesis_impact) -> None:
     """Extrapolated from smallest elements of 12.5 and 6.25 mm; figure 5.8 of Heng 2017."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     coarse, fine = (
-        force_at(FiberReissner(smallest_element=0.025, layers=40, refinement=k).simulate(push), AT)
+        force_at(
+            FiberReissner(levels=1, smallest_element=0.025, layers=40, refinement=k).simulate(push),
+            AT,
+        )
         for k in (1, 2)
     )
     np.testing.assert_allclose((2.0 * fine - coarse) / 1e6, STATIC, rtol=5e-3)
@@ -115,7 +121,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
     for velocity, expected in table.items():
         impact = replace(thesis_impact.at_velocity(velocity), duration=0.036)
         peaks = [
-            peak(FiberReissner(smallest_element=h, largest_element=0.1).simulate(impact))
+            peak(FiberReissner(levels=1, smallest_element=h, largest_element=0.1).simulate(impact))
             for h in (0.05, 0.025, 0.0125)
         ]
         np.testing.assert_allclose(peaks, expected[:3], rtol=3e-3)
@@ -128,7 +134,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
 def test_peaks_of_the_clamped_column(clamped_impact) -> None:
     peaks = [
         peak(
-            FiberReissner(smallest_element=h, largest_element=0.1).simulate(
+            FiberReissner(levels=1, smallest_element=h, largest_element=0.1).simulate(
                 replace(clamped_impact, duration=0.038)
             )
         )
@@ -145,6 +151,7 @@ def test_peaks_of_the_clamped_column(clamped_impact) -> None:
 def test_yield_ratio_of_averaged_stresses(clamped_impact, weight, h, expected) -> None:
     """Uniform meshes with steps of h / 1000 s per m; undamped steps soften yielding fibers."""
     model = FiberReissner(
+        levels=1,
         smallest_element=h,
         largest_element=h,
         time_step=h / 1000.0,
@@ -159,7 +166,7 @@ def test_yield_ratio_of_averaged_stresses(clamped_impact, weight, h, expected) -
 
 
 def test_energy_balance_and_yield_ratio_of_the_defaults(thesis_impact) -> None:
-    response = FiberReissner().simulate(replace(thesis_impact, duration=0.04))
+    response = FiberReissner(levels=1).simulate(replace(thesis_impact, duration=0.04))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
     assert response.attrs["yield_ratio"] > 0.995
@@ -167,7 +174,7 @@ def test_energy_balance_and_yield_ratio_of_the_defaults(thesis_impact) -> None:
 
 def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
     """From bending to catenary action the plastic base moves along its N-M curve."""
-    model = FiberReissner(smallest_element=0.0125)
+    model = FiberReissner(levels=1, smallest_element=0.0125)
     response = model.simulate(ColumnPushover("push", thesis_impact.column, 0.7))
     column = thesis_impact.column
     section, steel = column.strength_section, column.steel
@@ -190,8 +197,10 @@ def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
 
 def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     impact = replace(thesis_impact, duration=0.03)
-    explicit = FiberReissner(smallest_element=0.05, integrator="explicit").simulate(impact)
-    implicit = FiberReissner(smallest_element=0.05, time_step=1e-5).simulate(impact)
+    explicit = FiberReissner(levels=1, smallest_element=0.05, integrator="explicit").simulate(
+        impact
+    )
+    implicit = FiberReissner(levels=1, smallest_element=0.05, time_step=1e-5).simulate(impact)
     assert peak(explicit) == pytest.approx(peak(implicit), rel=3e-3)
     error = np.abs(explicit["balance_error"]).max() / explicit["input_energy"]
     assert float(error) < 1e-5
@@ -202,15 +211,15 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
 def test_explicit_steps_serve_the_corotational_beam_too(thesis_impact) -> None:
     impact = replace(thesis_impact.at_velocity(10.0), duration=0.025)
     mesh = {"smallest_element": 0.1, "largest_element": 0.2, "refinement": 0}
-    explicit = FiberCorotational(integrator="explicit", **mesh).simulate(impact)
-    implicit = FiberCorotational(time_step=1e-5, **mesh).simulate(impact)
+    explicit = FiberCorotational(levels=1, integrator="explicit", **mesh).simulate(impact)
+    implicit = FiberCorotational(levels=1, time_step=1e-5, **mesh).simulate(impact)
     assert peak(explicit) == pytest.approx(peak(implicit), rel=0.01)
 
 
 def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact) -> None:
     push = ColumnPushover("push", thesis_impact.column, 0.05)
     plain, rolled = (
-        FiberReissner(smallest_element=0.05, residual_stress=name).simulate(push)
+        FiberReissner(levels=1, smallest_element=0.05, residual_stress=name).simulate(push)
         for name in ("none", "triangular")
     )
     early, late = [0.002, 0.004, 0.005], 0.05
@@ -219,7 +228,9 @@ def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact)
     assert np.all((share[1:] > 0.98) & (share[1:] < 0.992))
     assert force_at(rolled, late) == pytest.approx(force_at(plain, late), rel=2e-3)
     assert float(rolled["elastic"][0]) > float(plain["elastic"][0])
-    parabolic = FiberReissner(smallest_element=0.05, residual_stress="parabolic").simulate(push)
+    parabolic = FiberReissner(
+        levels=1, smallest_element=0.05, residual_stress="parabolic"
+    ).simulate(push)
     order = [force_at(response, 0.005) for response in (rolled, parabolic, plain)]
     assert order == sorted(order)
 
@@ -228,7 +239,7 @@ def test_crookedness_is_amplified_by_the_axial_load() -> None:
     """A pinned strut with a half-sine bow: its amplitude grows by 1 / (1 - P / P_cr)."""
     section = find("HEB 220").without_fillets()
     column = Column(section, 3.0, 3.0, base="pinned", head="pinned", axial_load=1e6)
-    model = FiberReissner(out_of_straightness=1e-3, largest_element=0.1)
+    model = FiberReissner(levels=1, out_of_straightness=1e-3, largest_element=0.1)
     beams = model.beams(ColumnPushover("bow", column, 0.01))
     y, area = section.fibers(20)
     bending = column.steel.elastic_modulus * float(np.sum(y**2 * area))
@@ -241,7 +252,7 @@ def test_crookedness_is_amplified_by_the_axial_load() -> None:
 def test_steel_options_stiffen_the_column(thesis_impact) -> None:
     impact = replace(thesis_impact, duration=0.036)
     peaks = {
-        name: peak(FiberReissner(smallest_element=0.05, **options).simulate(impact))
+        name: peak(FiberReissner(levels=1, smallest_element=0.05, **options).simulate(impact))
         for name, options in {
             "plain": {},
             "kinematic": {"hardening_ratio": 0.01},
@@ -260,7 +271,9 @@ def test_steel_options_stiffen_the_column(thesis_impact) -> None:
 
 
 def test_menegotto_pinto_keeps_the_ledger(thesis_impact) -> None:
-    model = FiberReissner(smallest_element=0.1, steel_law="menegotto-pinto", hardening_ratio=0.01)
+    model = FiberReissner(
+        levels=1, smallest_element=0.1, steel_law="menegotto-pinto", hardening_ratio=0.01
+    )
     response = model.simulate(replace(thesis_impact, duration=0.06))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
@@ -268,10 +281,12 @@ def test_menegotto_pinto_keeps_the_ledger(thesis_impact) -> None:
 
 
 def test_coarse_meshes_are_told(thesis_impact) -> None:
-    subjects = [f.subject for f in FiberReissner().domain(thesis_impact)]
+    subjects = [f.subject for f in FiberReissner(levels=1).domain(thesis_impact)]
     assert "mesh" not in subjects
     for options in ({"smallest_element": 0.1}, {"largest_element": 0.5}):
-        assert "mesh" in [f.subject for f in FiberReissner(**options).domain(thesis_impact)]
+        assert "mesh" in [
+            f.subject for f in FiberReissner(levels=1, **options).domain(thesis_impact)
+        ]
 
 
 def test_residual_stress_outside_i_sections_is_refused(thesis_impact) -> None:
@@ -280,7 +295,7 @@ def test_residual_stress_outside_i_sections_is_refused(thesis_impact) -> None:
         thesis_impact.column, section=tube, area=None, second_moment=None,
         plastic_moment=None, squash_load=None,
     )  # fmt: skip
-    model = FiberReissner(residual_stress="triangular")
+    model = FiberReissner(levels=1, residual_stress="triangular")
     response = model.simulate(replace(thesis_impact, column=column))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "I sections" in response.attrs["message"]
@@ -300,4 +315,4 @@ def test_residual_stress_outside_i_sections_is_refused(thesis_impact) -> None:
 )
 def test_impossible_options_are_refused(options) -> None:
     with pytest.raises(InputError, match=r"option\."):
-        FiberReissner(**options)
+        FiberReissner(levels=1, **options)

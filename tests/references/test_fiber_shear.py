@@ -32,13 +32,13 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
         replace(thesis_impact.at_velocity(5.0), duration=0.03),
         ColumnPushover("push", thesis_impact.column, 0.1),
     ]
-    check_model(FiberShear(smallest_element=0.05), scenarios)
+    check_model(FiberShear(levels=1, smallest_element=0.05), scenarios)
 
 
 def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
     """An independent solution of the same equations, to three digits; the mesh is not printed."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
-    response = FiberShear(smallest_element=0.025).simulate(push)
+    response = FiberShear(levels=1, smallest_element=0.025).simulate(push)
     expected = [0.464, 0.512, 0.510, 0.508, 0.511, 0.521, 0.537, 0.545, 0.548]
     np.testing.assert_allclose(force_at(response, AT), expected, rtol=5e-3)
     assert {"shear-strain"} <= subjects(warnings_of(response))
@@ -50,7 +50,7 @@ def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
 def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
     for velocity, expected in ((10.0, 0.148), (15.0, 0.327)):
         impact = replace(thesis_impact.at_velocity(velocity), duration=0.06)
-        response = FiberShear(smallest_element=0.025).simulate(impact)
+        response = FiberShear(levels=1, smallest_element=0.025).simulate(impact)
         assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.01)
         error = np.abs(response["balance_error"]).max() / response["input_energy"]
         assert float(error) < 1e-8
@@ -71,7 +71,9 @@ def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
     ):
         push = ColumnPushover("push", column, at[-1] + 0.01)
         with_shear, without = (
-            force_at(model(smallest_element=0.05, largest_element=10.0).simulate(push), at)
+            force_at(
+                model(levels=1, smallest_element=0.05, largest_element=10.0).simulate(push), at
+            )
             for model in (FiberShear, FiberReissner)
         )
         assert np.all(with_shear < without)
@@ -83,15 +85,17 @@ def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
 def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
     impact = replace(thesis_impact.at_velocity(8.0), duration=0.035)
     peaks = [
-        float(FiberShear(smallest_element=0.1, **more).simulate(impact)["peak_displacement"])
+        float(
+            FiberShear(levels=1, smallest_element=0.1, **more).simulate(impact)["peak_displacement"]
+        )
         for more in ({"integrator": "explicit"}, {"time_step": 2e-5})
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=5e-3)
 
 
 def test_shear_is_no_warning_of_its_own(thesis_impact) -> None:
-    assert "shear" in subjects(FiberReissner().domain(thesis_impact))
-    assert "shear" not in subjects(FiberShear().domain(thesis_impact))
+    assert "shear" in subjects(FiberReissner(levels=1).domain(thesis_impact))
+    assert "shear" not in subjects(FiberShear(levels=1).domain(thesis_impact))
 
 
 @pytest.mark.parametrize(

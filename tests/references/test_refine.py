@@ -1,36 +1,88 @@
-"""Numerical uncertainty of references: closed ladders, failures, drift, the real beam."""
+"""Numerical uncertainty of references: closed ladders, failures, drift, the real beams."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import ClassVar
 
+import numpy as np
 import pytest
 
 from workbench.assessment import METRICS
 from workbench.errors import InputError, SolverError
-from workbench.models.base import Model, respond
-from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.refine import combined, read, refine
-from workbench.references.refined import Refined
-from workbench.responses import Outcome, build_response, outcome_of, warnings_of
+from workbench.models.base import respond
+from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_shear import FiberShear
+from workbench.references.quantities import check_quantities, default_quantities, read
+from workbench.references.refine import refine, refined
+from workbench.references.solid import SolidPlaneStress
+from workbench.responses import Finding, Outcome, build_response, outcome_of, warnings_of
+from workbench.responses.uncertainty import combined, directions_of, level_names, variants
 from workbench.scenarios import ColumnPushover
 from workbench.study import Case, Study
-from workbench.study.comparisons import Answers, compare
+from workbench.study.answers import Answers
+from workbench.study.comparisons import compare, ladder_row
+from workbench.testing import check_model
 
 
 @dataclass(frozen=True)
 class Known:
-    """A push whose work and force have an error of known order in mesh and fibers."""
+    """A push whose work and force have errors of known order in mesh, steps and fibers."""
 
-    refinement: int = 0
+    refinement: int = 2
+    step_refinement: int = 0
     layers: int = 10
+    levels: int = 3
     hardening_ratio: float = 1e-6
     growth: float = 0.5
-    fails_at: int = -1
+    steps: float = 0.0
+    fails_at: int = -9
+    warns_at: int = -9
+    subject: str = "damping"
+    least_size: float = 0.0
 
     name: ClassVar[str] = "known"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = ("None.",)
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    def domain(self, scenario):
+        return []
+
+    def simulate(self, scenario):
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
+
+    def _solve(self, scenario):
+        if self.refinement == self.fails_at:
+            raise SolverError("step 3", 1.0, "all")
+        growth = 0.5 if self.hardening_ratio > 1e-3 else self.growth
+        error = 0.08 * growth**self.refinement + 0.2 / self.layers
+        error += self.steps * 0.5 ** (self.refinement + self.step_refinement)
+        final = scenario.displacement
+        warns = self.refinement == self.warns_at
+        response = build_response(
+            {
+                "displacement": [0.0, 0.5 * final, final],
+                "force": [0.0, 50.0 * (1.0 + error), 100.0 * (1.0 + error)],
+                "input_energy": 50.0 * (1.0 + error) + 1e3 * self.hardening_ratio,
+            },
+            steps=3,
+            warnings=[Finding(self.subject, "it is coarse")] if warns else [],
+        )
+        response.attrs["smallest_element"] = max(0.5**self.refinement, self.least_size)
+        return response
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A model of somebody else that can be refined but makes no runs of its own."""
+
+    refinement: int = 2
+
+    name: ClassVar[str] = "plain"
     version: ClassVar[int] = 1
     answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = ("None.",)
@@ -43,19 +95,7 @@ class Known:
         return respond(self, scenario, self._solve)
 
     def _solve(self, scenario):
-        if self.refinement == self.fails_at:
-            raise SolverError("step 3", 1.0, "all")
-        growth = 0.5 if self.hardening_ratio > 1e-3 else self.growth
-        error = 0.08 * growth**self.refinement + 0.2 / self.layers
-        final = scenario.displacement
-        return build_response(
-            {
-                "displacement": [0.0, final],
-                "force": [0.0, 100.0 * (1.0 + error)],
-                "input_energy": 50.0 * (1.0 + error) + 1e3 * self.hardening_ratio,
-            },
-            steps=2,
-        )
+        return build_response({"input_energy": 50.0 * (1.0 + 0.08 * 0.5**self.refinement)}, steps=1)
 
 
 @pytest.fixture
@@ -68,56 +108,136 @@ def answer(response) -> tuple[dict, dict]:
     return json.loads(attributes["numerical_uncertainty"]), json.loads(attributes["refinement"])
 
 
+def refinement_warnings(response) -> list[str]:
+    return [f.text for f in warnings_of(response) if f.subject == "refinement"]
+
+
 def test_first_order_errors_give_widths_by_hand(push) -> None:
-    response = refine(Known(), push, ("input_energy", "force at 0.1 m"))
-    widths, table = answer(response)
-    # mesh: 0.08/4 left, safety 1.25; fibers stay coarse: their error 0.02 and 1.25 * 0.005
-    expected = 1.25 * 0.02 + 0.02 + 1.25 * 0.005
-    assert widths["force at 0.1 m"] == pytest.approx(100.0 * expected)
+    widths, table = answer(response := Known().simulate(push))
+    # mesh: 0.08/4 left, safety 1.25; fibers: 0.02 left of which 3/4 seen, times 1.25 * 4/3
+    expected = 1.25 * 0.02 + 1.25 * 0.02
     assert widths["input_energy"] == pytest.approx(50.0 * expected)
-    assert table["directions"]["input_energy"]["space and time"]["found"]["order"] == (
-        pytest.approx(1.0)
-    )
+    assert widths["force at 0.025 m"] == pytest.approx(25.0 * expected)
+    assert widths["force at 0.1 m"] == pytest.approx(100.0 * expected)
+    energy = table["quantities"]["input_energy"]
+    assert energy["order"] == pytest.approx(1.0)
+    assert energy["parts"]["fibers"] == pytest.approx(50.0 * 0.025)
+    assert energy["parts"]["steps"] == 0.0
     assert table["levels"] == [0, 1, 2]
-    assert table["statements"] == []
+    assert table["statements"] == refinement_warnings(response) == []
     assert float(response["input_energy"]) == pytest.approx(50.0 * 1.04 + 1e-3)
 
 
-def test_the_truth_lies_within_the_width(push) -> None:
-    for levels in (2, 3, 4, 5):
-        response = refine(Known(hardening_ratio=0.0), push, ("input_energy",), levels)
-        widths, _ = answer(response)
-        assert abs(float(response["input_energy"]) - 50.0) <= widths["input_energy"]
+def test_steps_count_alone_if_that_says_more(push) -> None:
+    # errors of mesh and steps cancel in the joint sequence, down to a third
+    widths, table = answer(Known(steps=-0.0534).simulate(push))
+    parts = table["quantities"]["input_energy"]["parts"]
+    # 0.0534/4 is left at the finest steps; two levels only: three times that
+    assert parts["steps"] == pytest.approx(3.0 * 50.0 * 0.0534 / 4.0)
+    assert parts["steps"] > 4.0 * parts["space and steps"]
+    assert widths["input_energy"] == pytest.approx(parts["steps"] + parts["fibers"])
 
 
-def test_hardening_sensitivity_is_reported(push) -> None:
-    _, table = answer(refine(Known(), push, ("input_energy",)))
-    assert table["hardening times 10"]["input_energy"] == pytest.approx(9e-3 / 55.001, rel=1e-6)
+@pytest.mark.parametrize("levels", [2, 3, 4, 5])
+def test_the_truth_lies_within_the_width(push, levels) -> None:
+    model = Known(refinement=levels - 1, steps=0.03, hardening_ratio=0.0, levels=levels)
+    response = model.simulate(push)
+    widths, _ = answer(response)
+    assert abs(float(response["input_energy"]) - 50.0) <= widths["input_energy"]
+    assert len(response["run"]) == levels + 1
+
+
+def test_one_mesh_alone_is_unknown_not_exact(push) -> None:
+    response = Known(levels=1).simulate(push)
+    widths, table = answer(response)
+    assert set(widths.values()) == {None}
+    assert "unknown" in table["statements"][0]
+    assert warnings_of(response) == []
+    assert "run" not in response.coords
+    full = Known().simulate(push)
+    assert full["force"].equals(response["force"])
+
+
+def test_without_a_coarser_mesh_the_width_is_unknown(push) -> None:
+    response = Known(fails_at=1).simulate(push)
+    widths, table = answer(response)
+    assert set(widths.values()) == {None}
+    assert "not-converged" in table["statements"][0]
+    (said,) = refinement_warnings(response)
+    assert "unknown" in said
+    assert "2 h: not-converged" in said
+    assert "run" not in response.coords
+
+
+def test_a_failing_coarsest_level_leaves_two_with_a_larger_factor(push) -> None:
+    response = Known(fails_at=0).simulate(push)
+    widths, table = answer(response)
+    # first order is assumed over two levels, three times what is left
+    assert widths["input_energy"] == pytest.approx(50.0 * (3.0 * 0.02 + 1.25 * 0.02))
+    assert "4 h: not-converged" in table["statements"][0]
+    assert refinement_warnings(response) == []
+    assert list(response["run"].values) == ["2 h", "2 h, more fibers", "2 h, half steps"]
+
+
+def test_a_failing_finest_level_is_the_answer(push) -> None:
+    for response in (Known(fails_at=2).simulate(push), refine(Known(fails_at=2), push)):
+        assert outcome_of(response) is Outcome.NOT_CONVERGED
+        assert "numerical_uncertainty" not in response.attrs
+
+
+def test_a_level_that_doubts_itself_is_not_used(push) -> None:
+    response = Known(warns_at=1).simulate(push)
+    widths, _ = answer(response)
+    assert set(widths.values()) == {None}
+    assert [f.subject for f in warnings_of(response)] == ["refinement"]
+    assert "2 h cannot be relied on, damping: it is coarse" in refinement_warnings(response)[0]
+    table = answer(Known(warns_at=0).simulate(push))[1]
+    assert "two levels only" in table["quantities"]["input_energy"]["note"]
+
+
+def test_mesh_warnings_of_coarser_levels_do_not_leak(push) -> None:
+    response = Known(warns_at=0, subject="mesh").simulate(push)
+    assert warnings_of(response) == []
+    assert None not in answer(response)[0].values()
+
+
+def test_meshes_that_cannot_be_coarser_say_so(push) -> None:
+    response = Known(least_size=0.75).simulate(push)
+    assert set(answer(response)[0].values()) == {None}
+    assert "no larger elements" in refinement_warnings(response)[0]
 
 
 def test_a_drifting_sequence_is_stated_and_regularised(push) -> None:
     widths, table = answer(response := refine(Known(growth=1.3), push, ("input_energy",)))
     spread = 50.0 * 0.08 * (1.3**2 - 1.0)
     assert widths["input_energy"] >= 3.0 * spread
-    regular = table["regularised"]["input_energy"]["found"]
+    regular = table["regularised"]["input_energy"]
     assert regular["converging"]
     assert regular["extrapolated"] == pytest.approx(50.0 * 1.02 + 10.0)
-    assert "does not converge" in table["statements"][0]
-    texts = [f.text for f in warnings_of(response) if f.subject == "refinement"]
-    assert any("hardening_ratio" in text for text in texts)
+    said = refinement_warnings(response)
+    assert "does not converge" in said[0]
+    assert "hardening_ratio = 0.01 converges" in said[1]
+    assert table["hardening times 10"]["input_energy"] == pytest.approx(9e-3 / 55.001, rel=1e-6)
+    by_itself = Known(growth=1.3).simulate(push)
+    assert "does not converge" in refinement_warnings(by_itself)[0]
+    assert "regularised" not in answer(by_itself)[1]
 
 
-@pytest.mark.parametrize("level", [0, 1])
-def test_a_failing_level_leaves_the_width_unknown(push, level) -> None:
-    widths, table = answer(refine(Known(fails_at=level), push, ("input_energy",)))
-    assert widths == {"input_energy": None}
-    assert any("not-converged" in text for text in table["statements"])
+def test_any_model_with_refinement_can_be_refined(push) -> None:
+    response = refine(Plain(), push)
+    assert answer(response)[0] == {"input_energy": pytest.approx(50.0 * 1.25 * 0.02)}
+    assert json.loads(response.attrs["options"]) == {"refinement": 2}
+    with pytest.raises(InputError, match="levels"):
+        refine(Plain(), push, levels=1)
+    with pytest.raises(InputError, match="refinement"):
+        refine(Bare(), push)
 
 
-def test_a_failing_finest_level_is_the_answer(push) -> None:
-    response = refine(Known(fails_at=2), push)
-    assert outcome_of(response) is Outcome.NOT_CONVERGED
-    assert "numerical_uncertainty" not in response.attrs
+@dataclass(frozen=True)
+class Bare:
+    """No option at all."""
+
+    name: ClassVar[str] = "bare"
 
 
 def test_an_absent_quantity_is_unknown_not_zero(push) -> None:
@@ -126,75 +246,158 @@ def test_an_absent_quantity_is_unknown_not_zero(push) -> None:
 
 
 def test_combination() -> None:
-    assert combined({"space and time": 3.0, "time": 1.0, "fibers": 0.5}) == 3.5
-    assert combined({"space and time": 1.0, "time": 3.0, "fibers": 0.5}) == 3.5
-    assert combined({"space and time": 1.0, "fibers": None}) is None
+    assert combined({"space and steps": 3.0, "steps": 1.0, "fibers": 0.5}) == 3.5
+    assert combined({"space and steps": 1.0, "steps": 3.0, "fibers": 0.5}) == 3.5
+    assert combined({"space": 1.0, "steps": 3.0}) == 4.0
+    assert combined({"space and steps": 1.0, "fibers": None}) is None
+    assert combined({}) is None
+    assert level_names(3) == ("4 h", "2 h", "h")
 
 
-@pytest.mark.parametrize("quantity", ["colour", "force at noon", "force"])
+@pytest.mark.parametrize(
+    "quantity", ["colour", "force at noon", "force", "force at 0.1", "force at nan m", ""]
+)
 def test_unknown_quantities_are_refused(push, quantity) -> None:
     with pytest.raises(InputError, match="quantities"):
         refine(Known(), push, (quantity,))
 
 
-def test_too_few_levels_and_unrefinable_models_are_refused(push) -> None:
-    with pytest.raises(InputError, match="levels"):
-        refine(Known(), push, levels=1)
-    with pytest.raises(InputError, match="option"):
-        Refined("fiber-shear", (("colour", 1),))
-
-
-def test_forces_between_steps(push) -> None:
-    response = Known().simulate(push)
-    end = float(response["force"][-1])
-    assert read(response, ["force at 0.025 m"])["force at 0.025 m"] == pytest.approx(0.25 * end)
-
-
-def test_the_static_beam_is_first_order_and_covers_the_next_level(thesis_impact) -> None:
-    column = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
-    push = ColumnPushover("push", column, 0.1)
-    coarse = FiberReissner(smallest_element=0.1, layers=8)
-    response = refine(coarse, push, ("input_energy",))
-    widths, table = answer(response)
-    joint = table["directions"]["input_energy"]["space and time"]["found"]
-    assert joint["order"] == pytest.approx(1.0, abs=0.2)
-    finer = replace(coarse, refinement=3).simulate(push)
-    gap = abs(float(finer["input_energy"]) - float(response["input_energy"]))
-    assert 0.2 * widths["input_energy"] < gap < widths["input_energy"]
-    assert set(table["directions"]["input_energy"]) == {"space and time", "fibers"}
-
-
-def test_an_impact_refines_time_and_fibers_alone(thesis_impact) -> None:
-    impact = replace(thesis_impact.at_velocity(5.0), duration=0.02)
-    refined = Refined(
-        "fiber-reissner", (("smallest_element", 0.2), ("layers", 8), ("largest_element", 0.4)), 2
+def test_points_of_static_curves() -> None:
+    curve = build_response(
+        {"displacement": [0.0, 1.0, 0.5, -2.0, 3.0], "force": [0.0, 10.0, -5.0, -20.0, 30.0]},
+        steps=5,
     )
-    assert isinstance(refined, Model)
-    widths, table = answer(refined.simulate(impact))
-    directions = table["directions"]["peak_displacement"]
-    assert set(directions) == {"space and time", "time", "fibers"}
-    times = directions["time"]["values"]
-    assert times[0] == pytest.approx(directions["space and time"]["values"][0], rel=0.01)
-    assert abs(times[1] / times[0] - 1.0) < 0.02
-    assert widths["peak_displacement"] > 0.0
+    asked = ("force at 0.5 m", "force at -1 m", "force at 2 rad", "force at 4 m")
+    assert check_quantities(asked) == asked
+    # first crossings of a cyclic path
+    assert read(curve, asked) == pytest.approx({asked[0]: 5.0, asked[1]: -14.0, asked[2]: 20.0})
+    turning = SimpleNamespace(direction="-rotation", control="displacement")
+    assert default_quantities(turning, curve)[0] == "force at 0.75 rad"
+    loaded = curve.assign(load_factor=("step", [0.0, 0.5, 1.0, 1.5, 2.0]))
+    under_load = SimpleNamespace(direction="y", control="load")
+    names = default_quantities(under_load, loaded)
+    assert names[-1] == "displacement at load factor 2"
+    assert read(loaded, names[:1]) == {"displacement at load factor 0.5": 1.0}
+    history = build_response(
+        {"displacement": [0.0, 1.0], "peak_displacement": 1.0}, time=[0.0, 1.0]
+    )
+    assert default_quantities(turning, history) == ("peak_displacement",)
+    assert read(history, ["force at 0.5 m"]) == {}
+
+
+def test_every_run_keeps_its_curve(push) -> None:
+    response = Known().simulate(push)
+    runs = dict(variants(response))
+    assert list(runs) == ["2 h", "4 h", "4 h, more fibers", "4 h, half steps", "h"]
+    for name, error in (("4 h", 0.10), ("2 h", 0.06), ("4 h, more fibers", 0.085)):
+        assert runs[name]["force"].values[-1] == pytest.approx(100.0 * (1.0 + error))
+    assert [d.name for d in directions_of(response)] == ["space and steps", "fibers", "steps"]
+
+
+MODELS = {"plain": Known(growth=0.4, levels=1), "refined": Known()}
+
+
+def answers(push, reference: str) -> Answers:
+    case = Case("push", push)
+    study = Study("s", "s", "s", (case,), MODELS, reference, quantities=("input_energy",))
+    return Answers(study, case, tuple(MODELS), {n: m.simulate(push) for n, m in MODELS.items()})
 
 
 def test_comparisons_use_the_width_of_a_refined_answer(push) -> None:
-    models = {"plain": Known(growth=0.4), "refined": Known()}
-    study = Study(
-        "s", "s", "s", (Case("push", push),), models, "plain", quantities=("input_energy",)
-    )
-    responses = {"plain": models["plain"].simulate(push), "refined": refine(Known(), push)}
-    answers = Answers(study, study.cases[0], ("plain", "refined"), responses)
     metric = METRICS["relative_error"]
-    assert compare(answers, "refined", "plain", "input_energy", metric).uncertainty is None
-    against_itself = replace(study, reference="refined")
-    answers = Answers(against_itself, study.cases[0], ("plain", "refined"), responses)
-    found = compare(answers, "plain", "refined", "input_energy", metric)
-    width = json.loads(responses["refined"].attrs["numerical_uncertainty"])["input_energy"]
+    found = compare(answers(push, "plain"), "refined", "plain", "input_energy", metric)
+    assert found.uncertainty is None
+    assert "no refinement ladder" in found.note
+    known = answers(push, "refined")
+    found = compare(known, "plain", "refined", "input_energy", metric)
+    assert found.uncertainty is None  # one mesh alone is not exact
+    assert "levels = 1" in found.note
+    reduced = replace(known, responses={**known.responses, "plain": Plain().simulate(push)})
+    found = compare(reduced, "plain", "refined", "input_energy", metric)
+    width = json.loads(known.responses["refined"].attrs["numerical_uncertainty"])["input_energy"]
     expected = width * found.model_value / found.against_value**2
     assert found.uncertainty == pytest.approx(expected)
-    responses["refined"].attrs["numerical_uncertainty"] = json.dumps({"input_energy": None})
-    found = compare(answers, "plain", "refined", "input_energy", metric)
-    assert found.uncertainty is None
-    assert "could not establish" in found.note
+    assert "observed order 1.00" in found.note
+    known.responses["refined"].attrs["numerical_uncertainty"] = json.dumps({"input_energy": None})
+    assert compare(reduced, "plain", "refined", "input_energy", metric).uncertainty is None
+
+
+def test_metrics_of_curves_use_the_curves_of_the_runs(push) -> None:
+    known = answers(push, "refined")
+    stiff = build_response(
+        {"displacement": [0.0, push.displacement], "force": [0.0, 120.0]}, steps=2
+    )
+    held = replace(known, responses={**known.responses, "plain": stiff})
+    found = compare(held, "plain", "refined", "force", METRICS["area_difference"])
+    assert found.value == pytest.approx(120.0 / 104.0 - 1.0)
+    # the same rule over the metric's value in each run: mesh, and fibers on the coarsest
+    by_run = {e: 120.0 / (100.0 * (1.0 + e)) - 1.0 for e in (0.10, 0.06, 0.04, 0.085)}
+    order = np.log2((by_run[0.06] - by_run[0.10]) / (by_run[0.04] - by_run[0.06]))
+    expected = 1.25 * (by_run[0.04] - by_run[0.06]) / (2.0**order - 1.0)
+    expected += 1.25 * 4.0 / 3.0 * (by_run[0.085] - by_run[0.10])
+    assert found.uncertainty == pytest.approx(expected)
+    alone = compare(known, "plain", "refined", "force", METRICS["area_difference"])
+    assert alone.uncertainty is None
+
+
+def test_the_ladder_table_is_filled_from_the_answer(push) -> None:
+    known = answers(push, "refined")
+    row = ladder_row(known, "input_energy")
+    assert known.study.steps == ("4 h", "2 h", "h")
+    assert [row[name] for name in known.study.steps] == pytest.approx([55.001, 53.001, 52.001])
+    assert row["order"] == pytest.approx(1.0)
+    assert row["uncertainty"] == pytest.approx(2.5)
+    assert row["relative"] == pytest.approx(2.5 / 52.001)
+    assert ladder_row(answers(push, "plain"), "input_energy") is None
+
+
+def test_the_static_beam_covers_the_next_level(thesis_impact) -> None:
+    column = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
+    push = ColumnPushover("push", column, 0.05)
+    model = FiberShear(smallest_element=0.05, layers=8)
+    response = model.simulate(push)
+    widths, table = answer(response)
+    finer = replace(model, refinement=1, levels=1).simulate(push)
+    gap = abs(float(finer["input_energy"]) - float(response["input_energy"]))
+    assert 0.05 * widths["input_energy"] < gap < widths["input_energy"]
+    assert set(table["quantities"]["input_energy"]["parts"]) == {
+        *("space and steps", "fibers", "steps"),
+    }
+
+
+def test_an_impact_keeps_its_numbers_and_the_contract(thesis_impact) -> None:
+    impact = replace(thesis_impact.at_velocity(5.0), duration=0.03)
+    model = FiberCorotational(refinement=0, layers=8)
+    response = model.simulate(impact)
+    alone = replace(model, levels=1).simulate(impact)
+    for name in alone.data_vars:
+        assert response[name].equals(alone[name])
+    widths, _ = answer(response)
+    assert 0.0 < widths["peak_displacement"] < 0.2 * float(response["peak_displacement"])
+    assert widths["input_energy"] == 0.0
+    assert "mesh" not in [f.subject for f in warnings_of(response)]
+    check_model(replace(model, refinement=-1, levels=2), [impact])
+
+
+def test_the_solid_refines_space_alone(thesis_impact) -> None:
+    push = ColumnPushover("push", thesis_impact.column, 0.02)
+    response = SolidPlaneStress().simulate(push)
+    widths, table = answer(response)
+    parts = table["quantities"]["input_energy"]["parts"]
+    assert set(parts) == {"space", "steps"}
+    assert widths["input_energy"] == pytest.approx(parts["space"] + parts["steps"])
+    assert table["levels"] == [-1, 0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (FiberCorotational, {"levels": 0}),
+        (FiberShear, {"levels": 7}),
+        (FiberShear, {"refinement": -5}),
+        (SolidPlaneStress, {"levels": 3}),
+    ],
+)
+def test_levels_out_of_range_are_refused(kind, options) -> None:
+    with pytest.raises(InputError, match="levels"):
+        kind(**options)

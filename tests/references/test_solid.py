@@ -21,7 +21,9 @@ SQUARE = Column(square(0.2), 0.8, 3.2, **LOADED)
 
 
 def push(column: Column, displacement: float, **options) -> Response:
-    response = SolidPlaneStress(**options).simulate(ColumnPushover("push", column, displacement))
+    response = SolidPlaneStress(levels=1, **options).simulate(
+        ColumnPushover("push", column, displacement)
+    )
     assert outcome_of(response) is Outcome.OK, response.attrs["message"]
     return response
 
@@ -186,21 +188,21 @@ def test_folded_kinks_are_announced() -> None:
 def test_keeps_the_contract_of_models() -> None:
     short = ColumnPushover("short", THESIS, 0.01)
     elastic = ColumnPushover("elastic", replace(THESIS, axial_load=0.0), 1e-4)
-    model = SolidPlaneStress(step=2.5e-4)
+    model = SolidPlaneStress(levels=1, step=2.5e-4)
     check_model(model, [short, elastic], energy_tolerance=2e-5)
 
 
 def test_refuses_impacts_and_buckling_columns(thesis_impact) -> None:
-    response = SolidPlaneStress().simulate(thesis_impact)
+    response = SolidPlaneStress(levels=1).simulate(thesis_impact)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     slender = Column(rectangle(0.02, 0.1), 2.0, 2.0, axial_load=3e5)
-    response = SolidPlaneStress().simulate(ColumnPushover("slender", slender, 0.01))
+    response = SolidPlaneStress(levels=1).simulate(ColumnPushover("slender", slender, 0.01))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "buckles" in response.attrs["message"]
 
 
 def test_says_which_overrides_it_leaves_out_but_not_that_shear_is_missing() -> None:
-    findings = SolidPlaneStress().domain(
+    findings = SolidPlaneStress(levels=1).domain(
         ColumnPushover("push", replace(THESIS, second_moment=8091e-8, plastic_moment=285e3), 0.01)
     )
     assert [finding.subject for finding in findings] == ["section"]
@@ -210,14 +212,16 @@ def test_says_which_overrides_it_leaves_out_but_not_that_shear_is_missing() -> N
 
 def test_failure_to_converge_is_a_typed_outcome(monkeypatch) -> None:
     monkeypatch.setattr("workbench.references.solid.push.ITERATIONS", 1)
-    response = SolidPlaneStress().simulate(ColumnPushover("push", THESIS, 0.02))
+    response = SolidPlaneStress(levels=1).simulate(ColumnPushover("push", THESIS, 0.02))
     assert outcome_of(response) is Outcome.NOT_CONVERGED
     assert "axial load, share" in response.attrs["message"]
 
 
 def test_path_starts_finely_and_meets_its_end() -> None:
     for displacement, step in ((0.3, None), (1e-5, None), (0.1, 0.03), (0.01, 1e-4)):
-        path = SolidPlaneStress(step=step).path(ColumnPushover("push", THESIS, displacement))
+        path = SolidPlaneStress(levels=1, step=step).path(
+            ColumnPushover("push", THESIS, displacement)
+        )
         assert path[0] == 0.0
         assert path[-1] == pytest.approx(displacement, rel=1e-14)
         steps = np.diff(path)

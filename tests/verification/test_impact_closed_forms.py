@@ -65,7 +65,7 @@ def test_joint_motion_after_a_plastic_collision_is_of_first_order() -> None:
 
 @pytest.mark.parametrize(
     "model",
-    [FiberReissner(refinement=-1), FiberCorotational(refinement=-1)],
+    [FiberReissner(levels=1, refinement=-1), FiberCorotational(levels=1, refinement=-1)],
     ids=lambda model: model.name,
 )
 def test_energy_and_momentum_of_a_column(thesis_impact, model) -> None:

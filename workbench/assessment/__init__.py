@@ -6,10 +6,12 @@ from workbench.assessment.gates import Gate, Verdict, judge
 from workbench.assessment.histories import HISTORY_METRICS
 from workbench.assessment.metric import Metric, Scope, Swap
 from workbench.assessment.numerical import ErrorInterval, Ladder, expand, ladder
+from workbench.assessment.runs import RUN_METRICS
 from workbench.assessment.scalars import SCALAR_METRICS
 
 METRICS: dict[str, Metric] = {
-    metric.name: metric for metric in (*SCALAR_METRICS, *HISTORY_METRICS, *CURVE_METRICS)
+    metric.name: metric
+    for metric in (*SCALAR_METRICS, *HISTORY_METRICS, *CURVE_METRICS, *RUN_METRICS)
 }
 
 __all__ = [

@@ -22,7 +22,8 @@ class Gate:
     against: the reference or a published series); `quantity`, a response variable such as
     ``peak_displacement``; `metric`, a name in `workbench.assessment.METRICS`; `bound` on the
     absolute value of the metric; `rationale` and `source` for the reader; `cases`, names of the
-    cases (empty: all that both models answered).
+    cases (empty: all that both models answered). Metrics of a response alone take the same label
+    twice.
     """
 
     model: str
@@ -37,6 +38,8 @@ class Gate:
     @property
     def name(self) -> str:
         """What the gate asks, in one line."""
+        if self.model == self.against:
+            return f"{self.model}: {self.metric} of {self.quantity}"
         return f"{self.model} against {self.against}: {self.metric} of {self.quantity}"
 
 

@@ -22,6 +22,7 @@ class Scope(StrEnum):
     SCALAR = "scalar"
     HISTORY = "history"
     CURVE = "curve"
+    RUN = "run"  # nothing: the response alone
 
 
 class Swap(StrEnum):

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from workbench import __version__
-from workbench.cli import data, doctor, models, simulate, studies
+from workbench.cli import data, doctor, fit, models, simulate, studies
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
 
@@ -32,6 +32,7 @@ def build() -> Callable[..., Any]:
     app.command("status")(studies.status)
     app.command("report")(studies.report)
     app.command("validate")(studies.validate)
+    app.add_typer(fit.app, name="fit")
     app.add_typer(data.app, name="data")
     app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)

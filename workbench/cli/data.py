@@ -61,11 +61,12 @@ def show(
 
 @app.command("check")
 def check(as_json: Json = False) -> int:
-    """Check the catalogue: every file there, every column described, every source named."""
+    """Check the catalogue: files, columns and sources, and every row of the tables of studs."""
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
+    from workbench.studs import check_tables
 
-    problems = problems_of()
+    problems = [*problems_of(), *check_tables()]
     count = len(datasets())
     if as_json:
         print_json({"datasets": count, "problems": problems})

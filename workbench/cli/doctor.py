@@ -40,6 +40,7 @@ def doctor(
         *_guarded("data catalogue", _data),
         *_guarded("models", _models),
         *_guarded("physics", _physics),
+        *_guarded("physics of references", _references),
     ]
     failed = any(check.state == "fail" for check in checks)
     if as_json:
@@ -207,6 +208,35 @@ def _physics() -> list[Check]:
         fine = error < 2e-3 and energy < 1e-6
         detail = (
             f"elastic peak {found * 1e3:.4g} mm, closed form {peak * 1e3:.4g} mm; "
+            f"energy error {energy:.1e}"
+        )
+        remedy = "" if fine else "run make test; compare the libraries with the lock file"
+        checks.append(Check(f"physics {name}", "ok" if fine else "fail", detail, remedy))
+    return checks
+
+
+def _references() -> list[Check]:
+    """Small push at mid-height: 192 EI / L^3 in series with the shear stiffness, and energy."""
+    from workbench.references.column_beams import shear_stiffness
+    from workbench.registry import make_model
+    from workbench.scenarios import Column, ColumnPushover
+    from workbench.sections import find
+
+    column = Column(find("HEB 220"), length_below=2.0, length_above=2.0)
+    scenario = ColumnPushover("self-check", column=column, displacement=1e-3)
+    bending = column.steel.elastic_modulus * column.strength_section.second_moment
+    flexibility = column.length**3 / (192.0 * bending)
+    flexibility += column.length / (4.0 * shear_stiffness(column))
+    force = scenario.displacement / flexibility
+    checks = []
+    for name in ("fiber-reissner", "fiber-corotational"):
+        mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
+        response = make_model(name, mesh).simulate(scenario)
+        found = float(response["force"][-1])
+        energy = float(abs(response["balance_error"]).max() / response["input_energy"])
+        fine = abs(found / force - 1.0) < 5e-3 and energy < 1e-6
+        detail = (
+            f"elastic force {found / 1e3:.4g} kN, closed form {force / 1e3:.4g} kN; "
             f"energy error {energy:.1e}"
         )
         remedy = "" if fine else "run make test; compare the libraries with the lock file"

@@ -38,13 +38,20 @@ def print_table(rows: Sequence[Sequence[object]], header: Sequence[str] = ()) ->
             print("  ".join("-" * width for width in widths))
 
 
-def quantity(value: float | None, unit: str) -> str:
-    """A number with four significant digits and its unit, with a prefix where that helps."""
+def quantity(value: float | None, unit: str, width: float | None = 0.0) -> str:
+    """A number with four significant digits and its unit, with a prefix where that helps.
+
+    `width` is the half-width of its numerical uncertainty (zero: none is shown, None: unknown).
+    """
     if value is None:
         return "not known to this model"
-    name = "" if unit == "1" else unit
+    name, factor = "" if unit == "1" else unit, 1.0
     if unit in _PREFIXED:
-        for factor, prefix in _PREFIXES:
-            if abs(value) >= factor:
-                return f"{value / factor:.4g} {prefix}{name}"
-    return f"{value:.4g} {name}".rstrip()
+        for larger, prefix in _PREFIXES:
+            if abs(value) >= larger:
+                factor, name = larger, f"{prefix}{name}"
+                break
+    text = f"{value / factor:.4g} {name}".rstrip()
+    if width is None:
+        return f"{text} +- unknown"
+    return f"{text} +- {width / factor:.2g}" if width else text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 _HEADLINES = (
     *("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse"),
 )
+_STATIC = ("column-pushover", "frame-static")  # kinds whose answer is a curve over load steps
 
 
 def simulate(
@@ -68,6 +70,7 @@ def simulate(
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
     from workbench.responses import ENERGIES, outcome_of, warnings_of
+    from workbench.responses.stud_tests import STUD_TESTS
 
     def scalar(name: str) -> float | None:
         return float(response[name]) if name in response else None
@@ -89,6 +92,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "outcome": outcome_of(response).value,
         "message": response.attrs["message"],
         **{name: scalar(name) for name in _HEADLINES},
+        "numerical_uncertainty": _attribute(response, "numerical_uncertainty"),
+        "refinement": _attribute(response, "refinement"),
         "energies": {
             **{name: last(name) for name in ENERGIES},
             "input_energy": given,
@@ -105,10 +110,29 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
             "scenario_hash": response.attrs["scenario_hash"],
         },
     }
-    if scenario.KIND.endswith("pushover"):
+    if scenario.KIND == "stud-tests":
+        result |= {name: scalar(name) for name in STUD_TESTS}
+        result["answer"] = _attribute(response, "answer")
+    if scenario.KIND in _STATIC:
         result["displacement"] = curve("displacement")
         result["force"] = curve("force")
     return result
+
+
+def _attribute(response: Response, name: str) -> dict[str, Any] | None:
+    """An attribute of the response that holds JSON; None for models that do not have it."""
+    text = response.attrs.get(name)
+    return None if text is None else dict(json.loads(text))
+
+
+def _curve_points(response: Response) -> Iterator[tuple[str, str]]:
+    """Points of a static curve with their numerical uncertainty."""
+    widths = _attribute(response, "numerical_uncertainty") or {}
+    table = (_attribute(response, "refinement") or {}).get("quantities", {})
+    for name, found in table.items():
+        if " at " in name and name in widths:
+            unit = {"force": "N", "displacement": "m"}.get(name.split(" at ")[0], "1")
+            yield name, quantity(found["values"]["h"], unit, widths[name])
 
 
 def _energy_error(response: Response) -> tuple[float | None, float | None]:
@@ -123,13 +147,18 @@ def _energy_error(response: Response) -> tuple[float | None, float | None]:
 
 def _print(response: Response, scenario: Scenario) -> None:
     from workbench.responses import ENERGIES, VARIABLES, outcome_of, warnings_of
+    from workbench.responses.stud_tests import STUD_TESTS
 
+    widths = _attribute(response, "numerical_uncertainty") or {}
     print(f"{scenario.name}: {response.attrs['model']}, {outcome_of(response)}")
     if response.attrs["message"]:
         print(response.attrs["message"])
     rows = [
-        (VARIABLES[name].long_name, quantity(float(response[name]), VARIABLES[name].units))
-        for name in (*_HEADLINES, "input_energy")
+        (
+            VARIABLES[name].long_name,
+            quantity(float(response[name]), VARIABLES[name].units, widths.get(name, 0.0)),
+        )
+        for name in (*_HEADLINES, "input_energy", *STUD_TESTS)
         if name in response
     ]
     rows += [
@@ -143,9 +172,10 @@ def _print(response: Response, scenario: Scenario) -> None:
     error, _ = _energy_error(response)
     if error is not None:
         rows.append(("largest energy error over the input energy", f"{error:.1e}"))
-    if scenario.KIND.endswith("pushover") and "force" in response:
+    if scenario.KIND in _STATIC and "force" in response:
         largest = float(response["force"].max())
         rows.append(("largest force", quantity(largest, "N")))
+        rows.extend(_curve_points(response))
         rows.append(("points of the curve", str(response.sizes["step"])))
     if "shear_utilisation" in response:
         for segment in response["shear_utilisation"]["segment"].values:

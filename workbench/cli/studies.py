@@ -280,8 +280,12 @@ def _relative(entry: GateResult) -> bool:
 
 def _interval(entry: GateResult) -> str:
     """The critical value of a gate with its uncertainty, in percent where it is relative."""
+    from workbench.assessment import METRICS, Scope
+
     if entry.value is None:
         return "-"
     factor, unit = (100.0, " %") if _relative(entry) else (1.0, "")
+    if METRICS[entry.metric].scope is Scope.RUN:
+        return f"{factor * entry.value:.3g}{unit}"
     width = "?" if entry.uncertainty is None else f"{factor * entry.uncertainty:.2g}"
     return f"{factor * entry.value:+.3g} ± {width}{unit}"

@@ -40,6 +40,11 @@ class Dataset:
     columns: dict[str, str] = field(default_factory=dict)
 
     @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the works behind the table; `key` lists them with spaces between."""
+        return tuple(self.key.split())
+
+    @property
     def path(self) -> Path:
         """Where the table is."""
         return data_directory() / self.file

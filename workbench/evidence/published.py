@@ -12,33 +12,38 @@ import pandas as pd
 
 from workbench.datafiles import data_directory
 from workbench.errors import InputError, OutOfDomainError
-from workbench.evidence.catalogue import dataset, load
+from workbench.evidence.catalogue import dataset, datasets, load
 from workbench.fields import Text, check_fields, checked
 from workbench.models.base import respond
 from workbench.responses import SCALARS, Finding, Response, build_response
-from workbench.scenarios import ColumnImpact, Scenario, load_scenario
+from workbench.scenarios import ColumnImpact, FrameImpact, Scenario, load_scenario
 
 
 @dataclass(frozen=True)
 class Published:
     """One published series. Options: `dataset`, a catalogue name; `series`, a row label of it.
 
+    Both must be given; what is missing or unknown is refused with the choices.
     The response holds the published scalars only, and as attribute `data_uncertainty` how well
     they can be read (JSON: quantity to half-width in SI).
     """
 
-    dataset: str = checked(Text(), "heng2017-figure-5-9")
-    series: str = checked(Text(), "4-DOF nonlinear yield surface")
+    dataset: str = checked(Text(), optional=True)
+    series: str = checked(Text(), optional=True)
 
     name: ClassVar[str] = "published"
     version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, FrameImpact.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Numbers as printed or as read from the figure; they answer only their own scenario.",
     )
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
+        tables = [entry.name for entry in datasets() if entry.scenario]
+        if self.dataset not in tables:
+            allowed = "must be one of " + "; ".join(tables)
+            raise InputError("option.dataset", self.dataset, allowed, "see `workbench data list`")
         known = sorted(set(load(self.dataset)["series"]))
         if self.series not in known:
             raise InputError("option.series", self.series, "must be one of " + "; ".join(known))
@@ -72,7 +77,7 @@ class Published:
         entry = dataset(self.dataset)
         rows = load(self.dataset)
         rows = rows[rows["series"] == self.series]
-        if not isinstance(scenario, ColumnImpact):
+        if not isinstance(scenario, (ColumnImpact, FrameImpact)):
             return None
         for _, row in rows.iterrows():
             published = _published_scenario(entry.name, float(row[entry.axis_column]))
@@ -99,9 +104,9 @@ class Published:
 
 
 @cache
-def _published_scenario(name: str, value: float) -> ColumnImpact:
+def _published_scenario(name: str, value: float) -> ColumnImpact | FrameImpact:
     entry = dataset(name)
     scenario = load_scenario(data_directory() / entry.scenario, [f"{entry.axis}={value!r}"])
-    if not isinstance(scenario, ColumnImpact):
-        raise InputError("data catalogue", name, "its scenario must be a column-impact")
+    if not isinstance(scenario, (ColumnImpact, FrameImpact)):
+        raise InputError("data catalogue", name, "its scenario must be an impact")
     return scenario

@@ -40,8 +40,8 @@ class Model(Protocol):
         """Bibliography keys of the model or of its data."""
         ...
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
-        """Where the scenario lies outside the model's assumptions."""
+    def domain(self, scenario: Any) -> list[Finding]:
+        """Where a scenario of a kind that it answers lies outside the model's assumptions."""
         ...
 
     def simulate(self, scenario: Scenario) -> Response:

@@ -21,7 +21,7 @@ from workbench.models.resistance.limits import (
     shear_utilisation,
 )
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ColumnImpact, Scenario
+from workbench.scenarios import ColumnImpact, ColumnScenario, Scenario
 
 _HEAVY = 5.0  # striker over impact mass; above, the balance with restitution errs below 10 %
 
@@ -59,7 +59,7 @@ class EnergyEstimate:
     def __post_init__(self) -> None:
         check_fields(self, "option")
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and the restitution that the balance does not cover."""
         findings = curve_findings(scenario)
         if not isinstance(scenario, ColumnImpact) or scenario.striker.restitution == 0.0:

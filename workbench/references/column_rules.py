@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from workbench.errors import InputError
 from workbench.references.column_beams import shear_stiffness
 from workbench.responses import Finding
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.structures.meshing import graded_lengths, halved
 
 Array = NDArray[np.float64]
@@ -30,18 +30,20 @@ def check_layers(layers: int) -> None:
 
 
 def column_mesh(
-    scenario: Scenario,
+    scenario: ColumnScenario,
     smallest: float | None,
     largest: float | None,
     refinement: int,
     share: float,
     depth: float,
+    growth: float = 1.5,
 ) -> tuple[Array, Array]:
     """Element lengths (m) below and above the hit point.
 
     Arguments: lengths of the `smallest` and `largest` element in m (None: a `share` of the shorter
     segment, but not below `depth` times the depth of the section; 1/40 of the length under
-    impact, 1/8 in statics); how often all are halved (negative: doubled).
+    impact, 1/8 in statics); how often all are halved (negative: doubled); `growth`, ratio of
+    neighbouring elements between both.
     """
     column = scenario.column
     shorter = min(column.length_below, column.length_above)
@@ -50,14 +52,14 @@ def column_mesh(
     coarser = 2.0 ** max(-refinement, 0)
     smallest, largest = coarser * smallest, coarser * max(largest, smallest)
     below, above = (
-        halved(graded_lengths(length, smallest, largest), max(refinement, 0))
+        halved(graded_lengths(length, smallest, largest, growth), max(refinement, 0))
         for length in (column.length_below, column.length_above)
     )
     return below, above
 
 
 def mesh_findings(
-    scenario: Scenario, below: Array, above: Array, sampled: float = 0.5
+    scenario: ColumnScenario, below: Array, above: Array, sampled: float = 0.5
 ) -> list[Finding]:
     """Element lengths (m) for which the result is known to be off by several percent.
 

@@ -19,7 +19,7 @@ from workbench.responses import (
     peak_of,
     residual_of,
 )
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.impact import PointMass, impact
 from workbench.structures.statics import push
@@ -39,8 +39,8 @@ PUSH_STEPS = 1000  # load steps of a pushover before refinement
 
 
 def run_column(
-    scenario: Scenario,
-    build: Callable[[Scenario], ColumnBeams],
+    scenario: ColumnScenario,
+    build: Callable[[ColumnScenario], ColumnBeams],
     spans: Callable[[ColumnImpact], Sequence[tuple[float, float]]],
     refinement: int,
     weight: float | None,

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from workbench.fields import Choice, Flag, Number, check_fields, checked
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.models.frames.structure import FrameStructure
 from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
 from workbench.references.column_rules import (
     check_layers,
@@ -27,19 +28,32 @@ from workbench.references.column_rules import (
     time_spans,
 )
 from workbench.references.column_runs import run_column
+from workbench.references.frame_fibers import corotational_frame, fiber_findings, run_fiber_frame
+from workbench.references.frame_mesh import member_lengths
+from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
-from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Scenario,
+)
 
 Array = NDArray[np.float64]
 ELEMENTS = ("interpolated", "balanced")
 # Smallest element over the shorter segment and over the depth (hinges need room); statics has no
 # inertia to carry an element over the loss of stiffness when its hinge crumples.
-SMALLEST = {
-    ("interpolated", ColumnImpact.KIND): (1.0 / 32.0, 0.1),
-    ("interpolated", ColumnPushover.KIND): (1.0 / 16.0, 0.2),
-    ("balanced", ColumnImpact.KIND): (1.0 / 12.0, 0.3),
-    ("balanced", ColumnPushover.KIND): (1.0 / 12.0, 0.3),
+SMALLEST = {  # by element and whether the event is static
+    ("interpolated", False): (1.0 / 32.0, 0.1),
+    ("interpolated", True): (1.0 / 16.0, 0.2),
+    ("balanced", False): (1.0 / 12.0, 0.3),
+    ("balanced", True): (1.0 / 12.0, 0.3),
 }
+FRAMES = (FrameImpact, FrameStatic, FrameGroundMotion)
 # Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
 SAMPLED = {"interpolated": 0.5 - 0.5 / sqrt(3.0), "balanced": 0.0}
 
@@ -59,9 +73,12 @@ class FiberCorotational:
     but does not converge on fine plastic meshes); `hardening_ratio`, the regularising hardening
     over the elastic modulus; `time_step` in s (None: 1/15 of the time of an axial wave along the
     column, and at first at most 1/200 of the expected time to the peak); `refinement`, how often
-    all these elements and steps are halved (-1: doubled); `shear_flexible`: elastic shear strain
-    (False: Bernoulli's beam without any); `integrator`, implicit with energy-exact steps or
-    explicit central differences with lumped mass.
+    all these elements and steps are halved (-1: doubled); `step_refinement`, how often the steps
+    alone are halved further; `levels`, meshes behind an answer, each with twice the elements and
+    steps of the next finer one (1: that of `refinement` alone, the numerical uncertainty is then
+    unknown); `shear_flexible`: elastic shear strain (False: Bernoulli's beam without any);
+    `integrator`, implicit with energy-exact steps or explicit central differences with lumped
+    mass.
     """
 
     element: str = checked(Choice(ELEMENTS), "interpolated")
@@ -73,13 +90,21 @@ class FiberCorotational:
     )
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(-2, 6, integer=True), 1)
+    refinement: int = checked(REFINEMENT, 1)
+    step_refinement: int = checked(REFINEMENT, 0)
+    levels: int = checked(LEVELS, 3)
     shear_flexible: bool = checked(Flag(), True)
     integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
 
     name: ClassVar[str] = "fiber-corotational"
     version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    answers: ClassVar[tuple[str, ...]] = (
+        ColumnImpact.KIND,
+        ColumnPushover.KIND,
+        FrameImpact.KIND,
+        FrameStatic.KIND,
+        FrameGroundMotion.KIND,
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflection between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
@@ -93,9 +118,13 @@ class FiberCorotational:
     def __post_init__(self) -> None:
         check_fields(self, "option")
         check_layers(self.layers)
+        check_levels(self.refinement, self.levels)
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and overrides that fibers cannot follow."""
+        if isinstance(scenario, FRAMES):
+            lengths = self.frame_mesh(scenario)
+            return fiber_findings(scenario, lengths, self.layers, SAMPLED[self.element])
         y, area = scenario.column.strength_section.fibers(self.layers)
         return [
             *member_findings(scenario),
@@ -104,24 +133,34 @@ class FiberCorotational:
         ]
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
+        """Answer a scenario of a column or a frame, with numerical uncertainty."""
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
-    def mesh(self, scenario: Scenario) -> tuple[Array, Array]:
+    def mesh(self, scenario: ColumnScenario) -> tuple[Array, Array]:
         """Element lengths (m) below and above the hit point."""
         return column_mesh(
             scenario,
             self.smallest_element,
             self.largest_element,
             self.refinement,
-            *SMALLEST[self.element, scenario.KIND],
+            *SMALLEST[self.element, isinstance(scenario, ColumnPushover)],
+        )
+
+    def frame_mesh(self, scenario: FrameScenario) -> list[Array]:
+        """Element lengths (m) of every member of a frame."""
+        return member_lengths(
+            scenario,
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
+            *SMALLEST[self.element, isinstance(scenario, FrameStatic)],
         )
 
     def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
         """End times and time steps (s) of the parts of the record, refinement applied."""
-        return time_spans(scenario, self.time_step, self.refinement, self.shear_flexible)
+        return time_spans(scenario, self.time_step, self._halvings, self.shear_flexible)
 
-    def beams(self, scenario: Scenario) -> ColumnBeams:
+    def beams(self, scenario: ColumnScenario) -> ColumnBeams:
         """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
         section = fiber_section(
             scenario.column, self.layers, self.hardening_ratio, self.shear_flexible
@@ -134,6 +173,29 @@ class FiberCorotational:
             lumped=self.integrator == "explicit",
         )
 
-    def _solve(self, scenario: Scenario) -> Response:
+    def frame(self, scenario: FrameScenario) -> FrameStructure:
+        """The frame under its dead loads, ready for its event. Raises `SolverError`."""
+        return corotational_frame(
+            scenario.frame,
+            self.frame_mesh(scenario),
+            self.layers,
+            self.hardening_ratio,
+            shear_flexible=self.shear_flexible,
+            balanced=self.element == "balanced",
+            lumped=self.integrator == "explicit",
+        )
+
+    def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
         weight = self.weight if self.integrator == "implicit" else None
-        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)
+        if isinstance(scenario, FRAMES):
+
+            def build() -> FrameStructure:
+                return self.frame(scenario)
+
+            return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
+        return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
+
+    @property
+    def _halvings(self) -> int:
+        """How often the steps are halved."""
+        return self.refinement + self.step_refinement

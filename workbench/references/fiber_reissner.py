@@ -2,7 +2,9 @@
 
 Reissner 1972 and Simo 1985: finite stretch, shear and rotation, one point per linear element,
 fibers across the section. The element samples plasticity half its length inside the member, so
-that resistance converges from above at first order in the length of the smallest element.
+that resistance converges from above at first order in the length of the smallest element. The
+mesh grows fast from a very small element at every hinge: that error is then small, and a hinge
+that the hardening spreads over millimetres is resolved.
 """
 
 from __future__ import annotations
@@ -15,8 +17,10 @@ from numpy.typing import NDArray
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.models.frames.structure import FrameStructure
 from workbench.references.column_beams import ColumnBeams
 from workbench.references.column_rules import (
     check_layers,
@@ -27,8 +31,25 @@ from workbench.references.column_rules import (
 )
 from workbench.references.column_runs import run_column
 from workbench.references.fiber_reissner_column import reissner_column, reissner_section
+from workbench.references.frame_fibers import (
+    fiber_findings,
+    reissner_findings,
+    reissner_frame,
+    run_fiber_frame,
+)
+from workbench.references.frame_mesh import member_lengths
+from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
-from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Scenario,
+)
 from workbench.sections.shapes import ISection
 from workbench.structures.reissner_beams.fibers import PATTERNS
 from workbench.structures.uniaxial import (
@@ -40,27 +61,34 @@ from workbench.structures.uniaxial import (
 )
 
 Array = NDArray[np.float64]
-SMALLEST_SHARE = 1.0 / 64.0  # of the shorter segment: peaks within 1 % of the converged ones
-SMALLEST_DEPTH = 0.05  # of the depth
+SMALLEST_SHARE = 1.0 / 256.0  # of the shorter segment: peaks within 1 % of the converged ones
+SMALLEST_DEPTH = 0.01  # of the depth
+GROWTH = 2.0  # of neighbouring elements
+MIDDLE = 0.5  # of an element: where it samples plasticity
 LAWS = ("linear", "menegotto-pinto")
+FRAMES = (FrameImpact, FrameStatic, FrameGroundMotion)
 
 
 @dataclass(frozen=True)
 class FiberReissner:
     """Geometrically exact fiber beam.
 
-    Mesh and steps: `smallest_element` in m, at both ends of both segments (None: 1/64 of the
-    shorter segment, but not below 1/20 of the depth); `largest_element` in m (None: 1/40 of the
+    Mesh and steps: `smallest_element` in m, at both ends of both segments (None: 1/256 of the
+    shorter segment, but not below 1/100 of the depth); `largest_element` in m (None: 1/40 of the
     length under impact, 1/8 in statics); `layers` over the depth of the section; `time_step` in s
     (None: 1/15 of the time of an axial wave along the column, and at first at most 1/200 of the
     expected time to the peak; a bound and the interval of records if explicit); `refinement`, how
-    often all elements and steps are halved (negative: doubled).
+    often all elements and steps are halved (negative: doubled); `step_refinement`, how often the
+    steps alone are halved further; `levels`, meshes behind an answer, each with twice the elements
+    and steps of the next finer one (1: that of `refinement` alone, the numerical uncertainty is
+    then unknown).
     Solution: `formulation`, compiled kernel or scikit-fem forms (the same response, slowly);
     `integrator`, implicit with energy-exact steps or explicit central differences with lumped
     mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, but does not
     converge on fine plastic meshes).
     Steel: `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic hardening
-    modulus (or slope of the hardening line) over the elastic one, by default regularisation only;
+    modulus (or slope of the hardening line) over the elastic one, by default regularisation only:
+    perfect plasticity has no limit of the mesh at large rotations, as a hinge has no length;
     `isotropic_ratio`, isotropic hardening modulus over the elastic one; `rate_sensitive`: yield
     stress after Cowper and Symonds with `rate_reference` in 1/s and `rate_exponent`;
     `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the yield
@@ -72,14 +100,16 @@ class FiberReissner:
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
     layers: int = checked(Number(4, 1000, integer=True), 20)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(-2, 6, integer=True), 0)
+    refinement: int = checked(REFINEMENT, 0)
+    step_refinement: int = checked(REFINEMENT, 0)
+    levels: int = checked(LEVELS, 4)
     formulation: str = checked(Choice(("kernel", "forms")), "kernel")
     integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
     weight: float = checked(
         Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
     )
     steel_law: str = checked(Choice(LAWS), "linear")
-    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-7)
+    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
     isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
     rate_sensitive: bool = checked(Flag(), False)
     rate_reference: float = checked(Number(1e-3, 1e9, "1/s"), MILD_STEEL.reference_rate)
@@ -91,8 +121,14 @@ class FiberReissner:
     )
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    version: ClassVar[int] = 2
+    answers: ClassVar[tuple[str, ...]] = (
+        ColumnImpact.KIND,
+        ColumnPushover.KIND,
+        FrameImpact.KIND,
+        FrameStatic.KIND,
+        FrameGroundMotion.KIND,
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount.",
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",
@@ -100,12 +136,14 @@ class FiberReissner:
         "both); the mass is that of the rolled profile, distributed along the member.",
         "Point contact; no local denting, no local buckling, no fracture; rate sensitivity, "
         "hardening, residual stress and crookedness are options that are off by default.",
-        "Resistance converges from above at first order in the length of the elements.",
+        "Elastic-perfectly plastic up to a hardening of 1e-6 E, which gives a hinge a length; "
+        "without it forces at hinge rotations beyond 0.3 depend on the mesh.",
     )
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
         check_layers(self.layers)
+        check_levels(self.refinement, self.levels)
         if self.steel_law == "menegotto-pinto":
             for name in ("rate_sensitive", "isotropic_ratio"):
                 if getattr(self, name):
@@ -128,18 +166,23 @@ class FiberReissner:
             keys.append("eccs1984")
         return tuple(keys)
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and what the fibers cannot follow."""
+        if isinstance(scenario, FRAMES):
+            return [
+                *fiber_findings(scenario, self.frame_mesh(scenario), self.layers, MIDDLE),
+                *reissner_findings(scenario.frame, self.residual_stress, self.out_of_straightness),
+            ]
         y, area = scenario.column.strength_section.fibers(self.layers)
         findings = member_findings(scenario) + section_findings(scenario.column, y, area)
         findings += mesh_findings(scenario, *self.mesh(scenario))
         return findings + pattern_findings(scenario, self.residual_stress)
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
+        """Answer a scenario of a column or a frame, with numerical uncertainty."""
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
-    def mesh(self, scenario: Scenario) -> tuple[Array, Array]:
+    def mesh(self, scenario: ColumnScenario) -> tuple[Array, Array]:
         """Element lengths (m) below and above the hit point."""
         return column_mesh(
             scenario,
@@ -148,11 +191,23 @@ class FiberReissner:
             self.refinement,
             SMALLEST_SHARE,
             SMALLEST_DEPTH,
+            GROWTH,
         )
 
-    def law(self, scenario: Scenario) -> UniaxialLaw:
+    def frame_mesh(self, scenario: FrameScenario) -> list[Array]:
+        """Element lengths (m) of every member of a frame."""
+        return member_lengths(
+            scenario,
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
+            SMALLEST_SHARE,
+            SMALLEST_DEPTH,
+            GROWTH,
+        )
+
+    def law(self, steel: Steel) -> UniaxialLaw:
         """The law of the fibers."""
-        steel = scenario.column.steel
         modulus = steel.elastic_modulus
         if self.steel_law == "menegotto-pinto":
             return MenegottoPinto(modulus, steel.yield_stress, self.hardening_ratio)
@@ -165,11 +220,11 @@ class FiberReissner:
             rate if self.rate_sensitive else None,
         )
 
-    def beams(self, scenario: Scenario) -> ColumnBeams:
+    def beams(self, scenario: ColumnScenario) -> ColumnBeams:
         """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
         section = reissner_section(
             scenario.column,
-            self.law(scenario),
+            self.law(scenario.column.steel),
             self.layers,
             self.residual_stress,
             self.residual_ratio,
@@ -183,16 +238,40 @@ class FiberReissner:
             lumped=self.integrator == "explicit",
         )
 
+    def frame(self, scenario: FrameScenario) -> FrameStructure:
+        """The frame under its dead loads, ready for its event. Raises `SolverError`."""
+        return reissner_frame(
+            scenario.frame,
+            self.frame_mesh(scenario),
+            self.law(scenario.frame.steel),
+            self.layers,
+            self.residual_stress,
+            self.residual_ratio,
+            forms=self.formulation == "forms",
+            lumped=self.integrator == "explicit",
+        )
+
     def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
         """End times and time steps (s) of the parts of the record, refinement applied."""
-        return time_spans(scenario, self.time_step, self.refinement)
+        return time_spans(scenario, self.time_step, self._halvings)
 
-    def _solve(self, scenario: Scenario) -> Response:
+    def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
         weight = self.weight if self.integrator == "implicit" else None
-        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)
+        if isinstance(scenario, FRAMES):
+
+            def build() -> FrameStructure:
+                return self.frame(scenario)
+
+            return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
+        return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
+
+    @property
+    def _halvings(self) -> int:
+        """How often the steps are halved."""
+        return self.refinement + self.step_refinement
 
 
-def pattern_findings(scenario: Scenario, pattern: str) -> list[Finding]:
+def pattern_findings(scenario: ColumnScenario, pattern: str) -> list[Finding]:
     """Refusal of residual stresses in a section without a known pattern."""
     if pattern == "none" or isinstance(scenario.column.section.shape, ISection):
         return []

@@ -24,17 +24,16 @@ from workbench.references.column_rules import (
     time_spans,
 )
 from workbench.references.column_runs import run_column
-from workbench.references.fiber_reissner import (
-    SMALLEST_DEPTH,
-    SMALLEST_SHARE,
-    pattern_findings,
-)
+from workbench.references.fiber_reissner import pattern_findings
 from workbench.references.fiber_reissner_column import reissner_column, shear_section
+from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
-from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 from workbench.structures.reissner_beams.fibers import PATTERNS
 
 Array = NDArray[np.float64]
+SMALLEST_SHARE = 1.0 / 64.0  # of the shorter segment
+SMALLEST_DEPTH = 0.05  # of the depth
 
 
 @dataclass(frozen=True)
@@ -42,16 +41,20 @@ class FiberShear:
     """Geometrically exact fiber beam with shear yielding.
 
     Its options are those of `FiberReissner`, without the choice of steel laws:
-    `smallest_element` and `largest_element` in m, `layers` over the depth, `time_step` in s,
-    `refinement`, `integrator`, `weight` of the end stresses, `hardening_ratio` that only
-    regularises, `residual_stress` with `residual_ratio`, `out_of_straightness`.
+    `smallest_element` (None: 1/64 of the shorter segment, but not below 1/20 of the depth) and
+    `largest_element` in m, `layers` over the depth, `time_step` in s,
+    `refinement`, `step_refinement` (of the steps alone), `levels`, meshes behind an answer,
+    `integrator`, `weight` of the end stresses, `hardening_ratio` that only regularises,
+    `residual_stress` with `residual_ratio`, `out_of_straightness`.
     """
 
     smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
     layers: int = checked(Number(4, 1000, integer=True), 20)
     time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(Number(-2, 6, integer=True), 0)
+    refinement: int = checked(REFINEMENT, 0)
+    step_refinement: int = checked(REFINEMENT, 0)
+    levels: int = checked(LEVELS, 3)
     integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
     weight: float = checked(
         Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
@@ -80,6 +83,7 @@ class FiberShear:
     def __post_init__(self) -> None:
         check_fields(self, "option")
         check_layers(self.layers)
+        check_levels(self.refinement, self.levels)
 
     @property
     def sources(self) -> tuple[str, ...]:
@@ -87,7 +91,7 @@ class FiberShear:
         keys = ("reissner1972", "simo1985", "simo-tarnow-doblare1995", "simo-hughes1998")
         return keys if self.residual_stress == "none" else (*keys, "eccs1984")
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings common to all member models but shear, and what fibers cannot follow."""
         y, area = scenario.column.strength_section.fibers(self.layers)
         common = [f for f in member_findings(scenario) if f.subject != "shear"]
@@ -96,10 +100,10 @@ class FiberShear:
         return findings + pattern_findings(scenario, self.residual_stress)
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
+        """Answer a column pushover or a column impact, with numerical uncertainty."""
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
-    def mesh(self, scenario: Scenario) -> tuple[Array, Array]:
+    def mesh(self, scenario: ColumnScenario) -> tuple[Array, Array]:
         """Element lengths (m) below and above the hit point."""
         return column_mesh(
             scenario,
@@ -110,7 +114,7 @@ class FiberShear:
             SMALLEST_DEPTH,
         )
 
-    def beams(self, scenario: Scenario) -> ColumnBeams:
+    def beams(self, scenario: ColumnScenario) -> ColumnBeams:
         """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
         section = shear_section(
             scenario.column,
@@ -129,8 +133,13 @@ class FiberShear:
 
     def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
         """End times and time steps (s) of the parts of the record, refinement applied."""
-        return time_spans(scenario, self.time_step, self.refinement)
+        return time_spans(scenario, self.time_step, self._halvings)
 
-    def _solve(self, scenario: Scenario) -> Response:
+    def _solve(self, scenario: ColumnScenario) -> Response:
         weight = self.weight if self.integrator == "implicit" else None
-        return run_column(scenario, self.beams, self.time_spans, self.refinement, weight)
+        return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
+
+    @property
+    def _halvings(self) -> int:
+        """How often the steps are halved."""
+        return self.refinement + self.step_refinement

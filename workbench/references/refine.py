@@ -1,48 +1,75 @@
-"""Numerical uncertainty of a reference: refinement by direction, combined, with its statements.
+"""Numerical uncertainty of a reference: coarser meshes behind every answer.
 
-Space and time are halved together, as the discretisation errors of both are of first order; time
-alone and fibers alone are halved on the coarsest mesh. See docs/theory/numerical-uncertainty.md.
+The mesh asked for is the finest. Space and time are halved together, as the discretisation errors
+of both are of first order; more fibers and shorter steps alone are tried on the coarsest mesh.
+See docs/theory/numerical-uncertainty.md.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-import numpy as np
-
 from workbench.errors import InputError
-from workbench.references.column_rules import time_spans
-from workbench.responses import Finding, Outcome, Response, add_warnings, outcome_of
-from workbench.responses.convergence import Ladder, ladder
-from workbench.responses.variables import SCALARS
-from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
+from workbench.fields import Number
+from workbench.models.base import options_of
+from workbench.references.localisation import by_run, drift_text, localisation_of, told
+from workbench.references.quantities import check_quantities, default_quantities, read
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    add_warnings,
+    outcome_of,
+    scalars_of,
+    warnings_of,
+)
+from workbench.responses.convergence import CAUTIOUS
+from workbench.responses.uncertainty import (
+    BASIS,
+    FINEST,
+    SPACE_AND_STEPS,
+    WIDTHS,
+    Direction,
+    Estimate,
+    attach_curves,
+    estimate,
+    fiber_direction,
+    level_names,
+    step_direction,
+)
+from workbench.scenarios import Scenario
 
-IMPACT_QUANTITIES = ("peak_displacement", "time_of_peak", "residual_displacement")
-PUSH_SHARES = (0.25, 0.5, 0.75, 1.0)  # of the final displacement, where forces are read
-FORCE_AT = "force at "  # followed by a displacement: "force at 0.05 m"
-SPACE_AND_TIME, TIME, FIBERS, STEPS = "space and time", "time", "fibers", "push steps"
-REGULARISED, SENSITIVITY = "regularised", "hardening times 10"
-REGULARISING = 0.01  # hardening over elastic modulus that spreads a hinge over a length of its own
-SEPARATE_LEVELS = 3
+COARSEST, MOST_LEVELS = -6, 6
+REFINEMENT = Number(COARSEST, 6, integer=True)  # rules of the options of that name
+LEVELS = Number(1, MOST_LEVELS, integer=True)
+MORE_FIBERS, MOST_FIBERS = 4, 1000
+LEAST_COARSENING = 1.5  # of the smallest element from one mesh to the next
+# the yield ratio of a coarse run is an error of its discretisation, which the ladder measures
+DOUBTS = ("time-step", "damping", "no-peak", "energy-balance")
+WELL_KNOWN = 0.015  # relative half-width up to which a sequence may oscillate without a warning
 
-Values = Mapping[str, float]
+
+def check_levels(refinement: int, levels: int, coarsest: int = COARSEST) -> None:
+    """Refuse meshes below the refinement of the `coarsest` there is. Raises `InputError`."""
+    if refinement - levels + 1 < coarsest:
+        allowed = f"with refinement = {refinement} need meshes below refinement = {coarsest}"
+        raise InputError("option.levels", levels, allowed, "take fewer levels")
 
 
-@dataclass(frozen=True)
-class Direction:
-    """What halving one kind of step says about one quantity.
+def refined(model: Any, scenario: Any, solve: Callable[[Any], Response]) -> Response:
+    """The answer of `solve`, with the uncertainty that the option `levels` of the model buys.
 
-    `values` from coarse to fine; `found`, their ladder (None: unknown); `uncertainty`, half-width
-    that this direction leaves in the response (None: unknown); `note`, one sentence.
+    For use inside a model's `simulate`. Failures of `solve` are raised. Coarser meshes that fail,
+    or that warn of their own accuracy where the answer does not, are left out with all that are
+    coarser still; without any the uncertainty is unknown.
     """
-
-    values: tuple[float, ...]
-    found: Ladder | None
-    uncertainty: float | None
-    note: str
+    response = solve(scenario)
+    _Refinement(model, scenario, response, model.levels).attach()
+    return response
 
 
 def refine(
@@ -50,189 +77,161 @@ def refine(
     scenario: Scenario,
     quantities: Sequence[str] | None = None,
     levels: int = 3,
+    localisation: bool = True,
 ) -> Response:
-    """The response on the finest of several meshes, with its numerical uncertainty.
+    """The response of a model with its numerical uncertainty, from any model with refinement.
 
-    Arguments: `model`, a reference with the option `refinement`, as it is the coarsest level;
-    `quantities`, scalars of a response or ``"force at 0.05 m"`` in a pushover (None: peak, its
-    time and residual displacement under impact; input energy and forces at quarters of the push);
-    `levels` in space and time, each half of the one before.
+    Arguments: `model` with the option `refinement`, the finest mesh; `quantities`, scalars of a
+    response, ``"force at 0.05 m"`` or ``"displacement at load factor 0.5"`` (None: all scalars,
+    and in statics points of the curve; warnings speak of peak, its time and residual displacement
+    in time, and of input energy and the curve in statics); `levels`, meshes in all, each at half
+    the element size and steps of the one before; `localisation`, whether the sensitivity to the
+    hardening is found too, and a sequence that does not converge is repeated with hardening that
+    regularises it.
     The result carries two attributes in JSON: `numerical_uncertainty`, quantity to absolute
     half-width in SI (null: unknown, the reason stands in the other), and `refinement` with the
-    levels, all directions and the statements. A level that fails leaves the uncertainty unknown;
-    if the finest fails, its outcome is the answer. Raises `InputError` for a model without
-    refinement, fewer than two levels, or quantities that are not known.
+    levels, all directions and the statements; and the main curve of every run. Coarser meshes
+    count as far as they can be relied on, see `refined`. If the finest mesh fails, its outcome is
+    the answer. Raises `InputError` for a model without refinement,
+    fewer than two levels, or quantities that are not known.
     """
     options = {field.name for field in fields(model)}
     if "refinement" not in options:
         raise InputError("model", model.name, "has no option refinement", "use a reference")
-    if levels < 2:
-        raise InputError("levels", levels, "must be 2 or more")
-    asked = _quantities(scenario, quantities)
-    failures: list[str] = []
-
-    def run(name: str, variant: Any) -> Values:
-        response = variant.simulate(scenario)
-        if outcome_of(response) is not Outcome.OK:
-            failures.append(f"{name}: {outcome_of(response)}, {response.attrs['message']}")
-            return {}
-        return read(response, asked)
-
-    joint = [replace(model, refinement=model.refinement + k) for k in range(levels)]
-    coarse = [run(f"{SPACE_AND_TIME}, level {k}", joint[k]) for k in range(levels - 1)]
-    finest: Response = joint[-1].simulate(scenario)
-    if outcome_of(finest) is not Outcome.OK:
-        return finest
-    tables = {SPACE_AND_TIME: [*coarse, read(finest, asked)]}
-    for name, variants in _separate(model, scenario, options, levels).items():
-        first = coarse[0] if variants[0] == model else run(f"{name}, level 0", variants[0])
-        rest = [run(f"{name}, level {k}", v) for k, v in enumerate(variants[1:], 1)]
-        tables[name] = [first, *rest]
-    found = {q: {n: _direction(n, t, q) for n, t in tables.items()} for q in asked}
-    widths = {q: combined({n: d.uncertainty for n, d in found[q].items()}) for q in asked}
-    statements = [*failures]
-    drifting = [q for q in asked if _drifts(found[q][SPACE_AND_TIME])]
-    hardening = {} if "hardening_ratio" not in options else _hardening(model, coarse[0], asked, run)
-    regular: dict[str, Direction] = {}
-    if drifting:
-        statements.append(_drift_text(drifting))
-        if hardening:
-            variants = [replace(m, hardening_ratio=REGULARISING) for m in joint]
-            table = [run(f"{REGULARISED}, level {k}", v) for k, v in enumerate(variants)]
-            regular = {q: _direction(SPACE_AND_TIME, table, q) for q in drifting}
-            statements.extend(_regular_text(q, d) for q, d in regular.items())
-    if failures and any(width is None for width in widths.values()):
-        statements.append("a level without an answer leaves the uncertainty unknown")
-    finest.attrs["numerical_uncertainty"] = json.dumps(widths, sort_keys=True)
-    finest.attrs["refinement"] = json.dumps(
-        {
-            "levels": [m.refinement for m in joint],
-            "directions": {q: {n: asdict(d) for n, d in found[q].items()} for q in asked},
-            SENSITIVITY: hardening,
-            REGULARISED: {q: asdict(d) for q, d in regular.items()},
-            "quadrature": "fixed by the element, no option: part of space",
-            "statements": statements,
-        },
-        sort_keys=True,
-    )
-    add_warnings(finest, [Finding("refinement", text) for text in statements])
-    return finest
+    if not 2 <= levels <= MOST_LEVELS:
+        raise InputError("levels", levels, f"must be from 2 to {MOST_LEVELS}")
+    asked = None if quantities is None else check_quantities(quantities)
+    started = time.perf_counter()
+    response: Response = _alone(model).simulate(scenario)
+    if outcome_of(response) is Outcome.OK:
+        _Refinement(model, scenario, response, levels, asked).attach(localisation)
+        response.attrs["options"] = json.dumps(options_of(model), sort_keys=True)
+        response.attrs["wall_time"] = time.perf_counter() - started
+    return response
 
 
-def combined(widths: Mapping[str, float | None]) -> float | None:
-    """Half-width from those of the directions: the larger of joint and time alone, plus the rest.
+@dataclass
+class _Refinement:
+    """The runs behind one answer."""
 
-    Discretisation errors are not random and may have one sign, so that they add up (ASME V&V 20
-    adds them likewise). Time is part of the joint sequence; alone it counts if it says more, as
-    errors of space and time may cancel. None (unknown) in any direction makes the result None.
-    """
-    if any(width is None for width in widths.values()):
-        return None
-    known = {name: width or 0.0 for name, width in widths.items()}
-    both = max(known.pop(SPACE_AND_TIME, 0.0), known.pop(TIME, 0.0))
-    return both + sum(known.values())
+    model: Any
+    scenario: Any
+    response: Response
+    levels: int
+    asked: tuple[str, ...] | None = None
+    statements: list[str] = field(default_factory=list)
+    runs: dict[str, Response] = field(default_factory=dict)
 
+    def attach(self, localisation: bool = False) -> None:
+        """Make the runs, and let the response carry what they say."""
+        response = self.response
+        main = self.asked or default_quantities(self.scenario, response)
+        others = () if self.asked else scalars_of(response)
+        quantities = tuple(dict.fromkeys([*main, *others]))
+        directions = self._run()
+        values = {name: read(run, quantities) for name, run in self.runs.items()}
+        values[FINEST] = read(response, quantities)
+        found = {q: estimate(directions, by_run(values, q)) for q in quantities}
+        if self.levels == 1:
+            self.statements.append("one mesh only (levels = 1): numerical uncertainty unknown")
+        unknown = [q for q in main if found[q].width is None]
+        drifting = [q for q in main if _drifts(found[q])]
+        warned = []
+        if unknown and self.levels > 1:
+            reasons = dict.fromkeys(self.statements or [found[q].note for q in unknown])
+            warned.append(
+                f"numerical uncertainty of {', '.join(unknown)} is unknown: {'; '.join(reasons)}"
+            )
+        if drifting:
+            warned.append(drift_text(drifting, response))
+        extra: dict[str, Any] = {}
+        if localisation:
+            meshes = self._meshes()
+            extra, said = localisation_of(meshes, self.scenario, values, main, drifting)
+            warned.extend(said)
+        response.attrs[WIDTHS] = json.dumps({q: found[q].width for q in quantities}, sort_keys=True)
+        response.attrs[BASIS] = json.dumps(
+            {
+                "levels": [mesh.refinement for mesh in self._meshes()],
+                "directions": [asdict(direction) for direction in directions],
+                "quantities": {q: told(found[q], by_run(values, q)) for q in quantities},
+                "quadrature": "fixed by the element, no option: part of space",
+                "statements": list(dict.fromkeys([*self.statements, *warned])),
+                **extra,
+            },
+            sort_keys=True,
+        )
+        attach_curves(response, self.runs)
+        add_warnings(response, [Finding("refinement", text) for text in warned])
 
-def read(response: Response, quantities: Sequence[str]) -> dict[str, float]:
-    """Values of scalars, or of the force at a displacement; those that are absent are left out."""
-    values = {}
-    for quantity in quantities:
-        if quantity.startswith(FORCE_AT):
-            at, reached = _displacement(quantity), response["displacement"].values
-            if at <= reached[-1] * (1.0 + 1e-9):
-                values[quantity] = float(np.interp(at, reached, response["force"].values))
-        elif quantity in response:
-            values[quantity] = float(response[quantity])
-    return values
+    def _run(self) -> tuple[Direction, ...]:
+        """Answer on coarser meshes as far as they can be relied on; the directions they make."""
+        model, names = _alone(self.model), level_names(self.levels)
+        together = getattr(model, "refines", SPACE_AND_STEPS)
+        coarsest, used = model, [FINEST]
+        for name, mesh in zip(reversed(names[:-1]), reversed(self._meshes()[:-1]), strict=True):
+            if not self._answer(name, mesh, self.runs.get(used[0], self.response)):
+                break
+            coarsest, used = mesh, [name, *used]
+        if len(used) == 1:
+            return ()
+        directions = [Direction(together, tuple(used))]
+        options = {field.name for field in fields(model)}
+        if "layers" in options:
+            more = MORE_FIBERS * model.layers
+            layers = more if more <= MOST_FIBERS else 2 * (model.layers // (2 * MORE_FIBERS))
+            name = f"{used[0]}, {'more' if layers > model.layers else 'fewer'} fibers"
+            directions.append(fiber_direction(used[0], name, layers / model.layers))
+            self._answer(name, replace(coarsest, layers=layers))
+        if "step_refinement" in options:
+            name = f"{used[0]}, half steps"
+            longer = 2.0 ** (len(used) - 1) if together == SPACE_AND_STEPS else 1.0
+            directions.append(step_direction(used[0], name, longer, CAUTIOUS))
+            self._answer(name, replace(coarsest, step_refinement=model.step_refinement + 1))
+        return tuple(directions)
 
-
-def _quantities(scenario: Scenario, quantities: Sequence[str] | None) -> tuple[str, ...]:
-    pushed = isinstance(scenario, ColumnPushover)
-    if quantities is None:
-        if not isinstance(scenario, ColumnPushover):
-            return IMPACT_QUANTITIES
-        forces = [f"{FORCE_AT}{share * scenario.displacement:.12g} m" for share in PUSH_SHARES]
-        return ("input_energy", *forces)
-    for quantity in quantities:
-        force = pushed and quantity.startswith(FORCE_AT)
-        if force:
-            _displacement(quantity)
-        elif quantity not in SCALARS:
-            allowed = f"must be one of {', '.join(SCALARS)}, or in a pushover 'force at 0.05 m'"
-            raise InputError("quantities", quantity, allowed)
-    return tuple(quantities)
-
-
-def _displacement(quantity: str) -> float:
-    try:
-        return float(quantity.removeprefix(FORCE_AT).removesuffix(" m"))
-    except ValueError as error:
-        raise InputError("quantities", quantity, "must read 'force at 0.05 m'") from error
-
-
-def _separate(
-    model: Any, scenario: Scenario, options: set[str], levels: int
-) -> dict[str, list[Any]]:
-    """Sequences that halve one thing on the coarsest mesh, coarse to fine."""
-    sequences: dict[str, list[Any]] = {}
-    if "layers" in options:
-        sequences[FIBERS] = [
-            replace(model, layers=model.layers * 2**k) for k in range(SEPARATE_LEVELS)
+    def _meshes(self) -> list[Any]:
+        """The model on each mesh, from coarse to fine, alone."""
+        model = _alone(self.model)
+        return [
+            replace(model, refinement=model.refinement - k) for k in reversed(range(self.levels))
         ]
-    if "time_step" in options and isinstance(scenario, ColumnImpact):
-        # constant steps as long as the first ones of the default, so that only they differ
-        first = time_spans(scenario, model.time_step, 0)[0][1]
-        sequences[TIME] = [replace(model, time_step=first / 2**k) for k in range(levels)]
-    if "step" in options and isinstance(scenario, ColumnPushover):
-        first = float(np.max(np.diff(model.path(scenario))))
-        sequences[STEPS] = [replace(model, step=first / 2**k) for k in range(SEPARATE_LEVELS)]
-    return sequences
+
+    def _answer(self, name: str, variant: Any, finer: Response | None = None) -> bool:
+        """Answer with a variant; False, with a statement, if that cannot be relied on.
+
+        `finer` is the answer on the next finer mesh, if the variant is a coarser one.
+        """
+        run: Response = variant.simulate(self.scenario)
+        if outcome_of(run) is not Outcome.OK:
+            self.statements.append(f"{name}: {outcome_of(run)}, {run.attrs['message']}")
+            return False
+        known = {finding.subject for finding in warnings_of(self.response)}
+        doubts = [f for f in warnings_of(run) if f.subject in DOUBTS and f.subject not in known]
+        if doubts:
+            texts = "; ".join(f"{f.subject}: {f.text}" for f in doubts)
+            self.statements.append(f"{name} cannot be relied on, {texts}")
+            return False
+        if finer is not None and not _coarser(run, finer):
+            self.statements.append(f"{name} has no larger elements: there is no coarser mesh")
+            return False
+        self.runs[name] = run
+        return True
 
 
-def _direction(name: str, table: Sequence[Values], quantity: str) -> Direction:
-    values = tuple(level[quantity] for level in table if quantity in level)
-    if len(values) < len(table):
-        missing = [str(k) for k, level in enumerate(table) if quantity not in level]
-        note = f"level {', '.join(missing)} has no {quantity}: unknown"
-        return Direction(values, None, None, note)
-    found = ladder(values)
-    if name in (SPACE_AND_TIME, TIME):
-        return Direction(values, found, found.uncertainty, found.note)
-    # the response keeps the first of these values: its distance to the limit counts as well
-    width = abs(values[0] - found.extrapolated) + found.uncertainty
-    return Direction(values, found, width, found.note)
+def _alone(model: Any) -> Any:
+    """The model without coarser meshes behind it."""
+    return replace(model, levels=1) if hasattr(model, "levels") else model
 
 
-def _drifts(joint: Direction) -> bool:
-    return joint.found is not None and not joint.found.converging
+def _coarser(run: Response, finer: Response) -> bool:
+    """Whether the elements of a run are larger, as far as it tells."""
+    own, other = (response.attrs.get("smallest_element") for response in (run, finer))
+    return own is None or other is None or own >= LEAST_COARSENING * other
 
 
-def _hardening(
-    model: Any, base: Values, asked: Sequence[str], run: Callable[[str, Any], Values]
-) -> dict[str, float]:
-    """Relative change of every quantity by ten times the hardening, on the coarsest mesh."""
-    more = min(10.0 * model.hardening_ratio, 0.1)
-    if more <= model.hardening_ratio:
-        return {}
-    changed = run(SENSITIVITY, replace(model, hardening_ratio=more))
-    return {q: changed[q] / base[q] - 1.0 for q in asked if base.get(q) and q in changed}
-
-
-def _drift_text(quantities: Sequence[str]) -> str:
-    return (
-        f"{', '.join(quantities)}: the sequence of meshes does not converge. Perfect plasticity "
-        "has no length of its own, strains localise in single elements; three times the spread "
-        "stands for the uncertainty. Use a hardening_ratio for an answer that does not depend on "
-        "the mesh"
-    )
-
-
-def _regular_text(quantity: str, direction: Direction) -> str:
-    found = direction.found
-    if found is None:
-        return f"{quantity} with hardening_ratio = {REGULARISING:g}: {direction.note}"
-    ends = "converges" if found.converging else "does not converge either"
-    return (
-        f"{quantity} with hardening_ratio = {REGULARISING:g} {ends}: {found.finest:.6g} "
-        f"+- {found.uncertainty:.2g} ({found.note})"
-    )
+def _drifts(found: Estimate) -> bool:
+    """Whether the meshes do not converge, by more than what is small anyway."""
+    if found.found is None or found.found.converging:
+        return False
+    return found.found.relative is None or found.found.relative > WELL_KNOWN

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from workbench.errors import InputError
+from workbench.responses.least_squares import CAUTIOUS, SAFE, least_squares
 
-SAFE, CAUTIOUS = 1.25, 3.0  # safety factors of the grid convergence index (Roache 1994)
-ACCEPTED = (0.7, 1.3)  # observed over expected order that still counts as asymptotic
-CLIPPED = (0.8, 1.2)  # observed over expected order used for extrapolation
+__all__ = ["CAUTIOUS", "SAFE", "Ladder", "ladder"]
+
+ACCEPTED = (0.7, 1.1)  # observed over expected order that still counts as asymptotic
+CLIPPED = (0.8, 1.0)  # observed over expected order used for extrapolation
 LEAST = 0.5  # share of the expected order that a cautious estimate still relies on
 
 
@@ -18,12 +20,13 @@ LEAST = 0.5  # share of the expected order that a cautious estimate still relies
 class Ladder:
     """What a sequence of refinements says about the value at its finest level.
 
-    `finest`, the value there; `order`, observed from the three finest levels (None: it does not
-    exist); `extrapolated`, the Richardson value; `uncertainty`, half-width of the interval around
-    `finest` in its unit (absolute grid convergence index); `relative`, that over the magnitude of
-    `finest` (None if that is zero); `factor`, the safety factor used; `converging`, whether the
-    differences shrink without changing sign; `accepted`, whether the order is near the expected
-    one; `note`, one sentence for the reader.
+    `finest`, the value there; `order`, observed from three levels or fitted to more (None: it
+    does not exist); `extrapolated`, the value at zero size; `uncertainty`, half-width of the
+    interval around `finest` in its unit (absolute grid convergence index); `relative`, that over
+    the magnitude of `finest` (None if that is zero); `factor`, the safety factor used;
+    `converging`, whether three levels differ less and less without changing sign, or more of
+    them scatter less around a power law than they differ; `accepted`, whether the order is near
+    the expected one; `note`, one sentence for the reader.
     """
 
     finest: float
@@ -38,15 +41,16 @@ class Ladder:
 
 
 def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 1.0) -> Ladder:
-    """Observed order, Richardson extrapolation and grid convergence index (Celik et al. 2008).
+    """Observed order, extrapolation and grid convergence index (Celik et al. 2008).
 
     Arguments: `values` from coarse to fine, each level `ratio` times finer than the one before;
-    `expected_order` of the method. With three levels or more the three finest count. Within
-    0.7 to 1.3 of the expected order the safety factor is 1.25 and the order, clipped to 0.8 to
-    1.2, extrapolates; outside, or with two levels, the factor is 3 (Roache 1994), with the order at
-    least half the expected one (Oberkampf and Roy 2010, section 8.6). Sequences that oscillate or
-    diverge get three times their spread. Raises `InputError` for fewer than two finite values or
-    a ratio not above 1.
+    `expected_order` of the method. Four levels or more are fitted by least squares (Eca and
+    Hoekstra 2014, see `least_squares`). With three, within 0.7 to 1.1 of the expected order the
+    safety factor is 1.25 and the order, clipped to 0.8 to 1, extrapolates; outside, or with two
+    levels, the factor is 3 (Roache 1994), with an order of half the expected one to that
+    (Oberkampf and Roy 2010, section 8.6): differences that shrink faster than the method allows
+    are not asymptotic yet. Three levels that oscillate or diverge get three times their spread.
+    Raises `InputError` for fewer than two finite values or a ratio not above 1.
     """
     levels = [float(value) for value in values]
     if len(levels) < 2 or not all(isfinite(value) for value in levels):
@@ -55,18 +59,20 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
         raise InputError("ladder", (ratio, expected_order), "ratio above 1, order above 0")
     if len(levels) == 2:
         return _two(levels, ratio, expected_order)
-    coarse, medium, fine = levels[-3:]
+    if len(levels) > 3:
+        return _fitted(levels, ratio, expected_order)
+    coarse, medium, fine = levels
     first, second = coarse - medium, medium - fine
-    rounding = 1e-14 * max(abs(value) for value in levels[-3:])
+    rounding = 1e-14 * max(abs(value) for value in levels)
     if abs(second) <= rounding and abs(first) <= rounding:
-        note = "the three finest levels agree to rounding"
+        note = "the levels agree to rounding"
         return _made(fine, None, fine, 0.0, SAFE, True, True, note)
-    spread = max(levels[-3:]) - min(levels[-3:])
+    spread = max(levels) - min(levels)
     if first * second < 0.0:
-        note = "the three finest levels oscillate: three times their spread"
+        note = "the levels oscillate: three times their spread"
         return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
     if abs(second) >= abs(first):
-        note = "the three finest levels do not converge: three times their spread"
+        note = "the levels do not converge: three times their spread"
         return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
     order = log(abs(first / second)) / log(ratio) if second != 0.0 else inf
     share = order / expected_order
@@ -91,6 +97,36 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
         gain = ratio**expected_order
         uncertainty = max(uncertainty, abs(first) / gain / (gain - 1.0))
     return _made(fine, shown, fine + correction, uncertainty, factor, True, accepted, note)
+
+
+def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
+    fine = levels[-1]
+    if max(levels) - min(levels) <= 1e-14 * max(abs(value) for value in levels):
+        note = "the levels agree to rounding"
+        return _made(fine, None, fine, 0.0, SAFE, True, True, note)
+    found = least_squares(levels, ratio, expected_order)
+    count = f"fit to {len(levels)} levels"
+    if found.reliable:
+        note = f"{count}: order {found.order:.2f}, expected {expected_order:g}"
+    elif found.order is None:
+        note = f"{count}: they follow no power law, safety factor 3"
+    elif found.scatter < 1.0:
+        note = (
+            f"{count}: order {found.order:.2f} is far from the expected {expected_order:g}, "
+            "safety factor 3"
+        )
+    else:
+        note = f"{count}: they scatter more than they differ, safety factor 3 and more"
+    return _made(
+        fine,
+        found.order,
+        found.fit.limit,
+        found.uncertainty,
+        found.factor,
+        found.order is not None and found.scatter < 1.0,
+        found.reliable,
+        note,
+    )
 
 
 def _two(levels: list[float], ratio: float, expected_order: float) -> Ladder:

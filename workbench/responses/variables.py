@@ -57,6 +57,7 @@ VARIABLES: dict[str, Variable] = {
     "time_of_peak": Variable((), "s", "time of the largest displacement"),
     "residual_displacement": Variable((), "m", "permanent displacement of the hit point"),
     "peak_force": Variable((), "N", "largest contact force, mean over 1 ms"),
+    "resistance": Variable((), "N", "largest force of a static loading, either way"),
     "impulse": Variable((), "N s", "total impulse of the contact"),
     "input_energy": Variable((), "J", "energy brought in: striker, or work of the push"),
     **{name: Variable((), "1", meaning) for name, meaning in STUD_TESTS.items()},

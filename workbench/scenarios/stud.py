@@ -20,9 +20,10 @@ _LISTS = ("tables", "curves", "calibrate", "validate", "digests")
 class StudTests:
     """Tests on studs and what they are used for.
 
-    Arguments: `asked`, what models are to answer; `tables` of tests and `curves`, tables of load-slip points, each a name of the data
-    catalogue or a CSV file; `calibrate`, campaigns that fits may use (empty: all that do not
-    validate); `validate`, campaigns that fits are judged by; `confidence` of intervals and bands;
+    Arguments: `asked`, what models are to answer; `tables` of tests and `curves`, tables of
+    load-slip points, each a name of the data catalogue or a CSV file; `calibrate`, campaigns that
+    fits may use (empty: all that do not validate); `validate`, campaigns that fits are judged by;
+    `confidence` of intervals and bands;
     `digests` of the CSV files, in their order (empty: taken from the files now), so that a stored
     answer belongs to one content. Raises `InputError`, also where a campaign is to do both.
     """

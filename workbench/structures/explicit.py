@@ -68,12 +68,15 @@ def explicit_impact(
     striker: PointMass,
     spans: Sequence[tuple[float, float]],
     step: float = np.inf,
+    *,
+    sign: float = 1.0,
 ) -> Iterator[TimeStep]:
-    """Follow an impact at `dof` in the direction of growing displacement.
+    """Follow an impact at `dof`, in the direction of growing displacement or against it.
 
     Arguments: `assembly` with lumped mass, at rest under its dead loads; `striker`; `spans`, end
     times and intervals between records of successive parts of the record, both in s; longest
-    time `step` in s, which is reduced to `SAFETY` times the stability limit.
+    time `step` in s, which is reduced to `SAFETY` times the stability limit; `sign`, -1 for a
+    strike along the negative direction.
     Yields a `TimeStep` for every record: its sums run over all steps since the last one, its
     `kinetic` energy is that of the scheme. Raises `SolverError` when the energy balance is lost.
     """
@@ -89,6 +92,7 @@ def explicit_impact(
     acceleration = inverse * (assembly.load - assembly.resist(assembly.displacement))
     half = assembly.velocity - 0.5 * dt * acceleration
     velocity, position = striker.velocity, striker.position
+    origin = sign * float(assembly.displacement[dof])
     brought = striker.kinetic_energy + assembly.kinetic_energy()
     reference = brought + assembly.stored
     spent = 0.0
@@ -97,20 +101,21 @@ def explicit_impact(
         percussion = loss = plastic = ideal = 0.0
         begin = assembly.displacement
         for _ in range(record - done):
-            before = float(half[dof]) - velocity
+            before = sign * float(half[dof]) - velocity
             half = half + dt * acceleration
-            gap = float(assembly.displacement[dof]) - position
+            gap = sign * float(assembly.displacement[dof]) - origin - position
             if gap + dt * min(before, 0.0) <= 0.0:
                 impulse = contact.explicit_percussion(
-                    float(half[dof]) - velocity,
+                    sign * float(half[dof]) - velocity,
                     before,
                     striker.restitution,
                     node_mass,
                     striker.mass,
                 )
-                half[dof] += impulse / node_mass
+                half[dof] += sign * impulse / node_mass
                 velocity -= impulse / striker.mass
-                loss += contact.contact_loss(impulse, before, float(half[dof]) - velocity)
+                after = sign * float(half[dof]) - velocity
+                loss += contact.contact_loss(impulse, before, after)
                 percussion += impulse
             position += dt * velocity
             end = assembly.displacement + dt * half

@@ -1,36 +1,47 @@
-"""Impact driver: energy-exact time steps with a unilateral contact at one dof.
+"""Impact driver: implicit time steps with a unilateral contact at one dof.
 
-One step from t_n to t_n+1 solves M (v1 - v0)/dt + f = p + w P/dt with v1 = 2 (x1 - x0)/dt - v0 and
-energy-exact element forces f whose stresses are (1 - weight) old + weight new. A closed contact
-obeys Newton's law in the velocity form of Moreau, xi = gamma_1 + restitution gamma_0 = 0, which
-makes the percussion P linear in x1, so that it is eliminated: no penalty, no extra unknown.
-Source: Heng 2017, chapter 3 (percussion form) and chapter 5 (energy-momentum step).
+All integrators share x1 = x0 + dt (v0 + v1) / 2 and Newton's law of restitution in the velocity
+form of Moreau, xi = gamma_1 + restitution gamma_0 = 0 for a closed contact, gamma the velocity of
+the gap.
+
+* "midpoint": energy-exact element forces with stresses (1 - weight) old + weight new.
+* "moreau": time stepping of Moreau and Jean with theta = 1/2, the mean of the forces at both ends;
+  its balance of energy is off by the third order of a step. Its explicit form, with central
+  differences, is `explicit_impact`.
+* "gear-gupta-leimkuhler": as "midpoint", and the gap closes to zero as well. A second impulse Psi
+  moves bodies that have penetrated apart, x1 = x0 + dt (v0 + v1) / 2 + M^-1 w Psi, so that both
+  constraints hold at the end of every step of contact.
+
+Sources: Heng 2017, chapter 3 (eqs 3.17-3.35) and chapter 5 (energy-momentum step); Moreau 1988;
+Jean 1999; Acary 2013 for the two constraints.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.errors import SolverError
+from workbench.errors import InputError
 from workbench.impact import _kernels as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.ledger import StepEnergies
-from workbench.structures.newton import Solution, newton
+from workbench.structures.time_steps import Advance, Pull, Trial, march, solve_step
 
 Array = NDArray[np.float64]
+MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
+INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
 
 
 @dataclass(frozen=True)
 class PointMass:
     """A rigid striker at one dof: `mass` (kg), `velocity` (m/s), `position` (m), `restitution`.
 
-    The gap is the displacement of the dof less the position; both are zero at first contact.
+    Velocity and position are along the strike, the position from where the struck dof is when the
+    record starts: 0 is first contact, and less is farther away.
     """
 
     mass: float
@@ -65,85 +76,13 @@ class TimeStep(NamedTuple):
     cuts: int
 
 
-class _Attempt(NamedTuple):
-    solution: Solution
-    velocity: Array
-    percussion: float
-    admissible: bool
+@runtime_checkable
+class TurningGroup(Protocol):
+    """A group that keeps velocities of its own (see `Superelements`)."""
 
-
-def _attempt(
-    assembly: PlanarAssembly,
-    dof: int,
-    striker: PointMass,
-    dt: float,
-    weight: float,
-    closed: bool,
-    tolerance: float,
-) -> _Attempt:
-    """Solve one step with the contact closed or open; tell whether that was admissible."""
-    x0, v0 = assembly.displacement, assembly.velocity
-    gamma0 = float(v0[dof]) - striker.velocity
-    held = assembly.held
-    restitution = contact.rebound(gamma0, striker.restitution)
-    touch = striker.velocity - restitution * gamma0
-    start_momentum = assembly.mass_times(v0) * (2.0 / dt)
-    factor = 2.0 / dt**2
-
-    def evaluate(x: Array) -> Array:
-        force = assembly.assemble(x, weight, factor)
-        inertia = assembly.mass_times(x - x0) * factor - start_momentum
-        residual = inertia + force - assembly.load
-        if closed:
-            v1 = 2.0 * (x[dof] - x0[dof]) / dt - v0[dof]
-            residual[dof] -= striker.mass * (touch - v1) / dt
-            assembly.add_to_diagonal(dof, factor * striker.mass)
-        residual[held] = 0.0
-        return residual
-
-    def allow(residual: Array) -> float:
-        return assembly.allowed_residual(tolerance, residual, x0)
-
-    assembly.begin_step(dt)
-    found = newton(evaluate, allow, assembly.solve, x0, 25)
-    v1 = 2.0 * (found.x - x0) / dt - v0
-    v1[held] = 0.0
-    if closed:
-        percussion = striker.mass * (touch - float(v1[dof]))
-        return _Attempt(found, v1, percussion, percussion >= 0.0)
-    separation = float(v1[dof]) - striker.velocity + restitution * gamma0
-    return _Attempt(found, v1, 0.0, separation >= 0.0)
-
-
-def _solve_step(
-    assembly: PlanarAssembly,
-    dof: int,
-    striker: PointMass,
-    dt: float,
-    weight: float,
-    tolerance: float,
-) -> tuple[_Attempt | None, int, float]:
-    """One step with the right contact state (None: no convergence), evaluations, residual."""
-    gamma0 = float(assembly.velocity[dof]) - striker.velocity
-    gap = float(assembly.displacement[dof]) - striker.position
-    if gap + dt * min(gamma0, 0.0) > 0.0:
-        orders: tuple[bool, ...] = (False,)
-    else:
-        orders = (False, True) if gamma0 > 0.0 else (True, False)
-    evaluations = 0
-    residual = 0.0
-    refused = False
-    for closed in orders:
-        tried = _attempt(assembly, dof, striker, dt, weight, closed, tolerance)
-        evaluations += tried.solution.evaluations
-        residual = max(residual, tried.solution.residual)
-        if not tried.solution.converged:
-            continue
-        # a closed contact that pulls must open, whatever the open solution says of velocities
-        if tried.admissible or len(orders) == 1 or (refused and not closed):
-            return tried, evaluations, residual
-        refused = True
-    return None, evaluations, residual
+    def turn_with(self, displacement: Array, velocity: Array) -> None:
+        """Take them from the nodes (dofs,), in m and m/s."""
+        ...
 
 
 def impact(
@@ -154,96 +93,221 @@ def impact(
     weight: float,
     tolerance: float = 1e-8,
     most_cuts: int = 12,
+    *,
+    sign: float = 1.0,
+    integrator: str = MIDPOINT,
 ) -> Iterator[TimeStep]:
-    """Follow an impact at `dof` in the direction of growing displacement.
+    """Follow an impact at `dof`, in the direction of growing displacement or against it.
 
     Arguments: `assembly` at rest under its dead loads; `striker`; `spans`, end times and nominal
     steps of successive parts of the record, both in s; `weight` of the end stresses, 1/2 to 1 (1/2
-    conserves energy exactly, more dissipates grid-scale ringing); `tolerance` of the residual over
-    the largest force; `most_cuts`, how often a step may be halved when Newton's method fails.
-    Yields a `TimeStep` after each commit. Raises `SolverError`.
+    conserves energy exactly, more dissipates grid-scale ringing; "moreau" has 1/2); `tolerance` of
+    the residual over the largest force; `most_cuts`, how often a step may be halved when Newton's
+    method fails; `sign`, -1 for a strike along the negative direction; `integrator`, one of
+    `INTEGRATORS`.
+    Yields a `TimeStep` after each commit. Raises `SolverError`, and `InputError` where the
+    integrator does not fit.
     """
-    begin = 0.0
-    for end, nominal in spans:
-        if end <= begin:
-            continue
-        for taken in _span(
-            assembly, dof, striker, end - begin, nominal, weight, tolerance, most_cuts, begin
-        ):
-            striker = taken.striker
-            yield taken
-        begin = end
+    stepper = _Stepper(assembly, dof, sign, striker, weight, integrator, tolerance)
+    remedies = "line search, open and closed contact"
+    for taken, marched in march(spans, stepper.advance, most_cuts, remedies):
+        yield taken._replace(time=marched.time, evaluations=marched.evaluations, cuts=marched.cuts)
 
 
-def _span(
-    assembly: PlanarAssembly,
-    dof: int,
-    striker: PointMass,
-    duration: float,
-    nominal: float,
-    weight: float,
-    tolerance: float,
-    most_cuts: int,
-    begin: float,
-) -> Iterator[TimeStep]:
-    """A part of the record with one nominal step; steps are halved and doubled back as needed."""
-    count = max(1, ceil(duration / nominal - 1e-9))
-    step = duration / count
-    level = 0
-    index = 0  # in units of step / 2^level
-    evaluations = cuts = 0
-    while index < count * 2**level:
-        dt = step / 2**level
-        found, spent, residual = _solve_step(assembly, dof, striker, dt, weight, tolerance)
-        evaluations += spent
-        if found is None:
-            level += 1
-            cuts += 1
-            index *= 2
-            if level > most_cuts:
-                raise SolverError(
-                    f"time {begin + index * dt / 2:.6g} s",
-                    residual,
-                    f"line search, open and closed contact, steps down to {dt:.3g} s",
+class _Attempt(NamedTuple):
+    """A step with the contact open or closed; `apart` is Psi, in kg m."""
+
+    trial: Trial
+    velocity: Array
+    percussion: float
+    apart: float
+    admissible: bool
+
+
+class _Stepper:
+    """The state of an impact between the steps, and how one is taken."""
+
+    def __init__(
+        self,
+        assembly: PlanarAssembly,
+        dof: int,
+        sign: float,
+        striker: PointMass,
+        weight: float,
+        integrator: str,
+        tolerance: float,
+    ) -> None:
+        if integrator not in INTEGRATORS:
+            raise InputError("integrator", integrator, f"must be one of {', '.join(INTEGRATORS)}")
+        self.assembly, self.dof, self.sign = assembly, dof, sign
+        self.striker, self.weight, self.tolerance = striker, weight, tolerance
+        self._origin = sign * float(assembly.displacement[dof])
+        self._before: Array | None = None
+        self._direction: Array | None = None  # M^-1 w
+        if integrator == MOREAU:
+            _refuse_own_velocities(assembly, weight)
+            self._before = assembly.assemble(assembly.displacement, None)
+        if integrator == GEAR_GUPTA_LEIMKUHLER:
+            self._direction = _mass_direction(assembly, dof, sign)
+            effective = 1.0 / striker.mass + sign * float(self._direction[dof])
+            self._effective_mass = 1.0 / effective
+
+    def _along(self, values: Array) -> float:
+        return self.sign * float(values[self.dof])
+
+    @property
+    def gap(self) -> float:
+        """Distance from the striker to the struck dof, in m; negative where they overlap."""
+        return self._along(self.assembly.displacement) - self._origin - self.striker.position
+
+    @property
+    def gap_velocity(self) -> float:
+        """Velocity of the gap, in m/s."""
+        return self._along(self.assembly.velocity) - self.striker.velocity
+
+    def advance(self, _begin: float, dt: float) -> tuple[TimeStep | None, Advance]:
+        """Take a step with the right contact state and commit it, if it can be solved."""
+        gap, gamma0 = self.gap, self.gap_velocity
+        if gap + dt * min(gamma0, 0.0) > 0.0:
+            orders: tuple[bool, ...] = (False,)
+            if self._direction is not None:  # what ends in overlap must have met on the way
+                orders = (False, True)
+        else:
+            orders = (False, True) if gamma0 > 0.0 else (True, False)
+        evaluations = 0
+        residual = 0.0
+        refused = False
+        for closed in orders:
+            tried = self._attempt(dt, closed, gap, gamma0)
+            solution = tried.trial.solution
+            evaluations += solution.evaluations
+            residual = max(residual, solution.residual)
+            if not solution.converged:
+                continue
+            # a closed contact that pulls must open, whatever the open solution says of velocities
+            if tried.admissible or len(orders) == 1 or (refused and not closed):
+                return self._commit(tried, dt), Advance(evaluations, residual)
+            refused = True
+        return None, Advance(evaluations, residual)
+
+    def _attempt(self, dt: float, closed: bool, gap: float, gamma0: float) -> _Attempt:
+        """Solve one step with the contact closed or open; tell whether that was admissible."""
+        striker = self.striker
+        restitution = contact.rebound(gamma0, striker.restitution)
+        touch = striker.velocity - restitution * gamma0
+        apart = 0.0
+        pull = None
+        if closed:
+            if self._direction is not None:
+                overlap = gap + 0.5 * dt * (1.0 - restitution) * gamma0
+                apart = self._effective_mass * max(-overlap, 0.0)
+            if apart > 0.0:  # the gap closes at the end of the step
+                touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
+            pull = Pull(self.dof, self.sign, striker.mass, touch)
+        trial = solve_step(
+            self.assembly,
+            dt,
+            self.weight,
+            self.assembly.load,
+            self.tolerance,
+            pull=pull,
+            before=self._before,
+        )
+        end = self._along(trial.velocity)
+        if closed:
+            percussion = striker.mass * (touch - end) - 2.0 * apart / dt
+            velocity = trial.velocity
+            if apart > 0.0 and self._direction is not None:
+                velocity = velocity - (2.0 * apart / dt) * self._direction
+            return _Attempt(trial, velocity, percussion, apart, percussion >= 0.0)
+        separation = end - striker.velocity + restitution * gamma0
+        admissible = separation >= 0.0
+        if self._direction is not None:
+            mean = 0.5 * (self._along(self.assembly.velocity) + end) - striker.velocity
+            met = gap + dt * mean < 0.0
+            admissible = not met if gap > 0.0 else admissible and not met
+        return _Attempt(trial, trial.velocity, 0.0, 0.0, admissible)
+
+    def _commit(self, found: _Attempt, dt: float) -> TimeStep:
+        """Commit a solved step and account for its energies."""
+        assembly, striker = self.assembly, self.striker
+        end = found.trial.solution.x
+        approach = self.gap_velocity
+        energies = assembly.account(end, self.weight)
+        external_work = float(assembly.load @ (end - assembly.displacement))
+        assembly.commit(end, found.velocity)
+        assembly.stored = energies.stored
+        if self._before is not None:
+            self._before = found.trial.force
+        if found.apart > 0.0:
+            spent = self._spent_moving_apart(found)
+            energies = energies._replace(algorithmic=energies.algorithmic + spent)
+        velocity = striker.velocity - found.percussion / striker.mass
+        departure = self._along(found.velocity) - velocity
+        position = striker.position + 0.5 * dt * (striker.velocity + velocity)
+        position -= found.apart / striker.mass
+        self.striker = replace(striker, velocity=velocity, position=position)
+        return TimeStep(
+            time=0.0,
+            length=dt,
+            striker=self.striker,
+            percussion=found.percussion,
+            contact_loss=contact.contact_loss(found.percussion, approach, departure),
+            energies=energies,
+            external_work=external_work,
+            kinetic=assembly.kinetic_energy(),
+            evaluations=0,
+            cuts=0,
+        )
+
+    def _spent_moving_apart(self, found: _Attempt) -> float:
+        """Energy (J) lost where Psi moves the structure: the work of the forces on the way.
+
+        Velocities that groups keep of their own follow those of the nodes; what that takes out of
+        their kinetic energy is lost as well.
+        """
+        assembly = self.assembly
+        before = assembly.kinetic_energy()
+        for group in assembly.groups:
+            if isinstance(group, TurningGroup):
+                group.turn_with(assembly.displacement, assembly.velocity)
+        turned = before - assembly.kinetic_energy()
+        moved = found.apart * np.asarray(self._direction)
+        return turned - float(moved @ (found.trial.force - assembly.load))
+
+
+def _refuse_own_velocities(assembly: PlanarAssembly, weight: float) -> None:
+    """Raise `InputError` where the mean of the forces at both ends would leave something out."""
+    if weight != 0.5:
+        raise InputError("weight", weight, "must be 0.5 with the integrator moreau")
+    spin = np.random.default_rng(0).normal(size=assembly.size)
+    for group in assembly.groups:
+        if isinstance(group, TurningGroup):
+            at_rest = assembly.kinetic_energy()
+            group.turn_with(assembly.displacement, assembly.velocity + spin)
+            turning = assembly.kinetic_energy()
+            group.turn_with(assembly.displacement, assembly.velocity)
+            if turning != at_rest:
+                raise InputError(
+                    "integrator",
+                    MOREAU,
+                    "has no place for rotary inertia that turns with the bars",
+                    "take linear rotary inertia or none, or another integrator",
                 )
-            continue
-        index += 1
-        taken = _commit(assembly, dof, striker, found, dt, weight)
-        yield taken._replace(time=begin + index * dt, evaluations=evaluations, cuts=cuts)
-        striker = taken.striker
-        evaluations = cuts = 0
-        while level > 0 and index % 2 == 0:
-            level -= 1
-            index //= 2
 
 
-def _commit(
-    assembly: PlanarAssembly,
-    dof: int,
-    striker: PointMass,
-    found: _Attempt,
-    dt: float,
-    weight: float,
-) -> TimeStep:
-    """Commit a solved step and account for its energies."""
-    end = found.solution.x
-    approach = float(assembly.velocity[dof]) - striker.velocity
-    energies = assembly.account(end, weight)
-    external_work = float(assembly.load @ (end - assembly.displacement))
-    assembly.commit(end, found.velocity)
-    assembly.stored = energies.stored
-    velocity = striker.velocity - found.percussion / striker.mass
-    departure = float(found.velocity[dof]) - velocity
-    position = striker.position + 0.5 * dt * (striker.velocity + velocity)
-    return TimeStep(
-        time=0.0,
-        length=dt,
-        striker=replace(striker, velocity=velocity, position=position),
-        percussion=found.percussion,
-        contact_loss=contact.contact_loss(found.percussion, approach, departure),
-        energies=energies,
-        external_work=external_work,
-        kinetic=assembly.kinetic_energy(),
-        evaluations=0,
-        cuts=0,
-    )
+def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:
+    """Velocities M^-1 w (dofs,) per unit of impulse at `dof`; zero where there is no mass."""
+    unit = np.zeros(assembly.size)
+    unit[dof] = sign
+    diagonal = assembly.mass.reshape(assembly.size, -1)[:, 2 * assembly.width]
+    massless = np.flatnonzero(diagonal <= 0.0)
+    if dof in assembly.held or dof in massless:
+        raise InputError(
+            "integrator", GEAR_GUPTA_LEIMKUHLER, "needs mass where the striker hits", "add some"
+        )
+    assembly.band[:] = assembly.mass
+    direction = assembly.solve(unit, np.union1d(assembly.held, massless))
+    if direction is None:
+        raise InputError("integrator", GEAR_GUPTA_LEIMKUHLER, "needs a regular mass matrix")
+    return direction

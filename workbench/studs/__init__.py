@@ -12,7 +12,7 @@ from workbench.studs.reading import examine, read_points, read_tests
 from workbench.studs.relations import RELATIONS, MechanicalCurve
 from workbench.studs.residual import Grade, ResidualFit, fit_residual
 from workbench.studs.schema import POINTS, TESTS
-from workbench.studs.series import evaluate_table
+from workbench.studs.series import evaluate_groups, evaluate_table
 from workbench.studs.shear import SHEAR_MODELS, ShearModel, design_resistance, shear_model
 from workbench.studs.statistics.annex_b import AnnexB, evaluate_series
 from workbench.studs.statistics.annex_d import D8, evaluate_d8
@@ -47,6 +47,7 @@ __all__ = [
     "check_tables",
     "design_resistance",
     "evaluate_d8",
+    "evaluate_groups",
     "evaluate_series",
     "evaluate_table",
     "examine",

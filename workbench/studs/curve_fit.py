@@ -37,7 +37,7 @@ class CurveFit:
 
     `law`; `parameters` by name (SI); `points` fitted; `rms` and `bias` (mean of law less test)
     of the load over the largest load; `at_bound`, names of parameters on a bound;
-    `near_interpolation`, fewer than two points more than parameters, so that `rms` says little.
+    `near_interpolation`, fewer than three points more than parameters, so that `rms` says little.
     """
 
     law: LoadSlipLaw
@@ -132,7 +132,7 @@ def fit_curve(
     return CurveFit(
         result, parameters, len(s), rms, bias,
         tuple(name for name, at in zip(names, stuck, strict=True) if at),
-        len(s) < len(names) + 2,
+        len(s) < len(names) + 3,
     )  # fmt: skip
 
 

@@ -95,7 +95,13 @@ def fit_factors(
         lower=np.log([FACTORS[name][0] for name in factors]),
         upper=np.log([FACTORS[name][1] for name in factors]),
     )  # fmt: skip
-    estimate = fit_robust(given, loss)
+    try:
+        estimate = fit_robust(given, loss)
+    except InputError as error:
+        if error.field not in factors or not isinstance(error.value, float):
+            raise
+        value = float(np.exp(error.value))  # what is fitted is the logarithm
+        raise InputError(error.field, value, error.allowed, error.advice) from error
     values = {name: float(np.exp(estimate.parameter(name))) for name in factors}
     bootstrap = (
         bootstrap_by_campaign(estimate, confidence=confidence, resamples=resamples, seed=seed)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,9 @@ from workbench.studs.statistics.mixed import Estimate, fit_robust, problem
 from workbench.studs.stiffness import chord_stiffness
 
 HELD = {"rational": {"softening": 0.0}}
+ENDLESS = 0.5  # m: beyond the slip of any test
+# middles of 20 equal shares of the standard normal distribution
+_NORMAL = np.array([NormalDist().inv_cdf((k + 0.5) / 20.0) for k in range(20)])
 
 
 @dataclass(frozen=True)
@@ -73,13 +77,26 @@ class LoadSlipFit:
     @property
     def law(self) -> OllgaardLaw | BilinearLaw | RationalLaw:
         """The law with the median parameters."""
-        medians = {name: p.median for name, p in self.population.items()}
-        return make_law(self.law_name, {**medians, **self.held})
+        return make_law(self.law_name, self._medians())
+
+    @property
+    def shape(self) -> OllgaardLaw | BilinearLaw | RationalLaw:
+        """The law with the median parameters and without the end of the bilinear law.
+
+        A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_table`).
+        """
+        return make_law(self.law_name, self._medians(), ENDLESS)
+
+    def _medians(self) -> dict[str, float]:
+        return {**{name: p.median for name, p in self.population.items()}, **self.held}
 
     def band(self, slip: ArrayLike, share: float = 0.9) -> tuple[Array, Array]:
-        """Load ratios (n,) between which a `share` of the fitted curves lies at slips (m).
+        """Load ratios (n,) that hold a `share` of the points of a further curve, at slips (m).
 
-        Taken from the curves themselves, so that the parameters keep their correlation.
+        Of the fitted campaigns; of a new one fewer points lie inside. At each slip the laws of the
+        curves, each with the misfit of its points, make one distribution, so that the parameters
+        keep their correlation. Its quantiles are those of the order statistics of n curves, which
+        hold a further one with the wanted probability (below 20 curves: at most the extremes).
         """
         names = list(self.population)
         s = np.asarray(slip, float)
@@ -88,12 +105,19 @@ class LoadSlipFit:
                 make_law(
                     self.law_name,
                     {**dict(zip(names, np.exp(row).tolist(), strict=True)), **self.held},
+                    ENDLESS,
                 ).ratio(s)
                 for row in self.logarithms
             ]
         )
-        low, high = np.quantile(ratios, [0.5 - 0.5 * share, 0.5 + 0.5 * share], axis=0)
-        return np.asarray(low), np.asarray(high)
+        count = len(ratios)
+        points = self.curves["points"].to_numpy(float)
+        spread = self.curves["rms"].to_numpy(float)
+        spread = spread * np.sqrt(points / np.maximum(points - len(names), 1.0))
+        scattered = ratios[:, None, :] + (spread[:, None] * _NORMAL)[:, :, None]
+        tail = max((0.5 * (1.0 - share) * (count + 1.0) - 0.5) / count, 0.0)
+        low, high = np.quantile(scattered.reshape(-1, len(s)), [tail, 1.0 - tail], axis=0)
+        return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the curves' rows, ready for JSON (SI)."""

@@ -212,7 +212,7 @@ def fit_residual(
     """
     rows = damaged_rows(table, quantity, predamage, measure)
     if rows.empty:
-        return _predicted(table, quantity, mechanical)
+        return _predicted(table, quantity, mechanical, predamage, measure)
     relations = _candidates(candidates, mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
     campaigns = rows["campaign"].to_numpy(str)
@@ -248,22 +248,44 @@ def fit_residual(
 
 
 def _predicted(
-    table: pd.DataFrame, quantity: str, mechanical: MechanicalCurve | None
+    table: pd.DataFrame,
+    quantity: str,
+    mechanical: MechanicalCurve | None,
+    predamage: str | None,
+    measure: str | None,
 ) -> ResidualFit:
+    asked = " ".join(word for word in (predamage, measure) if word)
     if mechanical is None:
         raise InputError(
-            "table", f"{len(table)} rows", "holds no test after pre-damage",
+            "table", f"{len(table)} rows", f"holds no test after pre-damage {asked}".rstrip(),
             "give a table with such rows, or the prediction of the mechanical model",
         )  # fmt: skip
+    for wanted, predicted in ((predamage, mechanical.predamage), (measure, mechanical.measure)):
+        if wanted is not None and wanted != predicted:
+            raise InputError(
+                "table", f"{len(table)} rows", f"holds no test after pre-damage {asked}",
+                f"the mechanical model predicts {mechanical.predamage}, {mechanical.measure} only",
+            )  # fmt: skip
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
     return ResidualFit(
         quantity, mechanical.predamage, mechanical.measure, mechanical.relation(), {}, {}, {},
         None, None, (), Grade.MECHANICAL,
         (float(mechanical.level[0]), float(mechanical.level[-1])),
-        table.iloc[:0], ("the table holds no test after pre-damage", mechanical.basis),
+        table.iloc[:0], (_why_none(table, quantity), mechanical.basis),
         identity_of(table.iloc[:0]), None, mechanical,
     )  # fmt: skip
+
+
+def _why_none(table: pd.DataFrame, quantity: str) -> str:
+    """Why a table gives no ratio of what is left."""
+    damaged = int((table["predamage"] != NO_PREDAMAGE).sum())
+    if not damaged:
+        return "the table holds no test after pre-damage"
+    return (
+        f"{damaged} tests after pre-damage cannot be used: give {QUANTITIES[quantity][1]}, or "
+        "undamaged tests of the same campaign and diameter"
+    )
 
 
 def _candidates(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
@@ -13,6 +15,51 @@ from workbench.studs.statistics.annex_b import AnnexB, evaluate_series
 EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fcm_MPa", "fu_MPa")
 
 Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+class Series(NamedTuple):
+    """Nominally equal tests: their name, how many, and the result or why there is none."""
+
+    name: str
+    tests: int
+    result: AnnexB | None
+    refusal: str
+
+
+def evaluate_groups(
+    table: pd.DataFrame,
+    points: pd.DataFrame | None = None,
+    *,
+    specified_strength: float,
+    partial_factor: float = 1.25,
+) -> list[Series]:
+    """Every group of nominally equal tests of a table, evaluated or refused with the reason.
+
+    Arguments as in `evaluate_table`; curves are used where all tests of a group have one. Raises
+    `InputError` for a table without undamaged headed studs.
+    """
+    rows = undamaged_headed_studs(table)
+    curved: set[tuple[str, str]] = set()
+    if points is not None:
+        curved = set(zip(points["campaign"], points["specimen"], strict=True))
+    result = []
+    for _, group in rows.groupby(list(EQUAL), sort=False, dropna=False):
+        own = set(zip(group["campaign"], group["specimen"], strict=True))
+        first = group.iloc[0]
+        words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
+        words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
+        try:
+            found: AnnexB | None = evaluate_table(
+                group,
+                points if own <= curved else None,
+                specified_strength=specified_strength,
+                partial_factor=partial_factor,
+            )
+            why = ""
+        except InputError as error:
+            found, why = None, f"{error.allowed}; {error.advice}" if error.advice else error.allowed
+        result.append(Series(", ".join(words), len(group), found, why))
+    return result
 
 
 def evaluate_table(

@@ -43,6 +43,7 @@ VARIATIONS = {
 }
 ABOVE_STEEL = 1.0
 FEW_CAMPAIGNS = 5
+LEAST_FOR_DESIGN = 4  # tests, EN 1990 table D.2 for an unknown coefficient of variation
 
 
 @dataclass(frozen=True, slots=True)
@@ -374,6 +375,10 @@ def _warnings(kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Pr
             "their load was carried otherwise (bond, friction, weld collar), and a formula "
             "calibrated on them alone would be unsafe"
         )
+    if given.count == given.campaigns > 1:
+        result.append(
+            "one test per campaign: the scatter within and between campaigns cannot be told apart"
+        )
     if given.campaigns == 1:
         result.append("one campaign: nothing can be said about the scatter between campaigns")
     elif given.campaigns == 2:
@@ -383,6 +388,11 @@ def _warnings(kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Pr
         )
     elif given.campaigns < FEW_CAMPAIGNS:
         result.append(f"{given.campaigns} campaigns: the scatter between campaigns is hardly known")
+    if given.count < LEAST_FOR_DESIGN:
+        result.append(
+            f"{given.count} tests: EN 1990 has no factor of the design value for fewer than "
+            f"{LEAST_FOR_DESIGN} with unknown scatter"
+        )
     if _measurement(kept) is None:
         result.append("the uncertainty of the measured loads is not reported: it stays in sigma")
     computed = int(np.sum(~tests.modulus_measured))

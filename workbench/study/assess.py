@@ -12,9 +12,9 @@ import numpy as np
 from workbench.assessment import Verdict, bias_and_scatter
 from workbench.errors import InputError
 from workbench.responses import SCALARS, TIMES, Response, scalars_of, warnings_of
+from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import (
-    Answers,
     comparison_rows,
     gate_columns,
     gate_row,
@@ -32,7 +32,10 @@ _COMPARISON = (
     *("uncertainty", "note"),
 )
 _LADDER = ("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note")
-_BIAS = ("model", "against", "quantity", "count", "bias", "low", "high", "model_scatter", "note")
+_BIAS = (
+    *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
+    *("model_scatter", "note"),
+)
 _FEWEST_FOR_BIAS = 3  # cases
 _GATE = (
     *("gate", "model", "against", "quantity", "metric", "case", "value", "uncertainty", "bound"),
@@ -45,8 +48,8 @@ class GateResult:
     """A gate over all its cases: the worst verdict, and the largest value met.
 
     `counts` says how many cases ended in each verdict; `value`, its `uncertainty` and `case` are
-    those of the case nearest to (or farthest beyond) the bound with its uncertainty counted in,
-    None if no case could be judged; `metric` is the name of the metric.
+    those of the case with that verdict nearest to (or farthest beyond) the bound with its
+    uncertainty counted in, None if no case could be judged; `metric` is the name of the metric.
     """
 
     gate: str
@@ -128,7 +131,7 @@ def assess(study: Study, root: Path) -> Assessment:
     tables = (
         ("cells", cell_rows, (*_CELL, "solve_time", *names, *SCALARS, *derived, "key")),
         ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
-        ("ladder", ladders, ("case", "quantity", *study.ladder, *_LADDER)),
+        ("ladder", ladders, ("case", "quantity", *study.steps, *_LADDER)),
         ("gates", gate_rows, _GATE),
         ("bias", list(_bias_rows(comparisons, study.reference)), _BIAS),
     )
@@ -176,28 +179,43 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
 
 
 def _bias_rows(comparisons: list[Row], reference: str) -> Iterator[Row]:
-    """Bias and scatter of every model against the reference over the cases, per quantity."""
+    """Bias and scatter of every model against the reference over the cases, per quantity.
+
+    The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
+    """
     pairs: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
+    widths: dict[tuple[str, str, str], list[float | None]] = {}
     for row in comparisons:
         if row["against"] != reference or row["metric"] != "relative_error":
             continue
         if row["value"] > 0.0 and row["against_value"] > 0.0:
             key = row["model"], row["against"], row["quantity"]
             pairs.setdefault(key, []).append((row["value"], row["against_value"]))
+            share = row["against_value"] / row["value"]
+            width = row["uncertainty"]
+            widths.setdefault(key, []).append(None if width is None else share * width)
     for (model, against, quantity), values in pairs.items():
         if len(values) < _FEWEST_FOR_BIAS:
             continue
         found = bias_and_scatter(*zip(*values, strict=True))
+        known = [width for width in widths[model, against, quantity] if width is not None]
+        unknown = len(values) - len(known)
+        # numerical errors have one sign over the cases: they shift the bias, they do not scatter
+        common = sum(known) / len(known) if known else 0.0
+        notes = [found.note] if found.note else []
+        if unknown:
+            notes.append(f"numerical uncertainty unknown in {unknown} of {len(values)} cases")
         yield {
             "model": model,
             "against": against,
             "quantity": quantity,
             "count": found.count,
             "bias": found.bias,
-            "low": found.low,
-            "high": found.high,
+            "low": None if found.low is None else found.low * (1.0 - common),
+            "high": None if found.high is None else found.high * (1.0 + common),
+            "uncertainty": common if known else None,
             "model_scatter": found.model_scatter,
-            "note": found.note,
+            "note": "; ".join(notes),
         }
 
 
@@ -210,7 +228,8 @@ def _result(gate: str, bound: float, rows: list[Row]) -> GateResult:
     )
     counts = {verdict.value: verdicts.count(verdict) for verdict in Verdict}
     valued = [row for row in rows if row.get("value") is not None]
-    top = max(valued, key=_reach, default=None)
+    critical = [row for row in valued if row["verdict"] == worst.value] or valued
+    top = max(critical, key=_reach, default=None)
     return GateResult(
         gate,
         worst,

@@ -2,40 +2,38 @@
 
 Where the uncertainty of a comparison comes from:
 
-- A side that is the reference of the study has that of its refinement ladder in this case (grid
-  convergence index); without a ladder in the case it is unknown.
+- A side that made coarser runs of its own (attribute `refinement` of its response) has what they
+  leave open; it is unknown where they say so, or where there was one mesh only.
+- Otherwise a side that is the reference of the study has that of its ladder of labels in this
+  case (grid convergence index); without one it is unknown.
 - A side that carries published or measured numbers (attribute `data_uncertainty` of its response)
   has the half-width stated there.
+- A side that was judged by a sample of tests (attribute `sampling_uncertainty`) has the half-width
+  of its interval over these tests.
 - Any other side, a reduced model, counts as exact in itself: its discretisation is part of what
   is judged. The note of the comparison says so when no side has an uncertainty of its own.
 
 For scalar quantities the two sides combine as ASME V&V 20 does. Metrics of histories and curves
-are evaluated against every level of the ladder; the ladder of these values gives their interval.
+are evaluated with every run of a side; these values give their interval by the same rules.
+Metrics of a response alone are numbers about the run: they have no interval.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from workbench.assessment import (
-    METRICS,
-    ErrorInterval,
-    Gate,
-    Ladder,
-    Metric,
-    Scope,
-    expand,
-    judge,
-    ladder,
-)
+from workbench.assessment import METRICS, ErrorInterval, Gate, Metric, Scope, expand, judge
 from workbench.errors import InputError
 from workbench.responses import Outcome, Response, outcome_of
+from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
+from workbench.study.answers import Answers, is_static
 from workbench.study.definition import Case, Study
+from workbench.study.sides import by_metric, joined, of_side, own_note, quantity_ladder
 from workbench.study.tables import Row
 
-_EXACT = "no side has an estimate of its own numerical error; counted as zero"
+_OF_THE_RUN = "a number about the run itself"
 
 
 def _of_logarithm(interval: ErrorInterval, pair: tuple[float, float]) -> float | None:
@@ -49,39 +47,6 @@ _SPREAD: dict[str, Callable[[ErrorInterval, tuple[float, float]], float | None]]
     "relative_error": lambda interval, pair: interval.relative_uncertainty,
     "log_ratio": _of_logarithm,
 }
-
-
-@dataclass(frozen=True)
-class Answers:
-    """The stored `responses` of one case by label; `asked` are all labels that are to answer."""
-
-    study: Study
-    case: Case
-    asked: tuple[str, ...]
-    responses: Mapping[str, Response]
-
-    def ok(self, label: str) -> Response | None:
-        """The response of a label, if it answered."""
-        response = self.responses.get(label)
-        if response is None or outcome_of(response) is not Outcome.OK:
-            return None
-        return response
-
-    def why_not(self, label: str) -> str:
-        """Why there is no answer of a label."""
-        response = self.responses.get(label)
-        if response is None:
-            return f"{label} has not been run"
-        return f"{label}: {outcome_of(response)}, {response.attrs['message']}"
-
-    def levels(self) -> list[str]:
-        """Labels of the ladder that answered, coarse to fine, without a gap up to the finest."""
-        levels: list[str] = []
-        for label in reversed(self.study.ladder):
-            if self.ok(label) is None:
-                break
-            levels.insert(0, label)
-        return levels
 
 
 @dataclass(frozen=True)
@@ -99,17 +64,6 @@ class Comparison:
     against_value: float | None = None
 
 
-def quantity_ladder(answers: Answers, quantity: str) -> Ladder | None:
-    """The ladder of a scalar quantity of the reference; None if fewer than two levels have it."""
-    values: list[float] = []
-    for label in reversed(answers.levels()):
-        response = answers.ok(label)
-        if response is None or quantity not in response:
-            break
-        values.insert(0, float(response[quantity]))
-    return ladder(values) if len(values) > 1 else None
-
-
 def compare(
     answers: Answers, model: str, against: str, quantity: str, metric: Metric
 ) -> Comparison:
@@ -122,13 +76,14 @@ def compare(
             raise InputError("answer", answers.case.name, answers.why_not(label))
     response, reference = answers.responses[model], answers.responses[against]
     value = metric(response, reference, quantity)
+    if metric.scope is Scope.RUN:
+        return Comparison(value, 0.0, _OF_THE_RUN)
     if metric.scope is not Scope.SCALAR:
-        uncertainty, note = _by_metric(answers, model, against, quantity, metric)
-        return Comparison(value, uncertainty, note)
+        return Comparison(value, *by_metric(answers, model, against, quantity, metric))
     pair = float(response[quantity]), float(reference[quantity])
-    own, note = _of_side(answers, model, quantity)
-    other, other_note = _of_side(answers, against, quantity)
-    notes = "; ".join(dict.fromkeys(text for text in (note, other_note) if text)) or _EXACT
+    own, note = of_side(answers, model, quantity)
+    other, other_note = of_side(answers, against, quantity)
+    notes = joined(note, other_note)
     interval = expand(*pair, simulation_uncertainty=own, data_uncertainty=other)
     return Comparison(value, _SPREAD[metric.name](interval, pair), notes, *pair)
 
@@ -137,7 +92,7 @@ def comparison_rows(answers: Answers) -> Iterator[Row]:
     """Rows of every label of a case against the reference, the data and what gates ask for."""
     study = answers.study
     data = [label for label, r in answers.responses.items() if "data_uncertainty" in r.attrs]
-    asked = [gate.against for gate in study.gates]
+    asked = [gate.against for gate in study.gates if gate.against != gate.model]
     for against in dict.fromkeys([study.reference, *data, *asked]):
         for model in answers.responses:
             if model == against or (model in data and against in data):
@@ -163,12 +118,17 @@ def comparison_rows(answers: Answers) -> Iterator[Row]:
 
 
 def ladder_row(answers: Answers, quantity: str) -> Row | None:
-    """The row of the ladder table; None if the case has no ladder."""
+    """The row of the ladder table; None if the case has no ladder.
+
+    The meshes that stand behind the reference's own answer come first; a study may instead give
+    labels.
+    """
+    finest = answers.ok(answers.study.reference)
+    if finest is not None and directions_of(finest):
+        return _own_ladder(answers.case, finest, quantity)
     present = [label for label in answers.study.ladder if label in answers.responses]
-    pushover = answers.case.scenario.KIND.endswith("pushover")  # has no peak in time
-    if len(present) < 2 or (
-        pushover and not any(quantity in answers.responses[p] for p in present)
-    ):
+    static = is_static(answers.case)  # has no peak in time
+    if len(present) < 2 or (static and not any(quantity in answers.responses[p] for p in present)):
         return None
     row: dict[str, object] = {"case": answers.case.name, "quantity": quantity}
     for label in present:
@@ -190,6 +150,25 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
         "converging": found.converging,
         "accepted": found.accepted,
         "note": found.note,
+    }
+
+
+def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
+    """The row of the ladder table from the runs behind a response; None without the quantity."""
+    table = json.loads(response.attrs[BASIS])["quantities"].get(quantity)
+    if table is None:
+        return None
+    width = uncertainty_of(response, quantity)
+    value = float(response[quantity])
+    told = {name: table.get(name) for name in ("order", "extrapolated", "converging", "accepted")}
+    return {
+        "case": case.name,
+        "quantity": quantity,
+        **table["values"],
+        **told,
+        "uncertainty": width,
+        "relative": None if width is None or value == 0.0 else width / abs(value),
+        "note": own_note(response, quantity),
     }
 
 
@@ -243,56 +222,15 @@ def check_metrics(study: Study) -> None:
             raise InputError("gate.metric", gate.metric, "must be one of " + ", ".join(METRICS))
         if METRICS[gate.metric].scope is Scope.SCALAR and gate.metric not in _SPREAD:
             raise InputError("gate.metric", gate.metric, "has no rule for its uncertainty")
+        if METRICS[gate.metric].scope is Scope.RUN and gate.model != gate.against:
+            raise InputError("gate.against", gate.against, f"must be {gate.model} as well")
 
 
 def _pairs(study: Study, case: Case) -> Iterator[tuple[str, Metric]]:
     for quantity in study.quantities:
         yield quantity, METRICS["relative_error"]
-    pushover = case.scenario.KIND.endswith("pushover")
-    quantity, scope = ("force", Scope.CURVE) if pushover else ("displacement", Scope.HISTORY)
+    static = is_static(case)
+    quantity, scope = ("force", Scope.CURVE) if static else ("displacement", Scope.HISTORY)
     for metric in METRICS.values():
         if metric.scope is scope:
             yield quantity, metric
-
-
-def _of_side(answers: Answers, label: str, quantity: str) -> tuple[float | None, str]:
-    """Uncertainty of a scalar of one side, with a note on where it comes from."""
-    response = answers.responses[label]
-    if label == answers.study.reference:
-        found = quantity_ladder(answers, quantity)
-        if found is not None:
-            return found.uncertainty, f"ladder of {label}: {found.note}"
-        if "numerical_uncertainty" not in response.attrs:
-            return None, f"{label} has no refinement ladder in this case: uncertainty unknown"
-    if "data_uncertainty" in response.attrs:
-        widths = json.loads(response.attrs["data_uncertainty"])
-        if quantity not in widths:
-            return None, f"{label} states no uncertainty of {quantity}"
-        return float(widths[quantity]), f"{label}: uncertainty of the data"
-    if "numerical_uncertainty" in response.attrs:
-        width = json.loads(response.attrs["numerical_uncertainty"]).get(quantity)
-        if width is None:
-            return None, f"{label} could not establish its numerical uncertainty of {quantity}"
-        return float(width), f"{label}: refinement of its own"
-    return 0.0, ""
-
-
-def _by_metric(
-    answers: Answers, model: str, against: str, quantity: str, metric: Metric
-) -> tuple[float | None, str]:
-    """Uncertainty of a metric from its values at every level of the reference's ladder."""
-    reference = answers.study.reference
-    if reference not in (model, against):
-        return 0.0, _EXACT
-    values = []
-    for level in answers.levels():
-        response = answers.responses[level if model == reference else model]
-        held_against = answers.responses[level if against == reference else against]
-        try:
-            values.append(metric(response, held_against, quantity))
-        except InputError:
-            values.clear()
-    if len(values) < 2:
-        return None, f"{reference} has no refinement ladder in this case: uncertainty unknown"
-    found = ladder(values)
-    return found.uncertainty, f"ladder of the metric over {reference}: {found.note}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from workbench.assessment.gates import Gate
 from workbench.errors import InputError
+from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
 
 if TYPE_CHECKING:
@@ -57,9 +58,10 @@ class Study:
     Arguments: `name` (file-name safe), `title`, `question` (what is asked); `cases`; `models`,
     label to model; `reference`, the label of the reference; `ladder`, labels of the reference
     from coarse to fine, each at half the element size and step of the one before, the
-    last being the reference itself; `quantities` compared; `gates`; `figures`; `quick_models`,
-    labels that the quick form keeps (empty: all); `notes`, paragraphs for the report about what
-    is reconstructed, inferred or outside a domain.
+    last being the reference itself (for references that make no coarser runs of their own);
+    `quantities` compared; `gates`; `figures`; `quick_models`, labels that the quick form keeps
+    (empty: all); `notes`, paragraphs for the report about what is reconstructed, inferred or
+    outside a domain.
     Raises `InputError` for labels or names that do not fit together.
     """
 
@@ -96,6 +98,15 @@ class Study:
                 raise InputError("study label", label, "must be one of " + ", ".join(self.models))
         if self.ladder and self.ladder[-1] != self.reference:
             raise InputError("study.ladder", self.ladder, "must end with the reference")
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Columns of the ladder table, coarse to fine.
+
+        The meshes that stand behind each answer of the reference, else the labels of the ladder.
+        """
+        own = int(getattr(self.models[self.reference], "levels", 1))
+        return level_names(own) if own > 1 else self.ladder
 
     def cells(self) -> Iterator[tuple[Case, str]]:
         """Every case with every label that is to answer it, in a fixed order."""

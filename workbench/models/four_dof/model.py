@@ -30,7 +30,7 @@ from workbench.responses import (
     peak_of,
     residual_of,
 )
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
 HINGES = ("base", "hit-below", "hit-above", "head")
@@ -94,7 +94,7 @@ class FourDof:
             fitted.beta if self.beta is None else self.beta,
         )
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings common to all member models, and the step limit of the explicit scheme."""
         findings = member_findings(scenario)
         if isinstance(scenario, ColumnImpact) and self.integrator == "moreau" and self.time_step:
@@ -111,7 +111,7 @@ class FourDof:
         """Answer a column pushover or a column impact."""
         return respond(self, scenario, self._solve)
 
-    def _solve(self, scenario: Scenario) -> Response:
+    def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
         return self._impact(scenario)

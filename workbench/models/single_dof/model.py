@@ -29,7 +29,7 @@ from workbench.models.resistance.limits import (
 )
 from workbench.models.single_dof import _kernels
 from workbench.responses import Finding, Response, build_response, peak_contact_force, peak_of
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Scenario
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": _kernels.MIDPOINT, "moreau": _kernels.MOREAU}
@@ -104,7 +104,7 @@ class SingleDof:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
         return resistance_curve(mechanism_of(column, self.rotational_stiffness), self.resistance)
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = curve_findings(scenario)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
@@ -158,7 +158,7 @@ class SingleDof:
         peak, time, residual, force, impulse = numbers.T
         return Peaks(peak, time, residual, force, impulse, tuple(failures))
 
-    def _solve(self, scenario: Scenario) -> Response:
+    def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
         return self._impact(scenario)

@@ -55,12 +55,13 @@ def row_edges(section: Section, refinement: int = 0) -> Array:
     """Heights (m, rising) of the mesh lines across the section.
 
     They hold the faces of all plates, and the ends of fillets; `refinement` halves each row so
-    many times.
+    many times (negative: half as many rows, but one per plate at least).
     """
     faces = {edge for band in section.shape.bands for edge in (band.bottom, band.top)}
     upper = [0.0]
     for low, high in pairwise(sorted(faces)):
-        rows = max(1, round((high - low) / section.height * _ROWS)) * 2**refinement
+        wanted = (high - low) / section.height * _ROWS * 2.0 ** min(refinement, 0)
+        rows = max(1, round(wanted)) * 2 ** max(refinement, 0)
         upper.extend(float(x) for x in np.linspace(low, high, rows + 1)[1:])
     return np.array([-x for x in upper[:0:-1]] + upper)
 
@@ -69,12 +70,13 @@ def axial_positions(column: Column, smallest: float | None = None, refinement: i
     """Positions (m, rising) of the mesh lines along the column, dense at ends and hit section.
 
     Arguments: `smallest` element length in m (None: a sixth of the section's height);
-    `refinement`, how often all elements are halved.
+    `refinement`, how often all elements are halved (negative: doubled).
     """
-    height = column.section.height
-    least = smallest or SMALLEST * height
+    coarser = 2.0 ** max(-refinement, 0)
+    least = coarser * (smallest or SMALLEST * column.section.height)
+    largest = max(coarser * LARGEST * column.section.height, least)
     parts = [
-        halved(graded_lengths(length, least, max(LARGEST * height, least), _GROWTH), refinement)
+        halved(graded_lengths(length, least, largest, _GROWTH), max(refinement, 0))
         for length in (column.length_below, column.length_above)
     ]
     return np.concatenate([[0.0], np.cumsum(np.concatenate(parts))])
@@ -84,7 +86,8 @@ def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 
     """Mesh the column with nine-node quadrilaterals.
 
     Arguments: `column`, of which the section that gives the strength is meshed; `smallest`
-    element length in m; `refinement`, how often all elements are halved in both directions.
+    element length in m; `refinement`, how often all elements are halved in both directions
+    (negative: doubled).
     """
     section = column.strength_section
     along = axial_positions(column, smallest, refinement)

@@ -17,18 +17,21 @@ from threadpoolctl import threadpool_limits
 from workbench.fields import Number, check_fields, checked
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.mesh import solid_mesh
 from workbench.references.solid.push import apply_load
 from workbench.references.solid.run import run_pushover
 from workbench.references.solid.supports import supports_of
 from workbench.responses import Finding, Response
-from workbench.scenarios import Column, ColumnPushover, Scenario
+from workbench.responses.uncertainty import SPACE
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
 STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
 LEAST_STEPS = 20
 FIRST_STEP, STEP_GROWTH = 0.125, 1.25  # the knee of the curve comes early
+COARSEST = -1  # refinement: a flange has one row of elements then, half a web too
 
 
 @dataclass(frozen=True)
@@ -37,15 +40,20 @@ class SolidPlaneStress:
 
     Options:
     `smallest_element` in m along the axis, at the ends and at the hit section (None: a sixth of
-    the section's height); `refinement`, how often all elements are halved in both directions;
-    `hardening_ratio`, isotropic hardening modulus over Young's modulus; `step` of the push in m
-    (None: 1/320 of the shorter segment; the first ones are smaller).
+    the section's height); `refinement`, how often all elements are halved in both directions
+    (-1: doubled); `hardening_ratio`, isotropic hardening modulus over Young's modulus; `step` of
+    the push in m (None: 1/320 of the shorter segment; the first ones are smaller);
+    `step_refinement`, how often the steps are halved; `levels`, meshes behind an answer, each
+    with twice the elements of the next finer one (1: that of `refinement` alone, the numerical
+    uncertainty is then unknown).
     """
 
     smallest_element: float | None = checked(Number(1e-3, 10.0, "m"), optional=True)
-    refinement: int = checked(Number(0, 4, integer=True), 0)
+    refinement: int = checked(Number(COARSEST, 4, integer=True), 0)
     hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
     step: float | None = checked(Number(1e-6, 1.0, "m"), optional=True)
+    step_refinement: int = checked(REFINEMENT, 0)
+    levels: int = checked(LEVELS, 2)
 
     name: ClassVar[str] = "solid-plane-stress"
     version: ClassVar[int] = 1
@@ -64,24 +72,27 @@ class SolidPlaneStress:
         "A point squeezed below a fifth of its area stiffens, so that it cannot vanish.",
     )
     sources: ClassVar[tuple[str, ...]] = ("simo-hughes1998", "heng2017")
+    refines: ClassVar[str] = SPACE  # what `refinement` halves
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
+        check_levels(self.refinement, self.levels, COARSEST)
 
-    def domain(self, scenario: Scenario) -> list[Finding]:
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
         findings = [found for found in member_findings(scenario) if found.subject != "shear"]
         return findings + _override_findings(scenario.column)
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover."""
-        return respond(self, scenario, self._solve)
+        """Answer a column pushover, with numerical uncertainty."""
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
     def path(self, scenario: ColumnPushover) -> Array:
         """Displacements (m) of the hit section at the steps of the push, from zero."""
         column, final = scenario.column, scenario.displacement
         shorter = min(column.length_below, column.length_above)
         step = min(self.step or shorter / STEPS_PER_SEGMENT, final / LEAST_STEPS)
+        step /= 2.0**self.step_refinement
         growing = FIRST_STEP * STEP_GROWTH ** np.arange(int(final / step) + LEAST_STEPS)
         at = np.concatenate([[0.0], np.cumsum(step * np.minimum(growing, 1.0))])
         last = int(np.searchsorted(at, final * (1.0 - 1e-12)))

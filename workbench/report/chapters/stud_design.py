@@ -13,6 +13,7 @@ from workbench.studs.strength import LEAST_FOR_DESIGN
 from workbench.study.definition import Study
 
 KILO, MILLI = 1e-3, 1e3
+_LEAST_IN_SERIES = 3  # tests, EN 1994-1-1, B.2.5
 _LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
 
 
@@ -138,6 +139,8 @@ def _series(found: list[Answered]) -> Iterator[Block]:
         )
     rows = []
     for group in groups:
+        if group["tests"] < _LEAST_IN_SERIES:
+            continue
         result = group["result"] or {}
         ductile = {True: "ductile", False: "brittle", None: "not known"}[result.get("ductile")]
         refusal = Cell(group["refusal"], tone="muted")
@@ -151,6 +154,8 @@ def _series(found: list[Answered]) -> Iterator[Block]:
                 Cell(ductile) if result else refusal,
             )
         )
+    if not rows:
+        return
     columns = (
         Column("series", width=3.2),
         Column("tests", True, 0.7),
@@ -159,7 +164,7 @@ def _series(found: list[Answered]) -> Iterator[Block]:
         Column("δ_uk (mm)", True, 1.0),
         Column("class, or why there is none", width=3.2),
     )
-    caption = "EN 1994-1-1, Annex B.2, series by series."
+    caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
     yield Table("design-series", caption, columns, tuple(rows), 12)
 
 

@@ -20,6 +20,7 @@ KINDS = {
     "interaction": "interaction",
     "energy": "energy",
     "convergence": "convergence",
+    "meshes": "meshes",
     "cost": "cost",
     "sweep": "sweep",
     "shear-domain": "shear_domain",

@@ -7,6 +7,7 @@ strength, where it ends, and the friction of the flange.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -74,8 +75,9 @@ def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
     return float(np.interp(level * pulled.strength, rising, pulled.uplift[: peak + 1]))
 
 
+@lru_cache(maxsize=64)  # strength and stiffness come from the same runs
 def residual_ratios(
-    stud: Stud, around: Surroundings, levels: Array, measure: str
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str
 ) -> tuple[Array, Array]:
     """Strength and stiffness (10 to 40 %) over those of the undamaged stud (levels,) each.
 
@@ -120,7 +122,7 @@ def residual_curve(
     """
     if quantity not in ("strength", "stiffness"):
         raise InputError("quantity", quantity, "must be strength or stiffness")
-    at = np.asarray(levels, float)
+    at = tuple(float(level) for level in levels)
     which = 0 if quantity == "strength" else 1
     curves = np.array(
         [
@@ -129,7 +131,14 @@ def residual_curve(
         ]
     )
     return MechanicalCurve(
-        at, curves[0], curves.min(axis=0), curves.max(axis=0), "pull-out", measure, quantity, basis
+        np.array(at),
+        curves[0],
+        curves.min(axis=0),
+        curves.max(axis=0),
+        "pull-out",
+        measure,
+        quantity,
+        basis,
     )
 
 

@@ -55,7 +55,8 @@ def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float])
     """Degrees of freedom of a variance g(sigma^2, tau^2) estimated by restricted likelihood.
 
     nu = 2 g^2 / (grad g' C grad g) with C the inverse expected information of (sigma^2, tau^2).
-    Source: Giesbrecht and Burns 1985, as in lmerTest. With tau at zero, sigma^2 alone.
+    Source: Giesbrecht and Burns 1985, as in lmerTest. With tau at zero, sigma^2 alone; with one
+    test per campaign their sum.
     """
     given = estimate.problem
     s2, t2 = estimate.sigma**2, estimate.tau**2
@@ -63,7 +64,7 @@ def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float])
     x = jacobian(given, estimate.theta, free)
     n = given.count
     g = variance(s2, t2)
-    if given.campaigns < 2 or t2 <= 1e-8 * s2:
+    if not given.tells_campaigns or t2 <= 1e-8 * s2:
         return float(max(n - len(free), LEAST_FREEDOM))
     indicator = (given.groups[:, None] == np.arange(given.campaigns)).astype(float)
     between = indicator @ indicator.T

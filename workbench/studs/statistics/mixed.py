@@ -27,6 +27,7 @@ ITERATIONS = 60
 STEP_TOLERANCE = 1e-9
 DIFFERENCE = 1e-6
 SEARCHES = 30
+SIMPLEX = 2000  # evaluations per parameter where two terms of a formula are equal: a kink
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,11 @@ class Problem:
     def campaigns(self) -> int:
         """Number of campaigns."""
         return len(self.labels)
+
+    @property
+    def tells_campaigns(self) -> bool:
+        """Whether scatter within and between campaigns can be told apart: some have two rows."""
+        return 1 < self.campaigns < self.count
 
     def without(self, label: str) -> tuple[Indices, Indices]:
         """Rows outside and inside the campaign `label`."""
@@ -210,7 +216,8 @@ class Solved:
 def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     """Best free parameters for a given lambda; others stay as in `start`.
 
-    Linear problems without bounds in closed form, others by damped Gauss-Newton within bounds.
+    Linear problems without bounds in closed form, others by damped Gauss-Newton within bounds, and
+    without slopes where that does not converge at a kink.
     Raises `InputError` for a parameter without influence, `SolverError`.
     """
     if given.moments is not None and given.is_free:
@@ -296,7 +303,42 @@ def _solve_damped(given: Problem, ratio: float, start: Array, free: Indices) -> 
         moved = float(np.max(np.abs(trial - theta) / (np.abs(theta) + 1e-3)))
         theta, residual, size = trial, new, new_size
         damping *= 0.1
-    raise SolverError("Gauss-Newton of the regression", moved, f"{ITERATIONS} damped iterations")
+    return _solve_without_slopes(given, ratio, theta, free)
+
+
+def _solve_without_slopes(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
+    """Best free parameters at a kink, along which Gauss-Newton only zigzags: simplex search."""
+    from scipy.optimize import minimize
+
+    def at(values: Array) -> Array:
+        theta = start.copy()
+        theta[free] = values
+        return theta
+
+    def size_at(values: Array) -> float:
+        rest = whiten(given, given.y - given.predict(at(values)), ratio)
+        return float(rest @ rest)
+
+    first = size_at(start[free])
+    found = minimize(
+        size_at, start[free], method="Nelder-Mead",
+        bounds=list(zip(given.lower[free], given.upper[free], strict=True)),
+        options={"xatol": 1e-9, "fatol": 1e-12 * first, "maxfev": SIMPLEX * len(free)},
+    )  # fmt: skip
+    if not found.success:
+        raise SolverError(
+            "the regression", float(first - found.fun), f"{ITERATIONS} damped Gauss-Newton steps "
+            f"and {SIMPLEX * len(free)} simplex evaluations",
+        )  # fmt: skip
+    theta = at(np.asarray(found.x))
+    residual = whiten(given, given.y - given.predict(theta), ratio)
+    j = whiten(given, jacobian(given, theta, free), ratio)
+    gradient = j.T @ residual
+    stuck = ((theta[free] <= given.lower[free]) & (gradient < 0.0)) | (
+        (theta[free] >= given.upper[free]) & (gradient > 0.0)
+    )
+    own = np.flatnonzero(~stuck)
+    return Solved(theta, float(found.fun), j[:, own].T @ j[:, own], stuck)
 
 
 def criterion_at(
@@ -322,7 +364,7 @@ def best_ratio(
     """
     from scipy.optimize import minimize_scalar
 
-    if given.campaigns < 2:
+    if not given.tells_campaigns:
         value, _, solved = criterion_at(given, 0.0, start, free)
         return 0.0, value, solved.theta
     best_theta = start.copy()
@@ -356,7 +398,7 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     """Fit a problem by restricted maximum likelihood. Raises `SolverError` or `InputError`.
 
     With one campaign its effect cannot be told from the rest: tau is 0 and the result says
-    nothing about other campaigns.
+    nothing about other campaigns. With one row per campaign tau is 0 and sigma holds both scatters.
     """
     free = np.arange(len(given.names))
     ratio, _, theta = best_ratio(given, given.start if start is None else start, free)

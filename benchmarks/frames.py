@@ -1,0 +1,118 @@
+"""Cost of frame models, measured side by side in one run.
+
+The frame of Heng 2017, figure 5.13 (four bays, two storeys, squares of 0.2 m, 1500 kg at 50 m/s),
+followed for 0.05 s: superelements, the fiber reference at its converged mesh, and OpenSeesPy with
+one force-based element per member (five Lobatto points, 20 fibers, co-rotational, the same steps
+as the rigid superelement). Nothing here passes or fails.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from workbench.datafiles import data_directory
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.responses import Response
+from workbench.scenarios import FrameImpact, load_scenario
+
+DURATION, TURNS = 0.05, 5
+CONVERGED = FiberReissner(smallest_element=0.0125, largest_element=0.1, time_step=1e-4, levels=1)
+MODELS = {
+    "rigid superelement": RigidSuperelement(),
+    "flexible superelement": FlexibleSuperelement(),
+    "fiber-reissner, converged": CONVERGED,
+}
+ATTEMPTS = ((1, "Newton"), (4, "Newton"), (16, "KrylovNewton"), (64, "KrylovNewton"))
+
+
+def opensees(scenario: FrameImpact, steps: int) -> float:
+    """Peak displacement (m) of the hit node; the striker sticks to it."""
+    import openseespy.opensees as ops
+
+    frame, striker = scenario.frame, scenario.striker
+    steel = frame.steel
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    ops.wipe()
+    ops.model("basic", "-ndm", 2, "-ndf", 3)
+    for node in frame.nodes:
+        ops.node(number[node.name], node.x, node.y)
+        if node.held:
+            ops.fix(number[node.name], *(int(c in node.held) for c in ("u", "v", "rotation")))
+    ops.uniaxialMaterial("Steel01", 1, steel.yield_stress, steel.elastic_modulus, 1e-6)
+    y, area = frame.members[0].section.fibers(20)
+    ops.section("Fiber", 1)
+    for height, part in zip(y, area, strict=True):
+        ops.fiber(float(height), 0.0, float(part), 1)
+    ops.geomTransf("Corotational", 1)
+    ops.beamIntegration("Lobatto", 1, 1, 5)
+    attached = 0.0
+    for tag, member in enumerate(frame.members):
+        mass = frame.properties(member.name).mass_per_length
+        ends = number[member.start], number[member.end]
+        ops.element("forceBeamColumn", tag, *ends, 1, 1, "-mass", mass)
+        if striker.node in (member.start, member.end):
+            attached += 0.5 * mass * frame.length(member.name)
+    hit = number[striker.node]
+    ops.mass(hit, striker.mass, 0.0, 0.0)
+    ops.setNodeVel(hit, 1, striker.mass * striker.velocity / (striker.mass + attached), "-commit")
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-8, 25)
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    peak = 0.0
+    for step in range(1, steps + 1):
+        for parts, algorithm in ATTEMPTS:  # from where the last attempt has stopped
+            ops.algorithm(algorithm)
+            rest = step * scenario.duration / steps - ops.getTime()
+            if ops.analyze(parts, rest / parts) == 0:
+                break
+        else:
+            raise RuntimeError(f"OpenSees does not converge at step {step} of {steps}")
+        peak = max(peak, float(ops.nodeDisp(hit, 1)))
+    return peak
+
+
+def main() -> None:
+    """Measure all in turn and print peaks, medians and ratios."""
+    impact = load_scenario(data_directory() / "published" / "heng2017_frame.toml")
+    assert isinstance(impact, FrameImpact)
+    impact = replace(impact, duration=DURATION)
+    short = replace(impact, duration=1e-3)
+    for model in MODELS.values():
+        model.simulate(short)  # compile
+    answers: dict[str, Response] = {}
+    times: dict[str, list[float]] = {}
+    for turn in range(TURNS):  # interleaved, so that a drift of the machine meets all alike
+        for label, model in MODELS.items():
+            if model is CONVERGED and turn > 0:
+                continue
+            start = perf_counter()
+            answers[label] = model.simulate(impact)
+            times.setdefault(label, []).append(perf_counter() - start)
+    peaks = {label: float(answer["peak_displacement"]) for label, answer in answers.items()}
+    step = float(np.max(np.diff(answers["rigid superelement"]["time"].values)))
+    label = "OpenSeesPy, force-based, one per member"
+    try:
+        for _ in range(2):
+            start = perf_counter()
+            peaks[label] = opensees(impact, ceil(DURATION / step - 1e-9))
+            times.setdefault(label, []).append(perf_counter() - start)
+    except (ImportError, RuntimeError) as failure:
+        print(f"{label}: {failure}")
+    base = median(times["rigid superelement"])
+    print(f"{'model':<42}{'peak':>10}{'median':>12}{'ratio':>10}")
+    for label, values in times.items():
+        spent = median(values)
+        print(f"{label:<42}{peaks[label]:>8.4f} m{spent:>10.3f} s{spent / base:>10.1f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,304 @@
+"""`workbench fit`: what a laboratory gets from its own tables and from the shipped ones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from workbench.cli import run
+
+HEADER = "campaign,specimen,test,diameter_mm,height_mm,slab,fcm_MPa,fu_MPa,shear_kN"
+
+
+def laboratory(path: Path, campaigns: int = 4, tests: int = 6, bias: float = 1.1) -> Path:
+    """A table of a laboratory: studs of three sizes around the mean form of EN 1994-1-1."""
+    generator = np.random.default_rng(5)
+    lines = [HEADER]
+    for j in range(campaigns):
+        effect = 0.05 * generator.normal()
+        for i in range(tests):
+            d, fc = generator.choice([16.0, 19.0, 22.0]), round(generator.uniform(25, 45), 1)
+            load = 0.374 * d**2 * np.sqrt(fc * 4733 * np.sqrt(fc)) / 1e3
+            load = min(load, 470 * np.pi * d**2 / 4e3)
+            load *= bias * np.exp(effect + 0.04 * generator.normal())
+            lines.append(f"lab {j},s{i},push-out,{d},120,solid,{fc},470,{load:.2f}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def equal_tests(path: Path, campaign: str = "our lab") -> Path:
+    """Three nominally equal push-outs."""
+    loads = {"A1": 100, "A2": 105, "A3": 95}
+    rows = [f"{campaign},{name},push-out,19,100,solid,31.2,472,{p}" for name, p in loads.items()]
+    path.write_text("\n".join([HEADER, *rows]) + "\n")
+    return path
+
+
+def damaged(path: Path, kind: str, measure: str, origin: str = "synthetic", labs: int = 4) -> Path:
+    """Tests after pre-damage that lose half of their strength in proportion to it."""
+    generator = np.random.default_rng(3)
+    lines = [
+        "campaign,specimen,test,origin,diameter_mm,shear_kN,undamaged_shear_kN,predamage,"
+        "predamage_measure,predamage_level"
+    ]
+    for j in range(labs):
+        effect = 2.0 * generator.normal()
+        for i in range(6):
+            level = 0.15 * i + 0.1
+            left = 100.0 * (1.0 - 0.5 * level) + effect + generator.normal()
+            lines.append(
+                f"lab {j},d{i},push-out,{origin},19,{left:.2f},100,{kind},{measure},{level}"
+            )
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
+    assert run(["fit", *arguments, "--json"]) == 0
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return result
+
+
+# -- strength -------------------------------------------------------------------------------------
+
+
+def test_shipped_tests_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, "stud-strength")
+    assert found["tables"] == ["shipped"]
+    fits = {content["fit"]["model"]: content["fit"] for content in found["models"]}
+    assert set(fits) == {"en1994", "roik-mean", "aisc360", "ollgaard"}
+    assert fits["en1994"]["parameters"]["bias"]["value"] == pytest.approx(1.496, abs=0.001)
+    assert fits["roik-mean"]["d8"]["gamma_m_star"] == pytest.approx(1.06, abs=0.01)
+    assert all(each["result"] is None for each in found["series"])
+    assert run(["fit", "stud-strength"]) == 0
+    text = capsys.readouterr().out
+    assert "26 tests of lehigh279, provines2019 (shipped tables)" in text
+    assert "24 of 26 tests exceed the tensile strength of their shank" in text
+    assert "none of 14 groups can be evaluated (the largest has 2)" in text
+
+
+def test_a_laboratory_brings_its_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean",
+                   "--trend", "diameter", "--validate", "lab 3")  # fmt: skip
+    (content,) = found["models"]
+    assert content["fit"]["campaigns"] == ["lab 0", "lab 1", "lab 2"]
+    assert content["fit"]["parameters"]["bias"]["value"] == pytest.approx(1.1, abs=0.1)
+    assert content["fit"]["new_campaign_factor"] < 1.05
+    assert content["judgement"]["tests"] == 6
+    assert content["corrected"]["test_over_prediction"] == pytest.approx(1.0, abs=0.12)
+    arguments = ["fit", "stud-strength", str(file), "--model", "roik-mean", "--factor", "concrete"]
+    assert run([*arguments, "--validate", "lab 3", "--trend", "diameter"]) == 0
+    text = capsys.readouterr().out
+    for part in ("Unseen tests of lab 3", "Fitted factors", "Exponents that the formulas miss"):
+        assert part in text
+
+
+def test_a_series_is_evaluated_by_annex_b(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = equal_tests(tmp_path / "series.csv")
+    points = tmp_path / "points.csv"
+    lines = ["campaign,specimen,slip_mm,load_kN"]
+    for name, top, end in (("A1", 100, 60), ("A2", 105, 65), ("A3", 95, 75)):
+        lines += [f"our lab,{name},0,0", f"our lab,{name},4,{top}", f"our lab,{name},12,{end}"]
+    points.write_text("\n".join(lines) + "\n")
+    found = answer(capsys, "stud-strength", str(file), "--points", str(points))
+    (series,) = found["series"]
+    assert series["result"]["P_Rk"] == pytest.approx(85.5e3)
+    assert series["result"]["P_Rd"] == pytest.approx(450 / 472 * 85.5e3 / 1.25)
+    assert series["result"]["slip_capacity"] == pytest.approx(6.21e-3)
+    assert series["result"]["ductile"] is True
+    assert run(["fit", "stud-strength", str(file)]) == 0
+    text = capsys.readouterr().out
+    assert "3 tests: EN 1990 has no factor of the design value for fewer than 4" in text
+
+
+def test_own_and_shipped_tests_together(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = equal_tests(tmp_path / "series.csv")
+    found = answer(capsys, "stud-strength", str(file), "--with-shipped", "--model", "roik-mean",
+                   "--calibrate", "provines2019", "--validate", "our lab")  # fmt: skip
+    (content,) = found["models"]
+    assert content["fit"]["campaigns"] == ["provines2019"]
+    assert content["judgement"]["campaigns"] == ["our lab"]
+
+
+def test_validation_on_calibration_rows_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["fit", "stud-strength", "--calibrate", "lehigh279", "--validate", "lehigh279"]
+    assert run(arguments) == 2
+    assert "a fit is not validated by its own rows" in capsys.readouterr().err
+    # the same rows under another name
+    from workbench.studs import shipped
+
+    table = shipped("stud-push-out")
+    columns = ["campaign", "specimen", "test", "diameter_mm", "height_mm", "fcm_MPa", "fu_MPa",
+               "shear_kN", "slip_at_max_mm"]  # fmt: skip
+    copied = table[table["campaign"] == "provines2019"][columns].assign(campaign="our lab")
+    file = tmp_path / "copied.csv"
+    copied.to_csv(file, index=False)
+    arguments = ["fit", "stud-strength", str(file), "--with-shipped"]
+    assert run([*arguments, "--calibrate", "provines2019", "--validate", "our lab"]) == 2
+    assert "equals a row of the fit under other names" in capsys.readouterr().err
+
+
+def test_bad_rows_may_be_left_out_and_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    file.write_text(file.read_text() + "lab 0,bad,push-out,19,100,solid,30,450,-5\n")
+    assert run(["fit", "stud-strength", str(file)]) == 2
+    capsys.readouterr()
+    found = answer(capsys, "stud-strength", str(file), "--keep-good", "--model", "ollgaard")
+    (left_out,) = found["rows_left_out"]
+    assert "lab.csv, line 26, column shear_kN = -5.0" in left_out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["stud-strength", "--model", "en1995"], "must be one of en1994, roik-mean"),
+        (["stud-strength", "--trend", "colour"], "must be one of diameter"),
+        (["stud-strength", "--factor", "weld", "--model", "en1994"], "one of steel, concrete"),
+        (["stud-strength", "--loss", "cubic"], "must be one of linear, huber, bisquare"),
+        (["stud-strength", "--confidence", "90"], "--confidence = 90.0: must be a number from 0.5"),
+        (["stud-strength", "--validate", "lehigh"], "did you mean lehigh279?"),
+        (["stud-strength", "--variation", "colour=0.1"], "must name one of diameter"),
+        (["stud-strength", "--variation", "diameter"], "must look like concrete_strength=0.15"),
+        (["load-slip", "--law", "cubic"], "must be one of ollgaard, bilinear, rational"),
+        (["residual", "--quantity", "colour"], "must be strength, stiffness or both"),
+        (["residual", "--no-mechanical"], "holds no test after pre-damage"),
+        (["residual", "--predamage", "fatigue"], "holds no test after pre-damage fatigue"),
+        (["stud-colour"], "No such command 'stud-colour'"),
+    ],
+)
+def test_bad_options_are_one_line_and_status_2(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["fit", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert said in captured.err
+
+
+# -- load-slip ------------------------------------------------------------------------------------
+
+
+def test_load_slip_of_shipped_curves(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, "load-slip", "--validate", "lehigh279")
+    laws = {content["fit"]["law"]: content for content in found["laws"]}
+    assert set(laws) == {"ollgaard", "bilinear", "rational"}
+    assert laws["ollgaard"]["fit"]["curves"] == 22
+    assert laws["ollgaard"]["judgement"]["curves"] == 2
+    grid = laws["ollgaard"]["grid"]
+    assert all(low <= mid <= high for low, mid, high in
+               zip(grid["low"], grid["median"], grid["high"], strict=True))  # fmt: skip
+    assert run(["fit", "load-slip", "--law", "ollgaard", "--validate", "lehigh279"]) == 0
+    text = capsys.readouterr().out
+    assert "Unseen curves:" in text
+    assert "hardly more points than parameters" in text
+
+
+# -- residual capacity ----------------------------------------------------------------------------
+
+
+def test_the_grade_stands_first_until_tests_are_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No test after pre-damage, then synthetic, then measured ones: one path, other words."""
+    assert run(["fit", "residual", "--quantity", "strength"]) == 0
+    text = capsys.readouterr().out
+    grade = "mechanical prediction, not validated by tests after pre-damage"
+    assert f"GRADE: {grade}" in text
+    assert "the table holds no test after pre-damage" in text
+    synthetic = damaged(tmp_path / "synthetic.csv", "pull-out", "displacement ratio")
+    found = answer(capsys, "residual", str(synthetic), "--quantity", "strength")
+    assert found["grade"] == "exercise on synthetic rows: shows the method, is no evidence"
+    (content,) = found["quantities"]
+    assert {score["name"] for score in content["fit"]["scores"]} >= {"linear", "mechanical"}
+    assert content["fit"]["tests"] == 24
+    measured = damaged(tmp_path / "measured.csv", "fatigue", "life fraction", "measured")
+    found = answer(capsys, "residual", str(measured), "--quantity", "strength",
+                   "--validate", "lab 3")  # fmt: skip
+    assert found["grade"].endswith("cross-validated over campaigns")
+    (content,) = found["quantities"]
+    assert content["fit"]["relation"] == "linear"
+    assert content["fit"]["parameters"]["c"] == pytest.approx(0.5, abs=0.05)
+    assert content["judgement"]["tests"] == 6
+    assert run(["fit", "residual", str(measured), "--quantity", "strength"]) == 0
+    text = capsys.readouterr().out
+    assert "24 tests after pre-damage" in text
+    assert "root mean square of what is left out, by campaign" in text
+
+
+def test_damaged_tests_without_a_reference_are_said_to_be_useless(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = damaged(tmp_path / "a.csv", "pull-out", "displacement ratio", "measured", 1)
+    lines = [",".join(line.split(",")[:6] + line.split(",")[7:])
+             for line in file.read_text().splitlines()]  # fmt: skip
+    file.write_text("\n".join(lines) + "\n")
+    assert run(["fit", "residual", str(file), "--quantity", "strength"]) == 0
+    text = capsys.readouterr().out
+    assert "6 tests after pre-damage cannot be used: give undamaged_shear_kN" in text
+
+
+def test_data_check_reads_every_row_of_the_tables_of_studs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dataclasses import dataclass
+
+    from workbench.studs import tables
+
+    bad = laboratory(tmp_path / "lab.csv")
+    bad.write_text(bad.read_text() + "lab 0,bad,push-out,19,100,solid,30,450,-5\n")
+
+    @dataclass
+    class Entry:
+        path: Path
+
+    monkeypatch.setattr(tables, "SHIPPED", {"stud-push-out": tables.SHIPPED["stud-push-out"]})
+    monkeypatch.setattr(tables, "dataset", lambda name: Entry(bad))
+    assert run(["data", "check"]) == 1
+    text = capsys.readouterr().out
+    assert "dataset stud-push-out: lab.csv, line 26, column shear_kN = -5.0" in text
+
+
+def test_the_role_of_a_row_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = laboratory(tmp_path / "lab.csv")
+    lines = file.read_text().splitlines()
+    roles = [
+        "role",
+        *("validate" if line.startswith("lab 3") else "calibrate" for line in lines[1:]),
+    ]
+    file.write_text("\n".join(f"{a},{b}" for a, b in zip(lines, roles, strict=True)) + "\n")
+    found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean")
+    (content,) = found["models"]
+    assert found["validate"] == ["lab 3"]
+    assert content["fit"]["campaigns"] == ["lab 0", "lab 1", "lab 2"]
+    assert content["judgement"]["campaigns"] == ["lab 3"]
+    arguments = ["fit", "stud-strength", str(file), "--calibrate", "lab 3"]
+    assert run(arguments) == 2
+    assert "has no row whose role is calibrate" in capsys.readouterr().err
+
+
+def test_formulas_that_the_table_cannot_feed_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = laboratory(tmp_path / "lab.csv").read_text().splitlines()
+    file = tmp_path / "without_fu.csv"
+    short = [",".join(line.split(",")[:7] + line.split(",")[8:]) for line in lines]
+    file.write_text("\n".join(short) + "\n")
+    found = answer(capsys, "stud-strength", str(file))
+    assert [content["fit"]["model"] for content in found["models"]] == ["ollgaard"]
+    assert set(found["not_fitted"]) == {"en1994", "roik-mean", "aisc360"}
+    assert "fill diameter_mm, height_mm, fcm_MPa and fu_MPa" in found["not_fitted"]["en1994"]
+    assert run(["fit", "stud-strength", str(file)]) == 0
+    assert "not fitted: en1994: table" in capsys.readouterr().out
+    assert run(["fit", "stud-strength", str(file), "--model", "en1994"]) == 2

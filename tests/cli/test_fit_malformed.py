@@ -1,0 +1,141 @@
+"""Malformed tables through the real command: one message, exit status 2, no traceback, quickly."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+HEADER = "campaign,specimen,test,diameter_mm,height_mm,fcm_MPa,fu_MPa,shear_kN"
+GOOD = "lab,A1,push-out,19,100,30,450,100"
+LEAST_MEMORY = 400_000  # kB: what the libraries need; a file read into memory would be 1 GB more
+
+
+def command(verb: str, file: str) -> list[str]:
+    code = "from workbench.cli import main; main()"
+    return [sys.executable, "-c", code, "fit", verb, file]
+
+
+def rows(*lines: str, header: str = HEADER) -> bytes:
+    return ("\n".join([header, *lines]) + "\n").encode()
+
+
+# name: (content, what the message must say)
+MALFORMED: dict[str, tuple[bytes, str]] = {
+    "diameter in metres": (rows("lab,A1,push-out,0.019,100,30,450,100"), "lengths are in mm"),
+    "strength in pascals": (rows("lab,A1,push-out,19,100,30e6,450,100"), "stresses are in MPa"),
+    "load in newtons": (rows("lab,A1,push-out,19,100,30,450,100000"), "loads are in kN per stud"),
+    "load in meganewtons": (rows("lab,A1,push-out,19,100,30,450,0.1"), "MPa over a shank of 19 mm"),
+    "missing column": (rows("A1,push-out,100", header="specimen,test,shear_kN"), "'campaign': req"),
+    "unknown column": (rows(GOOD + ",3", header=HEADER + ",fcm_Mpa"), "did you mean fcm_MPa?"),
+    "column twice": (rows(GOOD + ",3", header=HEADER + ",fu_MPa"), "the column stands twice"),
+    "text in a number": (rows("lab,A1,push-out,19,100,about 30,450,100"), "no unit, no words"),
+    "specimen twice": (rows(GOOD, GOOD), "stands in line 2 too"),
+    "negative load": (rows("lab,A1,push-out,19,100,30,450,-100"), "column shear_kN = -100.0"),
+    "not a number": (rows("lab,A1,push-out,nan,100,30,450,100"), "must be finite"),
+    "infinite": (rows("lab,A1,push-out,19,100,30,450,inf"), "must be finite"),
+    "decimal commas": (rows(GOOD, "lab,A2,push-out,19,05,100,30,450,100"), "decimal points"),
+    "quoted decimal comma": (rows('lab,A1,push-out,"19,05",100,30,450,100'), "19.05"),
+    "semicolons": (rows(GOOD.replace(",", ";"), header=HEADER.replace(",", ";")), "semicolons"),
+    "tabulators": (rows(GOOD.replace(",", "\t"), header=HEADER.replace(",", "\t")), "tabulators"),
+    "empty file": (b"", "is empty"),
+    "only a header": (rows(), "must hold one row or more"),
+    "binary": (b"PK\x03\x04\0\0\0\0" * 10, "is binary data, not text"),
+    "UTF-16": ((HEADER + "\n" + GOOD).encode("utf-16"), "save the table as CSV (UTF-8)"),
+    "Latin-1": (rows(GOOD).replace(b"A1", b"A\xe9"), "line 2 = b"),
+    "unknown kind of test": (rows("lab,A1,push,19,100,30,450,100"), "must be one of push-out"),
+    "unknown pre-damage": (rows(GOOD + ",rust", header=HEADER + ",predamage"), "must be one of"),
+    "level in per cent": (
+        rows(GOOD + ",fatigue,life fraction,40",
+             header=HEADER + ",predamage,predamage_measure,predamage_level"), "40 % is 0.4",
+    ),
+    "no line ends": (b"a" * 200_000, "has more than 65536 characters"),
+    "quotation mark left open": (rows('lab,"A1,push-out,19,100,30,450,100'), "is not valid CSV"),
+    "nothing to fit": (rows("lab,A1,pull-out,19,100,30,450,100", header=HEADER.replace(
+        "shear_kN", "tension_kN")), "holds no undamaged headed stud"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_a_malformed_table_is_one_message_and_status_2(tmp_path: Path, name: str) -> None:
+    content, said = MALFORMED[name]
+    file = tmp_path / "tests.csv"
+    file.write_bytes(content)
+    done = subprocess.run(command("stud-strength", str(file)), capture_output=True, text=True)
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("workbench: ")
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+    assert said in done.stderr
+    if name != "nothing to fit":
+        assert "tests.csv" in done.stderr
+
+
+def test_there_are_more_than_twenty() -> None:
+    assert len(MALFORMED) >= 20
+
+
+@pytest.mark.parametrize(
+    ("verb", "content", "said"),
+    [
+        ("load-slip", b"campaign,specimen,slip_mm\nlab,A,0.1\n", "required column missing"),
+        ("load-slip", b"campaign,specimen,slip_mm,load_kN\nlab,A,x,3\n", "column slip_mm = 'x'"),
+        ("load-slip", b"campaign,specimen,slip_mm,load_kN\nlab,A,0.1,3\n", "two curves or more"),
+        ("residual", b"", "is empty"),
+    ],
+)
+def test_the_other_verbs_refuse_alike(tmp_path: Path, verb: str, content: bytes, said: str) -> None:
+    file = tmp_path / "tests.csv"
+    file.write_bytes(content)
+    done = subprocess.run(command(verb, str(file)), capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert said in done.stderr
+
+
+def test_missing_files_and_directories(tmp_path: Path) -> None:
+    for file, said in ((tmp_path / "no.csv", "No such file"), (tmp_path, "is a directory")):
+        done = subprocess.run(command("stud-strength", str(file)), capture_output=True, text=True)
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1
+        assert said in done.stderr
+
+
+def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
+    """A sparse file of 1 GB: refused by its size, in the time and memory of an empty one."""
+    huge, empty = tmp_path / "huge.csv", tmp_path / "empty.csv"
+    with huge.open("wb") as stream:
+        stream.truncate(1_000_000_000)
+    empty.write_bytes(b"")
+    seconds = {}
+    for file, said in ((empty, b"is empty"), (huge, b"must not exceed 20 MB")):
+        began = time.perf_counter()
+        with (tmp_path / "err").open("wb+") as error:
+            process = subprocess.Popen(command("stud-strength", str(file)), stderr=error)
+            _, status, usage = os.wait4(process.pid, 0)
+            error.seek(0)
+            text = error.read()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        seconds[file] = usage.ru_utime + usage.ru_stime
+        assert process.returncode == 2
+        assert said in text
+        assert text.count(b"\n") == 1
+        assert usage.ru_maxrss < LEAST_MEMORY
+        assert time.perf_counter() - began < 60.0
+    assert seconds[huge] < seconds[empty] + 0.5
+
+
+def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
+    file = tmp_path / "tests.csv"
+    lines = [
+        f"lab {j},A{i},push-out,19,100,30,450,{100 + 3 * i + j}" for j in (1, 2) for i in (1, 2)
+    ]
+    file.write_bytes(b"\xef\xbb\xbf" + rows(*lines).replace(b"\n", b"\r\n"))
+    done = subprocess.run(command("stud-strength", str(file)), capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "4 tests of lab 1, lab 2" in done.stdout

@@ -1,0 +1,54 @@
+"""Where models without shear yielding end: the bound against beams that yield in shear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.models.domain import member_findings, shear_bound, shear_demand
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.fiber_shear import FiberShear
+from workbench.scenarios import Column, ColumnPushover
+from workbench.sections import CircularTube, RectangularTube, Section, find, square
+
+LENGTH = 8.0
+
+
+def push_at(section: Section, demand: float) -> ColumnPushover:
+    """A column whose segment below the hit point needs `demand` of its shear resistance."""
+    column = Column(section, 1.0, LENGTH - 1.0, fillets=False)
+    below = shear_demand(ColumnPushover("unit", column, 0.01))["below"] / demand
+    column = replace(column, length_below=below, length_above=LENGTH - below)
+    return ColumnPushover(f"{section.name} at {demand:.2f}", column, 0.05 * below)
+
+
+@pytest.mark.parametrize(
+    ("name", "lost"), [("IPE 300", (0.045, 0.06)), ("HEB 220", (0.03, 0.05)), ("", (0.03, 0.05))]
+)
+def test_shear_yielding_takes_five_per_cent_at_the_bound(name, lost) -> None:
+    section = find(name) if name else square(0.2)
+    push = push_at(section, shear_bound(section.without_fillets()))
+    mesh = {"hardening_ratio": 1e-5, "layers": 10}
+    yielding = FiberShear(levels=1, **mesh).simulate(push)
+    free = FiberReissner(levels=1, **mesh).simulate(push)
+    assert lost[0] < 1.0 - float(yielding["force"][-1] / free["force"][-1]) < lost[1]
+
+
+def test_the_bound_follows_the_share_of_the_webs() -> None:
+    bounds = [shear_bound(find(name)) for name in ("HEB 220", "HEB 500", "IPE 300", "IPE 600")]
+    assert bounds == sorted(bounds, reverse=True)
+    assert bounds[0] == pytest.approx(0.851, abs=1e-3)
+    # a web of less than 5 % of the plastic modulus can vanish without harm
+    thin = Section("thin", RectangularTube(0.05, 0.5, 0.002))
+    assert shear_bound(thin) == 1.0
+    assert shear_bound(Section("pipe", CircularTube(0.2, 0.01))) == shear_bound(square(0.2)) == 0.45
+
+
+@pytest.mark.parametrize(("demand", "said"), [(0.8, ""), (0.9, "above 0.85"), (1.1, "yields")])
+def test_warnings_begin_at_the_bound(demand, said) -> None:
+    texts = [
+        f.text for f in member_findings(push_at(find("HEB 220"), demand)) if f.subject == "shear"
+    ]
+    assert len(texts) == (1 if said else 0)
+    assert all(said in text and f"V/Vpl = {demand:.2f}" in text for text in texts)

@@ -1,0 +1,455 @@
+"""Superelement models: contract, closed forms, symmetry, joints, ledger, random frames."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from workbench.errors import InputError
+from workbench.models.four_dof import FourDof
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
+from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.scenarios import (
+    ColumnPushover,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameStatic,
+    FrameStriker,
+    Joint,
+    Load,
+    Member,
+    Node,
+    cyclic_path,
+    frame_of,
+    regular_frame,
+)
+from workbench.sections import find, section_from
+from workbench.testing import check_model
+
+SQUARE = section_from({"side": 0.2}, "section")
+MODELS = (RigidSuperelement(), FlexibleSuperelement())
+both = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+
+
+def portal(base: str = "clamped", loads: tuple[Load, ...] = (), **members: object) -> Frame:
+    """One bay of 6 m, one storey of 4 m, of squares."""
+    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE, base=base)
+    parts = tuple(replace(member, **members) for member in frame.members)
+    return replace(frame, members=parts, loads=loads)
+
+
+def hit_portal(velocity: float = 10.0, **options: object) -> FrameImpact:
+    frame = portal(**options).split("A0-A1", 1.5, "hit")
+    return FrameImpact("hit", frame, FrameStriker(1000.0, velocity, node="hit"), 0.04)
+
+
+def answered(response: Response) -> Response:
+    assert outcome_of(response) is Outcome.OK, response.attrs["message"]
+    return response
+
+
+# -- contract --------------------------------------------------------------------------------
+
+
+@both
+def test_it_keeps_the_contract_of_a_model(model, thesis_impact) -> None:
+    dead = (Load("A1", y=-2e5), Load("B1", y=-2e5))
+    push = FrameStatic("push", portal(loads=dead), (Load("A1", x=1e3),), "A1", "x", (0.2,))
+    shake = FrameGroundMotion(
+        "shake", portal(), tuple(5.0 * np.sin(np.arange(60.0))), 0.01, "A1", damping=0.5
+    )
+    scenarios = [
+        hit_portal(loads=dead),
+        replace(thesis_impact, duration=0.02),
+        push,
+        ColumnPushover("push", thesis_impact.column, 0.1),
+        shake,
+    ]
+    check_model(model, scenarios)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"alpha": 0.5},
+        {"beta": 0.9},
+        {"elements": 0},
+        {"node_inertia": -1.0},
+        {"regularisation": 1.0},
+        {"integrator": "leapfrog"},
+        {"integrator": "moreau"},
+    ],
+    ids=str,
+)
+def test_bad_options_are_refused(options) -> None:
+    with pytest.raises(InputError, match=f"option.{next(iter(options))}"):
+        RigidSuperelement(**options)
+
+
+# -- closed forms ----------------------------------------------------------------------------
+
+
+def test_rigid_bars_are_exact_in_sway() -> None:
+    """A portal with a rigid beam: 24 EI / L^3; its beam a hundred times deeper in stiffness."""
+    frame = portal()
+    stiff = replace(frame.member("A1-B1"), second_moment=1.0, area=2.0)
+    frame = replace(frame, members=(*frame.members[:2], stiff))
+    push = FrameStatic("sway", frame, (Load("A1", x=1.0),), "A1", "x", (1e-5,))
+    bending = frame.steel.elastic_modulus * SQUARE.second_moment
+    expected = 24.0 * bending / 4.0**3
+    for model, tolerance in ((RigidSuperelement(), 2e-3), (FlexibleSuperelement(1, 1, 1e6), 2e-3)):
+        response = answered(model.simulate(push))
+        found = float(response["force"][-1] / response["displacement"][-1])
+        assert found == pytest.approx(expected, rel=tolerance)
+
+
+@pytest.mark.parametrize("joint", [0.0, 1e5, 1e6, 1e7, None])
+def test_semi_rigid_joints(joint) -> None:
+    """Portal with a beam on springs: k = 12 i / h^2 (1 + 6 r) / (2 + 3 r) and r by the springs."""
+    frame = replace(portal(), joints=(Joint("semi", rotational_stiffness=joint),))
+    beam = replace(frame.member("A1-B1"), joint_start="semi", joint_end="semi", area=2.0)
+    frame = replace(frame, members=(*frame.members[:2], beam))
+    bending = frame.steel.elastic_modulus * SQUARE.second_moment
+    # antisymmetric bending of the beam: 6 EI / L in series with the spring
+    stiffness = 6.0 * bending / 6.0
+    if joint is not None:
+        stiffness = 1.0 / (1.0 / stiffness + 1.0 / joint) if joint else 0.0
+    column = bending / 4.0
+    condensed = 12.0 * column - (6.0 * column) ** 2 / (4.0 * column + stiffness)
+    expected = 2.0 * condensed / 4.0**2
+    push = FrameStatic("sway", frame, (Load("A1", x=1.0),), "A1", "x", (1e-5,))
+    response = answered(FlexibleSuperelement(hinge_stiffness=1e6).simulate(push))
+    found = float(response["force"][-1] / response["displacement"][-1])
+    assert found == pytest.approx(expected, rel=3e-3)
+
+
+def test_a_partial_strength_joint_yields_at_its_own_moment() -> None:
+    """A cantilever pushed at its tip; sagging and hogging differ, start and end too."""
+    joint = Joint("weak", plastic_moment=2e5, plastic_moment_negative=1e5)
+    for clamp, tip in (("start", "end"), ("end", "start")):
+        names = (
+            {"start": "root", "end": "tip"} if clamp == "start" else {"start": "tip", "end": "root"}
+        )
+        member = Member("m", section=SQUARE, **names, **{f"joint_{clamp}": "weak"})
+        nodes = (Node("root", 0.0, 0.0, support="clamped"), Node("tip", 2.0, 0.0))
+        frame = Frame(nodes, (member,), joints=(joint,))
+        for direction, looking in (("y", 1.0), ("-y", -1.0)):
+            load = (Load("tip", y=1.0 if direction == "y" else -1.0),)
+            push = FrameStatic("tip", frame, load, "tip", direction, (0.02,))
+            response = answered(RigidSuperelement().simulate(push))
+            # upward force on the tip stretches the lower fibers: on the right, looking to the tip
+            along = 1.0 if clamp == "start" else -1.0
+            bound = 2e5 if looking * along > 0.0 else 1e5
+            moment = response["moment"].sel(hinge=f"m:{clamp}").values[-1]
+            assert moment == pytest.approx(looking * along * bound, rel=1e-3)
+            rotation = response["plastic_rotation"].sel(hinge=f"m:{clamp}").values[-1]
+            assert rotation * moment > 0.0
+            assert float(response["force"][-1]) == pytest.approx(bound / 2.0, rel=2e-2)
+            assert abs(float(response["moment"].sel(hinge=f"m:{tip}").values[-1])) < 1.0
+
+
+def test_a_strut_between_free_ends_shortens() -> None:
+    """Both ends may turn: only the axial stiffness EA / L is left."""
+    nodes = (Node("a", 0.0, 0.0, support="pinned"), Node("b", 2.0, 0.0, support="roller-x"))
+    frame = Frame(nodes, (Member("strut", "a", "b", SQUARE),))
+    push = FrameStatic("push", frame, (Load("b", x=-1.0),), "b", "-x", (1e-4,))
+    for model in MODELS:
+        response = answered(model.simulate(push))
+        softer = 1.0 if model is MODELS[0] else 1.1  # hinges ten times as stiff, in series
+        expected = 210e9 * SQUARE.area / 2.0 * 1e-4 / softer
+        assert float(response["force"][-1]) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_pinned_beam_end_carries_no_moment() -> None:
+    frame = portal()
+    beam = replace(frame.member("A1-B1"), joint_start="pinned")
+    frame = replace(frame, members=(*frame.members[:2], beam))
+    impact = FrameImpact("hit", frame, FrameStriker(500.0, 10.0, node="A1"), 0.02)
+    for model in MODELS:
+        response = answered(model.simulate(impact))
+        moment = np.abs(response["moment"].sel(hinge="A1-B1:start").values)
+        # what is left is the regularising stiffness and the inertia of the node
+        assert moment.max() < 1e-3 * SQUARE.plastic_moment(frame.steel)
+
+
+def test_a_free_mass_only_moves_on() -> None:
+    """Momentum: a bar on rollers hit along its axis."""
+    nodes = (
+        Node("a", 0.0, 0.0, support="guide-x", spring_x=1.0),
+        Node("b", 2.0, 0.0, support="guide-x"),
+    )
+    frame = Frame(nodes, (Member("bar", "a", "b", SQUARE),))
+    impact = FrameImpact("hit", frame, FrameStriker(100.0, 5.0, 1.0, node="a"), 0.01)
+    response = answered(RigidSuperelement(time_step=1e-5).simulate(impact))
+    given = 100.0 * 5.0
+    struck = float(response["percussion"].sum())
+    left = 100.0 * float(response["striker_velocity"][-1])
+    assert struck + left == pytest.approx(given, rel=1e-9)
+    error = np.abs(response["balance_error"]).max() / response["input_energy"]
+    assert float(error) < 1e-8
+
+
+# -- symmetry --------------------------------------------------------------------------------
+
+
+@both
+def test_mirrored_and_turned_frames_answer_alike(model) -> None:
+    impact = hit_portal()
+    expected = answered(model.simulate(impact))["displacement"].values
+    frame = impact.frame
+    mirrored = replace(frame, nodes=tuple(replace(n, x=-n.x) for n in frame.nodes))
+    turned = replace(frame, nodes=tuple(replace(n, x=-n.y, y=n.x) for n in frame.nodes))
+    swapped = replace(
+        frame, members=tuple(replace(m, start=m.end, end=m.start) for m in frame.members)
+    )
+    for other, direction in ((mirrored, "-x"), (turned, "+y"), (swapped, "+x")):
+        striker = replace(impact.striker, direction=direction)
+        response = answered(model.simulate(replace(impact, frame=other, striker=striker)))
+        np.testing.assert_allclose(
+            response["displacement"], expected, atol=1e-5 * np.abs(expected).max()
+        )
+
+
+def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
+    frame = hit_portal()
+    reversed_ = replace(
+        frame.frame,
+        members=tuple(replace(m, start=m.end, end=m.start) for m in frame.frame.members),
+    )
+    there = answered(RigidSuperelement().simulate(frame))
+    back = answered(RigidSuperelement().simulate(replace(frame, frame=reversed_)))
+    for name in ("moment", "plastic_rotation"):
+        scale = float(np.abs(there[name]).max())
+        for hinge in there["hinge"].values:
+            member, end = str(hinge).split(":")
+            other = f"{member}:{'end' if end == 'start' else 'start'}"
+            np.testing.assert_allclose(
+                back[name].sel(hinge=other), -there[name].sel(hinge=hinge), atol=1e-5 * scale
+            )
+
+
+# -- columns ---------------------------------------------------------------------------------
+
+
+def test_a_column_is_answered_in_its_own_words(thesis_impact) -> None:
+    """Two rigid superelements are the four-dof column but for its mass."""
+    impact = replace(thesis_impact, duration=0.03)
+    frame, lumped = RigidSuperelement().simulate(impact), FourDof().simulate(impact)
+    assert list(frame["hinge"].values) == list(lumped["hinge"].values)
+    assert list(frame["segment"].values) == list(lumped["segment"].values)
+    for name in ("moment", "axial_force", "plastic_rotation", "shortening"):
+        scale = float(np.abs(lumped[name]).max())
+        known = lumped[name].interp(time=frame["time"].values)
+        error = np.abs(frame[name].values - known.values)[..., -40:].mean(axis=-1)
+        assert np.max(error) < 0.1 * scale, name
+    np.testing.assert_allclose(frame["shear_utilisation"], lumped["shear_utilisation"], rtol=5e-3)
+
+
+def test_a_pinned_head_and_a_fixed_one(thesis_impact) -> None:
+    for head in ("pinned", "fixed"):
+        column = replace(thesis_impact.column, head=head)
+        impact = replace(thesis_impact.at_velocity(10.0), column=column)
+        peaks = [
+            float(answered(model.simulate(impact))["peak_displacement"])
+            for model in (RigidSuperelement(), FourDof())
+        ]
+        assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+
+
+# -- paths -----------------------------------------------------------------------------------
+
+
+def test_cycles_of_a_clamped_beam_stretch_it() -> None:
+    """Full plastic cycles: dissipation grows all the time, the axial force builds up."""
+    nodes = (
+        Node("a", 0.0, 0.0, support="clamped"),
+        Node("m", 2.0, 0.0),
+        Node("b", 4.0, 0.0, support="clamped"),
+    )
+    frame = Frame(nodes, (Member("l", "a", "m", SQUARE), Member("r", "m", "b", SQUARE)))
+    path = cyclic_path((0.1, 0.2))
+    scenario = FrameStatic("cycles", frame, (Load("m", y=1.0),), "m", "y", path)
+    for model in MODELS:
+        response = answered(model.simulate(scenario))
+        assert np.min(np.diff(response["dissipated"])) >= -1e-9
+        assert float(response["displacement"].max()) == pytest.approx(0.2)
+        assert float(response["displacement"].min()) == pytest.approx(-0.2)
+        assert float(response["displacement"][-1]) == pytest.approx(0.0, abs=1e-12)
+        error = np.abs(response["balance_error"]).max() / response["input_energy"]
+        assert float(error) < 1e-4
+
+
+@pytest.mark.parametrize("control", ["displacement", "load", "arc-length"])
+def test_all_controls_find_the_same_path(control) -> None:
+    frame = portal(loads=(Load("A1", y=-5e5), Load("B1", y=-5e5)))
+    pattern = (Load("A1", x=1e3), Load("B1", x=1e3))
+    path = (0.03,)
+    known = FrameStatic("push", frame, pattern, "B1", "x", path)
+    expected = answered(FlexibleSuperelement().simulate(known))
+    if control == "load":
+        path = (float(expected["load_factor"].values[:500].max()),)
+    scenario = replace(known, control=control, path=path)
+    response = answered(FlexibleSuperelement().simulate(scenario))
+    factor = np.interp(response["displacement"], expected["displacement"], expected["load_factor"])
+    np.testing.assert_allclose(response["load_factor"], factor, rtol=2e-4, atol=1e-3)
+    force = response["load_factor"] * 2e3
+    np.testing.assert_allclose(response["force"], force, rtol=1e-12)
+
+
+def test_ground_motion_of_an_elastic_portal_is_that_of_an_oscillator() -> None:
+    """Damped resonance against the closed form of one degree of freedom."""
+    mass = 2e4
+    frame = portal(mass_per_length=0.01)
+    frame = replace(
+        frame,
+        nodes=tuple(replace(n, mass=mass) if n.y else n for n in frame.nodes),
+        members=(*frame.members[:2], replace(frame.members[2], second_moment=1.0, area=2.0)),
+    )
+    stiffness = 24.0 * frame.steel.elastic_modulus * SQUARE.second_moment / 4.0**3
+    omega = np.sqrt(stiffness / (2.0 * mass))
+    damping, amplitude, interval = 2.0 * 0.05 * omega, 0.05, 0.005
+    time = np.arange(400) * interval
+    motion = FrameGroundMotion(
+        "resonance", frame, tuple(amplitude * np.sin(omega * time)), interval, "A1",
+        damping=damping,
+    )  # fmt: skip
+    response = answered(RigidSuperelement(node_inertia=1e-3).simulate(motion))
+    # x'' + c x' + w^2 x = -A sin(w t): x = A/(c w) (cos w t - e^(-c t/2) (cos wd t + ...))
+    t = response["time"].values
+    decay = 0.5 * damping
+    turned = np.sqrt(omega**2 - decay**2)
+    free = np.exp(-decay * t) * (np.cos(turned * t) + decay / turned * np.sin(turned * t))
+    exact = amplitude / (damping * omega) * (np.cos(omega * t) - free)
+    scale = np.abs(exact).max()
+    np.testing.assert_allclose(response["displacement"], exact, atol=0.02 * scale)
+
+
+# -- snapshots -------------------------------------------------------------------------------
+
+
+@both
+def test_snapshots_show_the_frame(model) -> None:
+    impact = hit_portal(20.0)
+    response = answered(replace(model, elements=2).simulate(impact))
+    count = response.sizes["snapshot"]
+    assert 55 <= count <= 61
+    at = response["snapshot_at"].values
+    assert at[0] == 0.0
+    assert at[-1] == response["time"].values[-1]
+    assert np.all(np.diff(at) > 0.0)
+    peak = float(response["time_of_peak"])
+    assert np.min(np.abs(at - peak)) < 3.0 * response.attrs["time_step"]
+    frame = impact.frame
+    for member in frame.members:
+        start, end = frame.node(member.start), frame.node(member.end)
+        shape = response[["shape_x", "shape_y"]].sel(member=member.name)
+        first = shape.isel(snapshot=0)
+        np.testing.assert_allclose(first["shape_x"], np.linspace(start.x, end.x, 9), atol=1e-9)
+        np.testing.assert_allclose(first["shape_y"], np.linspace(start.y, end.y, 9), atol=1e-9)
+    # members that meet at a node meet in every picture, and the hit node is where it says
+    hit = response["shape_x"].sel(member="A0-A1/1").values[-1]
+    np.testing.assert_allclose(response["shape_x"].sel(member="A0-A1/2").values[0], hit, atol=1e-9)
+    moved = np.interp(at, response["time"], response["displacement"])
+    np.testing.assert_allclose(hit, moved, atol=1e-6)
+    used = response["utilisation"].values
+    assert used.min() >= 0.0
+    assert used.max() == pytest.approx(1.0, abs=1e-4)
+
+
+def test_snapshots_of_a_path_are_steps() -> None:
+    push = FrameStatic(
+        "push", portal(), (Load("A1", x=1.0),), "A1", "x", (0.4,), control="arc-length"
+    )
+    response = answered(RigidSuperelement().simulate(push))
+    at = response["snapshot_at"].values
+    assert len(at) <= 61
+    assert at[0] == 0.0
+    assert at[-1] == response.sizes["step"] - 1
+    np.testing.assert_array_equal(at, at.round())
+
+
+# -- ledger ----------------------------------------------------------------------------------
+
+
+@both
+def test_ledger_closes_over_ten_thousand_steps(model) -> None:
+    """Impact, large plastic deformation and free vibration."""
+    impact = replace(hit_portal(25.0), duration=0.5)
+    response = answered(replace(model, time_step=5e-5).simulate(impact))
+    assert response.sizes["time"] >= 10_001
+    error = np.abs(response["balance_error"]).max() / response["input_energy"]
+    assert float(error) < 1e-6
+    assert float(response["dissipated"][-1]) > 0.3 * float(response["input_energy"])
+
+
+# -- outside the domain ----------------------------------------------------------------------
+
+
+def test_a_column_that_is_run_over_is_out_of_domain() -> None:
+    frame = portal(loads=(Load("A1", y=-1e6), Load("B1", y=-1e6)))
+    impact = FrameImpact("crash", frame, FrameStriker(2e4, 60.0, node="A1"), 1.0)
+    for model in MODELS:
+        response = model.simulate(impact)
+        assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+        assert "collapse at" in response.attrs["message"]
+
+
+def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
+    frame = frame_of(thesis_impact.column)
+    impact = FrameImpact("hit", frame, FrameStriker(1500.0, 10.0, node="hit"), 0.03)
+    response = answered(RigidSuperelement().simulate(impact))
+    said = {finding.subject for finding in warnings_of(response)}
+    assert {"shear", "shear-reached"} <= said
+
+
+# -- random frames ---------------------------------------------------------------------------
+
+SECTIONS = [
+    SQUARE,
+    find("HEB 220"),
+    find("IPE 300"),
+    section_from({"diameter": 0.2, "wall": 0.01}, "s"),
+]
+
+
+@st.composite
+def impacts(draw: st.DrawFn) -> FrameImpact:
+    bays = draw(st.lists(st.floats(2.0, 8.0), min_size=1, max_size=4))
+    storeys = draw(st.lists(st.floats(2.5, 5.0), min_size=1, max_size=4))
+    column, beam = draw(st.sampled_from(SECTIONS)), draw(st.sampled_from(SECTIONS))
+    frame = regular_frame(bays, storeys, column, beam, draw(st.sampled_from(["clamped", "pinned"])))
+    member = draw(st.sampled_from(frame.members))
+    length = frame.length(member)
+    frame = frame.split(member, draw(st.floats(0.1, 0.9)) * length, "hit")
+    if draw(st.booleans()):
+        load = draw(st.floats(1e3, 1e6))
+        tops = [n.name for n in frame.nodes if n.y == max(m.y for m in frame.nodes)]
+        frame = replace(frame, loads=tuple(Load(name, y=-load) for name in tops))
+    upright = member.start[0] == member.end[0]
+    striker = FrameStriker(
+        draw(st.floats(10.0, 5e3)),
+        draw(st.floats(0.5, 80.0)),
+        draw(st.sampled_from([0.0, 0.5, 1.0])),
+        node="hit",
+        direction=draw(st.sampled_from(["+x", "-x"] if upright else ["+y", "-y"])),
+    )
+    return FrameImpact("random", frame, striker, 0.01)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(impacts(), st.sampled_from([replace(model, time_step=1e-4) for model in MODELS]))
+def test_random_frames_run_or_end_in_a_typed_outcome(impact, model) -> None:
+    response = model.simulate(impact)
+    outcome = outcome_of(response)
+    assert outcome in (Outcome.OK, Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED)
+    if outcome is not Outcome.OK:
+        assert len(response.attrs["message"].split()) > 5
+        return
+    error = np.abs(response["balance_error"]).max() / response["input_energy"]
+    assert float(error) < 1e-6
+    assert np.min(np.diff(response["dissipated"])) >= -1e-6 * impact.input_energy

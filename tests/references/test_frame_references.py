@@ -1,0 +1,362 @@
+"""Fiber beams on frames: published meshes, oracles, joints, what is read off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.datafiles import data_directory
+from workbench.models.frames.structure import FrameStructure
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
+from workbench.references.column_runs import run_impact
+from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.frame_fibers import (
+    corotational_frame,
+    fiber_findings,
+    reissner_frame,
+    run_fiber_frame,
+)
+from workbench.references.frame_mesh import member_lengths, mesh_frame
+from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.scenarios import (
+    ColumnImpact,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameStatic,
+    FrameStriker,
+    Joint,
+    Load,
+    Member,
+    Node,
+    frame_scenario,
+    load_scenario,
+    regular_frame,
+)
+from workbench.sections import section_from
+from workbench.structures.uniaxial import LinearHardening
+from workbench.testing import check_model
+
+SQUARE = section_from({"side": 0.2}, "section")
+UNIFORM = {  # independent implementation: size in m, elements, peaks in m of both formulations
+    0.4: (164, 0.3655, 0.4324),
+    0.2: (320, 0.4284, 0.4571),
+    0.1: (640, 0.4599, 0.4734),
+    0.05: (1280, 0.4773, 0.4824),
+}
+
+
+@pytest.fixture(scope="module")
+def thesis_frame() -> FrameImpact:
+    scenario = load_scenario(data_directory() / "published" / "heng2017_frame.toml")
+    assert isinstance(scenario, FrameImpact)
+    return replace(scenario, duration=0.032)
+
+
+def steel(frame: Frame, hardening: float = 1e-6) -> LinearHardening:
+    modulus = frame.steel.elastic_modulus
+    return LinearHardening(modulus, frame.steel.yield_stress, hardening * modulus)
+
+
+def standing(kind: str, frame: Frame, lengths: list[np.ndarray], **more: bool) -> FrameStructure:
+    if kind == "fiber-reissner":
+        return reissner_frame(frame, lengths, steel(frame), 20, **more)
+    return corotational_frame(frame, lengths, 20, 1e-6, **more)
+
+
+def run(kind: str, scenario, size=None, largest=None, step=None, **more) -> Response:
+    lengths = member_lengths(scenario, size, largest, 0, 1.0 / 32.0, 0.05)
+
+    def build() -> FrameStructure:
+        return standing(kind, scenario.frame, lengths, **more)
+
+    weight = None if more.get("lumped") else 0.55
+    response = run_fiber_frame(scenario, build, step, 0, weight)
+    assert outcome_of(response) is Outcome.OK
+    return response
+
+
+# -- meshes ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", UNIFORM)
+def test_equal_sizes_make_the_published_uniform_meshes(thesis_frame, size) -> None:
+    lengths = member_lengths(thesis_frame, size, size, 0, 0.0, 0.0)
+    assert sum(len(parts) for parts in lengths) == UNIFORM[size][0]
+    for member, parts in zip(thesis_frame.frame.members, lengths, strict=True):
+        assert np.ptp(parts) < 1e-12
+        assert np.sum(parts) == pytest.approx(thesis_frame.frame.length(member))
+    halves = member_lengths(thesis_frame, 2.0 * size, 2.0 * size, 1, 0.0, 0.0)
+    if size <= 0.1:
+        assert sum(len(parts) for parts in halves) == UNIFORM[size][0]
+
+
+def test_meshes_are_graded_at_every_end(thesis_frame) -> None:
+    lengths = member_lengths(thesis_frame, 0.0125, 0.1, 0, 0.0, 0.0)
+    for parts in lengths:
+        assert 0.009 < parts[0] <= 0.0125
+        assert parts[-1] == pytest.approx(parts[0])
+        assert 0.05 < parts.max() <= 0.1 + 1e-9
+    # by rule: 1/64 of the shorter member at the hit, 1/40 of the longest one
+    ruled = member_lengths(thesis_frame, None, None, 0, 1.0 / 64.0, 0.05)
+    for parts, same in zip(ruled, lengths, strict=True):
+        np.testing.assert_allclose(parts, same)
+
+
+def test_a_mesh_keeps_the_nodes_of_the_frame_first(thesis_frame) -> None:
+    frame = thesis_frame.frame
+    mesh = mesh_frame(frame, member_lengths(thesis_frame, 0.2, 0.5, 0, 0.0, 0.0))
+    for node, point in zip(frame.nodes, mesh.coordinates, strict=False):
+        np.testing.assert_allclose(point, [node.x, node.y])
+    spans = np.diff(mesh.coordinates[mesh.nodes], axis=1)[:, 0]
+    np.testing.assert_allclose(np.hypot(*spans.T), mesh.lengths, rtol=1e-9)
+    assert mesh.ties == ()
+
+
+# -- the models ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [FiberReissner, FiberCorotational])
+def test_the_references_answer_frames(kind) -> None:
+    model = kind(smallest_element=0.1, largest_element=0.4, time_step=2e-4, refinement=0, levels=1)
+    dead = (Load("A1", y=-2e5), Load("B1", y=-2e5))
+    frame = replace(portal(), loads=dead)
+    struck = frame.split("A0-A1", 1.5, "hit")
+    hit = FrameImpact("hit", struck, FrameStriker(1e3, 10.0, node="hit"), 0.02)
+    push = FrameStatic("push", frame, (Load("A1", x=1e3),), "A1", "x", (0.1,))
+    shake = FrameGroundMotion(
+        "shake", frame, tuple(5.0 * np.sin(np.arange(30.0))), 0.01, "A1", damping=0.5
+    )
+    check_model(model, [hit, push, shake])
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"), [(FiberReissner, 0.3655), (FiberCorotational, 0.4324)]
+)
+def test_equal_sizes_are_options_of_the_models(thesis_frame, kind, expected) -> None:
+    more = {} if kind is FiberReissner else {"shear_flexible": False}
+    model = kind(
+        smallest_element=0.4, largest_element=0.4, time_step=4e-4, refinement=0, levels=1, **more
+    )
+    response = model.simulate(thesis_frame)
+    assert response.attrs["elements"] == 164
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1.5e-3)
+
+
+def test_options_that_frames_do_not_know_are_refused() -> None:
+    hit = FrameImpact("hit", portal(), FrameStriker(1e3, 10.0, node="A1"), 0.01)
+    shake = FrameGroundMotion("shake", portal(), (1.0, 0.0), 0.01, "A1")
+    for options, scenario in (
+        ({"residual_stress": "triangular"}, hit),
+        ({"out_of_straightness": 1e-3}, hit),
+        ({"integrator": "explicit"}, shake),
+    ):
+        response = FiberReissner(levels=1, **options).simulate(scenario)
+        assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+
+
+# -- the frame of the thesis -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "size", [0.4, 0.2, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.1, 0.05))]
+)
+@pytest.mark.parametrize("kind", ["fiber-reissner", "fiber-corotational"])
+def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
+    # the independent co-rotational beam is Bernoulli's
+    more = {} if kind == "fiber-reissner" else {"shear_flexible": False}
+    response = run(kind, thesis_frame, size, size, size / 1000.0, **more)
+    elements, *peaks = UNIFORM[size]
+    assert response.attrs["elements"] == elements
+    expected = peaks[kind != "fiber-reissner"]
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1.5e-3)
+    error = np.abs(response["balance_error"]).max() / response["input_energy"]
+    assert float(error) < 1e-8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("smallest", "largest", "step", "expected"),
+    [(0.0125, 0.1, 1e-4, 0.4913), (0.00625, 0.05, 5e-5, 0.4927)],
+)
+def test_figure_5_14_on_graded_meshes(thesis_frame, smallest, largest, step, expected) -> None:
+    response = run("fiber-reissner", thesis_frame, smallest, largest, step)
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=2e-3)
+    assert float(response["time_of_peak"]) == pytest.approx(0.029, abs=5e-4)
+
+
+@pytest.mark.slow
+def test_superelements_against_the_converged_reference(thesis_frame) -> None:
+    """Rigid +0.6 %, flexible +1.4 % of the extrapolated peak, 0.495 m within 1 %."""
+    peaks = [
+        float(run("fiber-reissner", thesis_frame, h, h, h / 1000.0)["peak_displacement"])
+        for h in (0.1, 0.05, 0.025)
+    ]
+    order = np.log2((peaks[1] - peaks[0]) / (peaks[2] - peaks[1]))
+    limit = peaks[2] + (peaks[2] - peaks[1]) / (2.0 ** np.clip(order, 0.8, 1.2) - 1.0)
+    assert limit == pytest.approx(0.495, rel=0.01)
+    for model, excess in ((RigidSuperelement(), 0.006), (FlexibleSuperelement(), 0.014)):
+        found = float(model.simulate(thesis_frame)["peak_displacement"]) / limit - 1.0
+        assert found == pytest.approx(excess, abs=0.01)
+
+
+def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
+    peaks = [
+        float(run("fiber-reissner", thesis_frame, 0.2, 0.2, 5e-5, **more)["peak_displacement"])
+        for more in ({"lumped": True}, {})
+    ]
+    # implicit steps dissipate a little
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-2)
+
+
+# -- oracles ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", [FiberReissner, FiberCorotational])
+def test_a_column_as_a_frame_is_the_same_column(thesis_impact: ColumnImpact, model) -> None:
+    """The frame's reference against the column's, with elements of the same lengths."""
+    impact = replace(thesis_impact.at_velocity(10.0), duration=0.02)
+    reference = model(smallest_element=0.1, largest_element=0.4, time_step=2e-4, refinement=0)
+    beams = reference.beams(impact)
+    lengths = list(reference.mesh(impact))
+    told = frame_scenario(impact)
+
+    def build() -> FrameStructure:
+        if model is FiberReissner:
+            return reissner_frame(told.frame, lengths, reference.law(impact.column.steel), 20)
+        return corotational_frame(told.frame, lengths, 20, reference.hardening_ratio)
+
+    response = run_fiber_frame(told, build, 2e-4, 0, reference.weight)
+    expected = run_impact(impact, beams, [(0.02, 2e-4)], reference.weight)
+    scale = float(expected["displacement"].max())
+    np.testing.assert_allclose(
+        response["displacement"], expected["displacement"], atol=1e-6 * scale
+    )
+    for name in ("moment", "plastic_rotation"):  # a column counts moments the other way round
+        scale = float(np.abs(expected[name]).max())
+        np.testing.assert_allclose(-response[name].values, expected[name].values, atol=1e-4 * scale)
+    scale = float(np.abs(expected["axial_force"]).max())
+    np.testing.assert_allclose(
+        response["axial_force"].values, expected["axial_force"].values, atol=1e-4 * scale
+    )
+    np.testing.assert_allclose(
+        response["shear_utilisation"], expected["shear_utilisation"], rtol=1e-4
+    )
+
+
+def portal(*joints: Joint, height: float = 4.0) -> Frame:
+    """One bay and storey of squares whose beam has the first joint at both ends."""
+    frame = regular_frame((6.0,), (height,), SQUARE, SQUARE)
+    if not joints:
+        return frame
+    name = joints[0].name
+    beam = replace(frame.member("A1-B1"), joint_start=name, joint_end=name)
+    own = tuple(joint for joint in joints if joint.name not in ("rigid", "pinned"))
+    return replace(frame, joints=own, members=(*frame.members[:2], beam))
+
+
+JOINTS = {
+    "pinned": Joint("pinned", rotational_stiffness=0.0),
+    "soft": Joint("soft", rotational_stiffness=5e6),
+    "weak": Joint(
+        "weak", rotational_stiffness=5e7, plastic_moment=2e5, plastic_moment_negative=2e5
+    ),
+    "strong, weak": Joint("partial", plastic_moment=3e5, plastic_moment_negative=3e5),
+}
+
+
+@pytest.mark.parametrize("joint", JOINTS.values(), ids=JOINTS)
+@pytest.mark.parametrize("kind", ["fiber-reissner", "fiber-corotational"])
+def test_joints_agree_with_superelements(kind, joint) -> None:
+    """Sway of a portal with joints in its beam: hinges of superelements against tied springs."""
+    frame = portal(joint)
+    push = FrameStatic("sway", frame, (Load("A1", x=1e3), Load("B1", x=1e3)), "A1", "x", (0.1,))
+    fine = run(kind, push, 0.03, 0.5)
+    hinges = FlexibleSuperelement(hinge_stiffness=100.0).simulate(push)
+    at = np.linspace(0.0, 0.1, 21)[1:]
+    forces = [np.interp(at, r["displacement"], r["force"]) for r in (fine, hinges)]
+    elastic = at < 0.02
+    np.testing.assert_allclose(forces[0][elastic], forces[1][elastic], rtol=0.02)
+    # fibers of the columns still spread where hinges have yielded at once
+    assert forces[0][-1] == pytest.approx(forces[1][-1], rel=0.04)
+    for name in ("A1-B1:start", "A1-B1:end"):
+        moments = [float(r["moment"].sel(hinge=name)[-1]) for r in (fine, hinges)]
+        assert moments[0] == pytest.approx(moments[1], rel=0.03, abs=1.0)
+
+
+def test_joint_moments_keep_their_sign() -> None:
+    """Sagging and hogging strengths that differ, at the start and at the end of a beam."""
+    joint = Joint(
+        "lopsided", rotational_stiffness=1e8, plastic_moment=3e5, plastic_moment_negative=1e5
+    )
+    push = FrameStatic("sway", portal(joint), (Load("A1", x=1e3),), "A1", "x", (0.3,))
+    springs, hinges = run("fiber-reissner", push, 0.05, 0.5), RigidSuperelement().simulate(push)
+    # hinges of superelements lose what the axial force takes, along a straight line
+    compression = float(hinges["axial_force"].sel(hinge="A1-B1:start")[-1])
+    left = 1.0 - abs(compression) / SQUARE.squash_load(push.frame.steel)
+    for response, share in ((springs, 1.0), (hinges, left)):
+        moment = response["moment"].isel(step=-1)
+        assert float(moment.sel(hinge="A1-B1:start")) == pytest.approx(3e5 * share, rel=1e-4)
+        assert float(moment.sel(hinge="A1-B1:end")) == pytest.approx(-1e5 * share, rel=1e-4)
+
+
+def test_ground_motion_agrees_with_superelements() -> None:
+    frame = portal()
+    frame = replace(frame, nodes=tuple(replace(n, mass=3e4) if n.y else n for n in frame.nodes))
+    time = np.arange(60) * 0.02
+    shake = FrameGroundMotion("shake", frame, tuple(4.0 * np.sin(9.0 * time)), 0.02, "A1")
+    peaks = []
+    for response in (
+        run("fiber-reissner", shake, 0.1, 0.4),
+        FlexibleSuperelement(hinge_stiffness=100.0).simulate(shake),
+    ):
+        error = np.abs(response["balance_error"]).max() / response["input_energy"]
+        assert float(error) < 1e-6
+        peaks.append(float(np.abs(response["displacement"]).max()))
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+
+
+# -- what is read off ------------------------------------------------------------------------
+
+
+def test_snapshots_and_utilisation() -> None:
+    frame = portal().split("A0-A1", 1.0, "hit")
+    impact = FrameImpact("hit", frame, FrameStriker(1500.0, 30.0, node="hit"), 0.03)
+    response = run("fiber-reissner", impact, 0.1, 0.2)
+    assert 55 <= response.sizes["snapshot"] <= 61
+    at = response["snapshot_at"].values
+    hit = response["shape_x"].sel(member="A0-A1/1").values[-1]
+    moved = np.interp(at, response["time"], response["displacement"])
+    np.testing.assert_allclose(hit, moved, atol=1e-6)
+    used = response["utilisation"]
+    assert float(used.min()) >= 0.0
+    # on the exact envelope, but for the layers (0.4 %) and the regularising hardening
+    assert float(used.max()) == pytest.approx(1.0, abs=6e-3)
+    assert float(used.isel(snapshot=0).max()) < 1e-3
+
+
+def test_findings_name_joints_overrides_and_coarse_meshes() -> None:
+    joint = Joint("bolted", rotational_stiffness=1e7, plastic_moment=1e5, axial_stiffness=1e8)
+    frame = portal(joint)
+    beam = replace(frame.member("A1-B1"), plastic_moment=1e5)
+    frame = replace(frame, members=(*frame.members[:2], beam))
+    impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="A1"))
+    lengths = member_lengths(impact, 0.5, 0.5, 0, 0.0, 0.0)
+    found = fiber_findings(impact, lengths, 20, 0.5)
+    said = [finding.subject for finding in found]
+    assert said.count("joints") == 2
+    assert said.count("mesh") == 2
+    assert said.count("section") == 1
+    assert not any(finding.refusal for finding in found)
+
+
+def test_a_beam_without_joints_has_no_findings() -> None:
+    nodes = (Node("a", 0.0, 0.0, support="clamped"), Node("b", 3.0, 0.0))
+    frame = Frame(nodes, (Member("beam", "a", "b", SQUARE),))
+    impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="b", direction="-y"), 0.01)
+    lengths = member_lengths(impact, None, None, 0, 1.0 / 64.0, 0.05)
+    assert fiber_findings(impact, lengths, 20, 0.5) == []
+    assert warnings_of(run("fiber-reissner", impact)) != []  # no peak within this time

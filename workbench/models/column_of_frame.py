@@ -1,0 +1,218 @@
+"""An impacted frame told as one of its columns, as an engineer does it by hand.
+
+Heng 2017, section 5.2, puts a guided head with an axial spring and a dead load in the place of the
+rest of the frame. Here the spring is the elastic stiffness that the frame without the column has
+between the two ends of it, the dead load is that of the elastic frame, and the mass at the head is
+that of what stands on it. What the ends do besides, sway and rotation, is left out; so is the
+strength of the frame, unless the restraint is said to yield.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from workbench.errors import InputError, OutOfDomainError
+from workbench.fields import Choice, check_fields, checked
+from workbench.models.base import respond
+from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.four_dof import FourDof
+from workbench.models.frames.column_estimate import (
+    HEAD_MASSES,
+    HEADS,
+    ColumnEstimate,
+    estimate_column,
+)
+from workbench.models.frames.findings import frame_findings
+from workbench.models.single_dof import SingleDof
+from workbench.models.superelements import RigidSuperelement
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    add_warnings,
+    outcome_of,
+    warnings_of,
+)
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    FrameImpact,
+    Member,
+    Node,
+    Scenario,
+    frame_scenario,
+    to_toml,
+)
+from workbench.scenarios.members import MASS_PER_LENGTH, SQUASH_LOAD
+
+MODELS: dict[str, type[Any]] = {
+    kind.name: kind for kind in (FourDof, SingleDof, EnergyEstimate, RigidSuperelement)
+}
+RESTRAINTS = ("elastic", "yielding")
+RESTRAINT, ANCHOR = "restraint", "anchor"
+LONGEST, SHORTEST = 100.0, 2.0  # m, of the bar that is the restraint
+BAR_AREA = 0.01  # m2
+PICTURES = ("snapshot_at", "shape_x", "shape_y", "utilisation", "member", "point", "snapshot")
+
+
+def derive_column(
+    scenario: FrameImpact, head_mass: str = "column-line", head: str = "joined"
+) -> ColumnImpact:
+    """The column that stands for an impacted frame, as a scenario of its own.
+
+    Arguments as the options of `ColumnOfFrame`. Raises `InputError`, and `OutOfDomainError` where
+    what is hit is no column, or none that such a scenario can hold.
+    """
+    return ColumnOfFrame(head_mass=head_mass, head=head).estimate(scenario).column
+
+
+@dataclass(frozen=True)
+class ColumnOfFrame:
+    """The impacted column of a frame, the rest of it as a spring, a mass and a dead load.
+
+    Options: `model` of the column, four-dof, single-dof, energy-estimate or rigid-superelement,
+    each with its own defaults; `head_mass`, what moves with the head: column-line (half of all
+    members that meet the line of columns above the struck one, that line whole, and the point
+    masses on it), joint (the same of the head alone), deflected-shape (generalised mass of the
+    frame without the column in the deflection of its spring) or none; `head`, joined (guided,
+    unless the column ends in a pin) or pinned; `restraint`, elastic or yielding: at the force at
+    which the frame without the column collapses (rigid-superelement only).
+    """
+
+    model: str = checked(Choice(tuple(MODELS)), FourDof.name)
+    head_mass: str = checked(Choice(tuple(HEAD_MASSES)), "column-line")
+    head: str = checked(Choice(HEADS), "joined")
+    restraint: str = checked(Choice(RESTRAINTS), "elastic")
+
+    name: ClassVar[str] = "column-of-frame"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (FrameImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Those of the column model.",
+        "Both ends of the struck column are held against sway and, unless pinned, rotation.",
+        "The rest of the frame is a spring along the column, a mass at its head and the dead load "
+        "of the elastic frame; the spring stays elastic unless the restraint yields.",
+        "Nothing of the rest of the frame is reported: the response is that of the column.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+        if self.restraint == "yielding" and self.model != RigidSuperelement.name:
+            raise InputError(
+                "option.restraint",
+                self.restraint,
+                f"is not known to {self.model}, whose spring is elastic",
+                f"take model = {RigidSuperelement.name}",
+            )
+
+    def domain(self, scenario: FrameImpact) -> list[Finding]:
+        """What dead loads do to the frame, whether there is a column, and what it leaves out."""
+        findings = [f for f in frame_findings(scenario) if f.subject != "shear"]
+        try:
+            estimate = self.estimate(scenario)
+        except OutOfDomainError as error:
+            return [*findings, Finding("column", str(error), refusal=True)]
+        if self.restraint == "yielding" and estimate.restraint_limit is None:
+            text = "without the column the frame collapses under its dead loads: nothing restrains"
+            findings.append(Finding("restraint", text, refusal=True))
+        inner = MODELS[self.model]().domain(estimate.column)
+        return [*findings, *inner, *estimate.findings()]
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer an impact on a column of a frame."""
+        return respond(self, scenario, self._solve)
+
+    def estimate(self, scenario: FrameImpact) -> ColumnEstimate:
+        """The derived column and what is known about it. Raises `OutOfDomainError`."""
+        return estimate_column(scenario, self.head_mass, self.head)
+
+    def _solve(self, scenario: FrameImpact) -> Response:
+        estimate = self.estimate(scenario)
+        model = MODELS[self.model]()
+        if self.model == RigidSuperelement.name:
+            limit = estimate.restraint_limit if self.restraint == "yielding" else None
+            response, force = _as_bars(model, estimate, limit)
+        else:
+            response = model.simulate(estimate.column)
+            force = _spring_force(response, estimate.column.column)
+        told = {finding.text for finding in model.domain(estimate.column)}
+        own = [finding for finding in warnings_of(response) if finding.text not in told]
+        response.attrs["warnings"] = json.dumps([])
+        if force is not None and self.restraint == "elastic":
+            own = [*own, *estimate.restraint_findings(force)]
+        add_warnings(response, own)
+        response.attrs["derived_column"] = to_toml(estimate.column)
+        return response
+
+
+def _spring_force(response: Response, column: Column) -> float | None:
+    """Largest force (N) of the elastic spring at the head; None if it is not known."""
+    if "shortening" not in response or column.head == "fixed":
+        return None
+    shortening = response["shortening"].values
+    return float(column.restraint_stiffness * np.max(shortening - shortening[0]))
+
+
+# -- rigid superelements, whose restraint is a bar that can yield --------------------------------
+
+
+def _as_bars(
+    model: RigidSuperelement, estimate: ColumnEstimate, limit: float | None
+) -> tuple[Response, float | None]:
+    """The response of the derived column as a frame, and the largest force (N) in its restraint.
+
+    Argument: `limit` of that force (None: it stays elastic). Raises `OutOfDomainError`.
+    """
+    response = model.simulate(_with_bar(estimate, limit))
+    if outcome_of(response) is not Outcome.OK:
+        return response, None
+    force = None
+    if f"{RESTRAINT}:start" in response["hinge"].values:
+        force = float(response["axial_force"].sel(hinge=f"{RESTRAINT}:start").max())
+    segments = ["below", "above"]
+    hinges = [f"{segment}:{end}" for segment in segments for end in ("start", "end")]
+    return response.drop_vars(PICTURES).sel(segment=segments, hinge=hinges), force
+
+
+def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
+    """The frame of the derived column, its spring a light bar from the head to the ground."""
+    told = frame_scenario(estimate.column)
+    assert isinstance(told, FrameImpact)
+    column, frame = estimate.column.column, told.frame
+    stiffness = column.restraint_stiffness
+    nodes = [_struck(node, estimate.hit_mass) for node in frame.nodes]
+    if stiffness == 0.0 or column.head == "fixed":
+        return replace(told, frame=replace(frame, nodes=tuple(nodes)))
+    modulus = frame.steel.elastic_modulus
+    length = float(np.clip(BAR_AREA * modulus / stiffness, SHORTEST, LONGEST))
+    # an axial wave takes as long along the bar as along the shorter segment
+    own = column.properties
+    wave = own.mass_per_length * min(column.length_below, column.length_above) ** 2
+    mass = stiffness * wave / (modulus * own.area * length)
+    try:
+        bar = Member(
+            RESTRAINT,
+            "head",
+            ANCHOR,
+            column.section,
+            joint_start="pinned",
+            joint_end="pinned",
+            area=stiffness * length / modulus,
+            squash_load=SQUASH_LOAD.high if limit is None else min(limit, SQUASH_LOAD.high),
+            mass_per_length=max(mass, MASS_PER_LENGTH.low),
+        )
+    except InputError as error:
+        raise OutOfDomainError(f"no bar can stand for the restraint: {error}") from error
+    nodes = [replace(n, spring_y=0.0) if n.name == "head" else n for n in nodes]
+    nodes.append(Node(ANCHOR, 0.0, column.length + length, support="clamped"))
+    members = (*frame.members, bar)
+    return replace(told, frame=replace(frame, nodes=tuple(nodes), members=members))
+
+
+def _struck(node: Node, mass: float) -> Node:
+    return replace(node, mass=mass) if node.name == "hit" else node

@@ -1,0 +1,78 @@
+"""When a frame has collapsed, so that its models mean nothing any more."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import OutOfDomainError
+from workbench.models.frames.chains import chains
+from workbench.models.frames.findings import named
+from workbench.models.frames.structure import FrameStructure
+
+Array = NDArray[np.float64]
+COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
+COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
+LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
+
+
+class CollapseWatch:
+    """Checks the committed state of a `structure` after every step."""
+
+    def __init__(self, structure: FrameStructure) -> None:
+        frame = structure.frame
+        self._structure = structure
+        self._lengths: Array = np.array([frame.length(member) for member in frame.members])
+        self._across = _across(structure) / self._lengths[:, None]
+        place = {member.name: i for i, member in enumerate(frame.members)}
+        self._chains = chains(frame)
+        chained = np.zeros((len(self._chains), len(place)))
+        for row, names in zip(chained, self._chains, strict=True):
+            row[[place[name] for name in names]] = 1.0
+        self._chained = chained / (chained @ self._lengths)[:, None]
+
+    def check(self, when: str, standing: bool = True) -> None:
+        """Raise `OutOfDomainError` when the frame has collapsed; `when` tells time or step.
+
+        Without `standing` only what the elements cannot follow counts.
+        """
+        structure = self._structure
+        if structure.members.slightest() < LEAST_LENGTH:
+            raise OutOfDomainError(
+                f"collapse at {when}: a plastic hinge under compression has shortened its element "
+                f"to less than {LEAST_LENGTH:g} of its length; the member crumples (a larger "
+                "smallest_element puts this off)"
+            )
+        if not standing:
+            return
+        moved = np.abs(self._across @ structure.assembly.displacement)
+        worst = int(moved.argmax())
+        if moved[worst] > COLLAPSE_SIDEWAYS:
+            raise OutOfDomainError(
+                f"collapse at {when}: the ends of member {structure.frame.members[worst].name} "
+                f"have moved {moved[worst] * self._lengths[worst]:.3g} m apart across its axis, "
+                f"more than {COLLAPSE_SIDEWAYS:g} of its length; the model means nothing beyond"
+            )
+        loss = self._chained @ structure.members.contractions()
+        worst = int(loss.argmax())
+        if loss[worst] > COLLAPSE_CONTRACTION:
+            raise OutOfDomainError(
+                f"collapse at {when}: {named(self._chains[worst])} has been squashed by "
+                f"{100.0 * loss[worst]:.3g} % of the length, more than "
+                f"{100.0 * COLLAPSE_CONTRACTION:g} %; the model means nothing beyond"
+            )
+
+
+def _across(structure: FrameStructure) -> Array:
+    """What displacements (dofs,) move the ends of each member apart across its axis, in rows."""
+    frame, assembly = structure.frame, structure.assembly
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    rows = np.zeros((len(frame.members), assembly.size))
+    for row, member in zip(rows, frame.members, strict=True):
+        start, end = frame.node(member.start), frame.node(member.end)
+        length = frame.length(member)
+        normal = {"u": (start.y - end.y) / length, "v": (end.x - start.x) / length}
+        for component, part in normal.items():
+            row[assembly.dof(number[member.start], component)] -= part
+            row[assembly.dof(number[member.end], component)] += part
+    return rows

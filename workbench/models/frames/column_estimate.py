@@ -1,0 +1,279 @@
+"""What an engineer puts in the place of a frame around one of its columns.
+
+Axial load, an elastic spring along the column, a mass at its head and the supports of its ends,
+all from elastic analyses for unit loads; and from limit analyses, where these estimates end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import InputError, OutOfDomainError
+from workbench.models.frames.column_line import ColumnLine, column_line
+from workbench.models.frames.elastic import ElasticFrame
+from workbench.models.frames.limit import collapse_factor
+from workbench.responses import Finding
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    Frame,
+    FrameImpact,
+    Load,
+    Striker,
+    frame_of,
+)
+from workbench.scenarios.frame_forms import OVERRIDES
+
+Array = NDArray[np.float64]
+HEADS = ("joined", "pinned")
+BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
+SAME = 1e-3  # relative difference of collapse loads that counts as none
+STRAIGHT_ON = 0.02  # sine of the largest kink in the line above the head
+
+
+@dataclass(frozen=True)
+class ColumnEstimate:
+    """The `column` that stands for a frame, and what it leaves out.
+
+    `line` of the frame that it replaces; `restraint_limit` (N), force of its spring at which the
+    frame without the column collapses (None: dead loads alone do that); collapse loads (N) of
+    `frame_resistance` and `column_resistance` under a force in place of the striker (None:
+    likewise); `bent`, largest moment of the dead loads at its ends over the plastic moment;
+    `hit_mass` (kg), point mass at the struck node.
+    """
+
+    column: ColumnImpact
+    line: ColumnLine
+    restraint_limit: float | None
+    frame_resistance: float | None
+    column_resistance: float | None
+    bent: float
+    hit_mass: float
+
+    @property
+    def collapse_ratio(self) -> float | None:
+        """Collapse load of the frame over that of the column; 1: it is the column's mechanism."""
+        if self.frame_resistance is None or self.column_resistance is None:
+            return None
+        return self.frame_resistance / self.column_resistance
+
+    def findings(self) -> Iterator[Finding]:
+        """What was estimated, and what that leaves out."""
+        column, line = self.column.column, self.line
+        spring = f"an elastic spring of {column.restraint_stiffness / 1e6:.4g} MN/m"
+        held = {"fixed": "no axial movement", "guided": spring, "pinned": spring}[column.head]
+        yield Finding(
+            "estimate",
+            f"the line {line.base} to {line.head} stands for the frame: base {column.base}, head "
+            f"{column.head}, {held}, {column.axial_load / 1e3:.4g} kN of dead load and "
+            f"{column.head_mass:.4g} kg at the head are estimates",
+        )
+        yield Finding("ends", self._ends())
+        if self.bent > BENT:
+            yield Finding(
+                "dead-moments",
+                f"dead loads bend the ends of the column by {self.bent:.2f} of its plastic moment: "
+                "the column that stands for it is straight and free of moments",
+            )
+
+    def _ends(self) -> str:
+        text = "sway and rotation of the joints at the ends of the column are left out: "
+        ratio = self.collapse_ratio
+        if ratio is None:
+            return text + "the plastic resistance of the frame does not reach for its dead loads"
+        if abs(ratio - 1.0) < SAME:
+            return text + "by limit analysis the column's own mechanism governs, so they stay small"
+        which = "small" if ratio < 1.0 else "large"
+        return text + (
+            f"by limit analysis the frame resists {ratio:.2f} of the force that the column's own "
+            f"mechanism does, so that peaks come out too {which}"
+        )
+
+    def restraint_findings(self, force: float) -> Iterator[Finding]:
+        """Whether the spring carried a `force` (N) beyond the collapse of the frame."""
+        limit = self.restraint_limit
+        if limit is not None and force > limit:
+            yield Finding(
+                "restraint",
+                f"the spring at the head carries up to {force / 1e3:.4g} kN, but the frame "
+                f"without the column collapses at {limit / 1e3:.4g} kN: peaks in catenary action "
+                "come out too small",
+            )
+
+
+def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnEstimate:
+    """The column that stands for a frame under impact.
+
+    Arguments: `head_mass`, rule for the mass that moves with the head, out of `HEAD_MASSES`;
+    `head`, ``joined`` (as the joint there says) or ``pinned``. Raises `OutOfDomainError` where
+    there is no such column.
+    """
+    frame, line = scenario.frame, column_line(scenario)
+    if head == "pinned":
+        line = replace(line, fixed=(line.fixed[0], False))
+    flexibility, shape = _opening(line)
+    if flexibility == 0.0 and not line.fixed[1]:
+        if head == "pinned" or not line.fixed[0]:
+            raise OutOfDomainError(
+                "the head of the column is pinned and cannot move along it: a column with a "
+                "pinned head is free to shorten or on a spring"
+            )
+        line = line.turned()
+    axial, bent = _dead_state(line)
+    own = frame.member(line.members[0])
+    extra = frame.node(scenario.striker.node).mass
+    try:
+        column = Column(
+            own.section,
+            line.below,
+            line.above,
+            frame.steel,
+            fillets=frame.fillets,
+            base="clamped" if line.fixed[0] else "pinned",
+            head="fixed" if flexibility == 0.0 else "guided" if line.fixed[1] else "pinned",
+            axial_load=-axial,
+            restraint_stiffness=0.0 if flexibility in (0.0, inf) else 1.0 / flexibility,
+            head_mass=0.0 if flexibility == 0.0 else HEAD_MASSES[head_mass](line, shape),
+            **{key: getattr(own, key) for key in OVERRIDES},
+        )
+        if extra > 0.0:
+            column = replace(column, impact_mass=column.properties.impact_mass + extra)
+    except InputError as error:
+        raise OutOfDomainError(f"there is no such column: {error}") from error
+    striker = scenario.striker
+    impact = ColumnImpact(
+        f"{scenario.name}: column {line.base} to {line.head}"[:120],
+        column,
+        Striker(striker.mass, striker.velocity, striker.restitution),
+        scenario.duration,
+    )
+    alone = frame_of(column)
+    return ColumnEstimate(
+        impact,
+        line,
+        _restraint_limit(line, axial),
+        collapse_factor(frame, [_strike(scenario)], frame.loads),
+        collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
+        bent,
+        extra,
+    )
+
+
+def _strike(scenario: FrameImpact) -> Load:
+    sign = -1.0 if scenario.striker.direction.startswith("-") else 1.0
+    along = {scenario.striker.direction[-1]: sign}
+    return Load(scenario.striker.node, **along)
+
+
+def _opening(line: ColumnLine) -> tuple[float, Array | None]:
+    """How far unit forces draw both ends together once the column is gone (m/N), and the shape.
+
+    Displacements (dofs,) of the shape are those per displacement of the head along the column.
+    Infinite, without a shape, where nothing resists.
+    """
+    rest = ElasticFrame(line.frame, line.rest)
+    load = rest.load(line.pull(1.0))
+    moved = rest.displacement(load)
+    if moved is None:
+        return inf, None
+    along = float(rest.load(line.pull(1.0)[:1]) @ moved)
+    shape = moved / along if along > 0.0 else None
+    return float(load @ moved) + line.softness, shape
+
+
+def _dead_state(line: ColumnLine) -> tuple[float, float]:
+    """Axial force (N, tension positive) and end moment over plastic moment under dead loads."""
+    frame = line.frame
+    elastic = ElasticFrame(frame, springs=False)
+    moved = elastic.displacement(elastic.load(frame.loads))
+    if moved is None:
+        raise OutOfDomainError("under its dead loads the frame moves without resistance")
+    axial, moments = elastic.end_forces(moved)
+    names = [member.name for member in frame.members]
+    own = [2 * names.index(name) + side for name in line.members for side in (0, 1)]
+    plastic = frame.properties(line.members[0]).plastic_moment
+    return float(np.mean(axial[own])), float(np.max(np.abs(moments[own]))) / plastic
+
+
+def _restraint_limit(line: ColumnLine, axial: float) -> float | None:
+    """Force (N) between both ends at which the frame without the column collapses."""
+    frame = line.frame
+    dead = (*frame.loads, *line.pull(axial))
+    return collapse_factor(frame, line.pull(1.0), dead, line.rest)
+
+
+# -- the mass that moves with the head ---------------------------------------------------------
+
+
+def _no_mass(line: ColumnLine, shape: Array | None) -> float:
+    """Nothing: the head follows without inertia."""
+    return 0.0
+
+
+def _joint_mass(line: ColumnLine, shape: Array | None) -> float:
+    """Point mass of the head and half of the other members that meet there."""
+    return _mass_of(line.frame, [line.head], line.members)
+
+
+def _line_mass(line: ColumnLine, shape: Array | None) -> float:
+    """The same for all joints of the line that goes on beyond the head, its members whole.
+
+    A line of columns is far stiffer along its axis than the beams that hold it: what stands on
+    the head moves with it.
+    """
+    return _mass_of(line.frame, _line_above(line), line.members)
+
+
+def _shape_mass(line: ColumnLine, shape: Array | None) -> float:
+    """Generalised mass of the frame without the column in the deflection that its spring has."""
+    if shape is None:
+        raise OutOfDomainError(
+            "head_mass = deflected-shape: without the column nothing resists a movement of its "
+            "head along it, so that there is no such shape; take another rule"
+        )
+    return float(shape @ ElasticFrame(line.frame, line.rest).mass @ shape)
+
+
+HEAD_MASSES: dict[str, Callable[[ColumnLine, Array | None], float]] = {
+    "column-line": _line_mass,
+    "joint": _joint_mass,
+    "deflected-shape": _shape_mass,
+    "none": _no_mass,
+}
+
+
+def _mass_of(frame: Frame, nodes: list[str], without: tuple[str, ...]) -> float:
+    """Point masses of `nodes` and half a member's mass per end there."""
+    total = sum(frame.node(name).mass for name in nodes)
+    for member in frame.members:
+        if member.name not in without:
+            ends = (member.start in nodes) + (member.end in nodes)
+            mass = frame.properties(member).mass_per_length * frame.length(member)
+            total += 0.5 * ends * mass
+    return total
+
+
+def _line_above(line: ColumnLine) -> list[str]:
+    """Names of the nodes from the head on along the axis of the column."""
+    frame, nodes = line.frame, [line.head]
+    axis = np.array(line.axis)
+    while True:
+        at = frame.node(nodes[-1])
+        if at.held:
+            return nodes
+        beyond = []
+        for member in frame.members:
+            if at.name in (member.start, member.end):
+                far = frame.node(member.end if member.start == at.name else member.start)
+                chord = np.array([far.x - at.x, far.y - at.y])
+                across = abs(float(axis[0] * chord[1] - axis[1] * chord[0]))
+                if axis @ chord > 0.0 and across < STRAIGHT_ON * float(np.hypot(*chord)):
+                    beyond.append(far.name)
+        if not beyond:
+            return nodes
+        nodes.append(beyond[0])

@@ -1,0 +1,209 @@
+"""The column that is hit in a frame: the straight line of members through the struck node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import OutOfDomainError
+from workbench.models.frames.chains import chains
+from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
+from workbench.scenarios.frame_forms import OVERRIDES
+
+Array = NDArray[np.float64]
+OBLIQUE = 0.02  # sine of the largest angle between the strike and the normal of the column
+RIGID, PINNED = 8.0, 0.5  # stiffness of a joint over EI/L: EN 1993-1-8, 5.2.2.5 (braced frames)
+
+
+@dataclass(frozen=True)
+class ColumnLine:
+    """The line of `members` (names) from node `base` to node `head` through the struck one.
+
+    `axis` (2,) points from base to head; lengths `below` and `above` the struck node in m;
+    `fixed`, whether the rotations of base and head are held; `softness`, flexibility in m/N of
+    joints along the line.
+    """
+
+    frame: Frame
+    members: tuple[str, ...]
+    base: str
+    head: str
+    axis: tuple[float, float]
+    below: float
+    above: float
+    fixed: tuple[bool, bool]
+    softness: float
+
+    @property
+    def rest(self) -> tuple[str, ...]:
+        """Names of all other members."""
+        return tuple(m.name for m in self.frame.members if m.name not in self.members)
+
+    def pull(self, force: float) -> tuple[Load, Load]:
+        """Forces (N) on both ends that draw them together."""
+        x, y = force * self.axis[0], force * self.axis[1]
+        return Load(self.head, x=-x, y=-y), Load(self.base, x=x, y=y)
+
+    def turned(self) -> ColumnLine:
+        """The same line with base and head exchanged."""
+        return replace(
+            self,
+            members=self.members[::-1],
+            base=self.head,
+            head=self.base,
+            axis=(-self.axis[0], -self.axis[1]),
+            below=self.above,
+            above=self.below,
+            fixed=self.fixed[::-1],
+        )
+
+
+def column_line(scenario: FrameImpact) -> ColumnLine:
+    """The column that a striker hits.
+
+    The base is the end that a support holds against all translation; of two such ends, or none,
+    the lower one. Raises `OutOfDomainError` where what is hit is no column between two joints.
+    """
+    frame, struck = scenario.frame, scenario.striker.node
+    chain = next((c for c in chains(frame) if struck in _inner(frame, c)), None)
+    if chain is None:
+        raise OutOfDomainError(
+            f"the striker hits node {struck}, which is not between the two ends of a straight "
+            "member: a column is hit between its joints"
+        )
+    members = [frame.member(name) for name in chain]
+    line = _nodes(members)
+    _check_alike(frame, members)
+    _check_inside(frame, line[1:-1], struck)
+    at = line.index(struck)
+    lengths = [frame.length(member) for member in members]
+    ends = frame.node(line[0]), frame.node(line[-1])
+    chord = np.array([ends[1].x - ends[0].x, ends[1].y - ends[0].y])
+    axis = chord / np.hypot(*chord)
+    _check_across(scenario, axis)
+    joints = _joints(members)
+    stiffness = frame.steel.elastic_modulus * frame.properties(members[0]).second_moment
+    found = ColumnLine(
+        frame,
+        tuple(chain),
+        line[0],
+        line[-1],
+        (float(axis[0]), float(axis[1])),
+        sum(lengths[:at]),
+        sum(lengths[at:]),
+        (
+            _is_fixed(frame, ends[0], chain, joints[0], stiffness / sum(lengths)),
+            _is_fixed(frame, ends[1], chain, joints[1], stiffness / sum(lengths)),
+        ),
+        sum(1.0 / k for name in joints if (k := frame.joint(name).axial_stiffness) is not None),
+    )
+    _check_joints(frame, members, joints)
+    return found if _rank(ends[0]) <= _rank(ends[1]) else found.turned()
+
+
+def _nodes(members: list[Member]) -> list[str]:
+    """Names of the nodes along a chain of members."""
+    if len(members) == 1:
+        return [members[0].start, members[0].end]
+    second = {members[1].start, members[1].end}
+    first = members[0].start if members[0].end in second else members[0].end
+    line = [first]
+    for member in members:
+        line.append(member.end if member.start == line[-1] else member.start)
+    return line
+
+
+def _inner(frame: Frame, chain: list[str]) -> list[str]:
+    return _nodes([frame.member(name) for name in chain])[1:-1]
+
+
+def _joints(members: list[Member]) -> tuple[str, str]:
+    """Names of the joints at both ends of a chain."""
+    line = _nodes(members)
+    first, last = members[0], members[-1]
+    return (
+        first.joint_start if first.start == line[0] else first.joint_end,
+        last.joint_end if last.end == line[-1] else last.joint_start,
+    )
+
+
+def _rank(node: Node) -> tuple[bool, float, float]:
+    """The end of least rank is the base."""
+    return (not {"u", "v"} <= set(node.held), node.y, node.x)
+
+
+def _check_alike(frame: Frame, members: list[Member]) -> None:
+    kinds = {(m.section, *(getattr(m, key) for key in OVERRIDES)) for m in members}
+    if len(kinds) > 1:
+        raise OutOfDomainError(
+            f"members {', '.join(m.name for m in members)} differ in their sections: a column has "
+            "one all along"
+        )
+
+
+def _check_inside(frame: Frame, nodes: list[str], struck: str) -> None:
+    for name in nodes:
+        node = frame.node(name)
+        loaded = any(load.node == name for load in frame.loads)
+        if loaded or node.rotary_inertia > 0.0 or (node.mass > 0.0 and name != struck):
+            raise OutOfDomainError(
+                f"node {name} inside the column carries a dead load or a mass of its own: a "
+                "column has them at its head only"
+            )
+
+
+def _check_across(scenario: FrameImpact, axis: Array) -> None:
+    along_x = scenario.striker.direction.endswith("x")
+    lengthwise = abs(float(axis[0] if along_x else axis[1]))
+    if lengthwise > OBLIQUE:
+        how = "along" if lengthwise > 1.0 - OBLIQUE else "obliquely to"
+        raise OutOfDomainError(
+            f"the strike in direction {scenario.striker.direction} is {how} the axis of the "
+            "member: a column is hit across its axis"
+        )
+
+
+def _check_joints(frame: Frame, members: list[Member], joints: tuple[str, str]) -> None:
+    properties = frame.properties(members[0])
+    for name in joints:
+        joint = frame.joint(name)
+        moments = (joint.plastic_moment, joint.plastic_moment_negative)
+        forces = (joint.tension_resistance, joint.compression_resistance)
+        weak = any(m is not None and m < properties.plastic_moment for m in moments)
+        if weak or any(n is not None and n < properties.squash_load for n in forces):
+            raise OutOfDomainError(
+                f"joint {name} at the end of the column is weaker than the column, whose hinges "
+                "all have its own strength"
+            )
+
+
+def _is_fixed(frame: Frame, node: Node, chain: list[str], joint: str, unit: float) -> bool:
+    """Whether the rotation at an end is held; `unit` is EI/L in N m/rad.
+
+    Raises `OutOfDomainError` for free ends, and for joints neither stiff nor soft.
+    """
+    others = [m for m in frame.members if m.name not in chain and node.name in (m.start, m.end)]
+    sprung = max(node.spring_x, node.spring_y) > 0.0 or node.locked != "none"
+    if not others and not node.held and not sprung:
+        raise OutOfDomainError(f"nothing holds the end of the column at node {node.name}")
+    stiffnesses = [frame.joint(joint).rotational_stiffness]
+    stiff = any(
+        frame.joint(m.joint_start if m.start == node.name else m.joint_end).rotational_stiffness
+        != 0.0
+        for m in others
+    )
+    if not stiff and "rotation" not in node.held:
+        stiffnesses.append(node.spring_rotation)
+    known = [k for k in stiffnesses if k is not None]
+    if not known:
+        return True
+    share = 0.0 if 0.0 in known else 1.0 / sum(1.0 / k for k in known) / unit
+    if PINNED < share < RIGID:
+        raise OutOfDomainError(
+            f"the joint of the column at node {node.name} has {share:.3g} EI/L, neither rigid "
+            f"(from {RIGID:g}) nor pinned (up to {PINNED:g}; EN 1993-1-8, 5.2.2.5): a column "
+            "knows nothing between"
+        )
+    return share >= RIGID

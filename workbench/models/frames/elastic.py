@@ -1,0 +1,156 @@
+"""Small displacements of a frame of elastic Bernoulli beams: unit loads, end forces, mass.
+
+One element per member: displacements of the nodes and forces at member ends are exact for loads
+at the nodes. The mass is consistent with the cubic deflection (Przemieniecki 1968).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.models.frames.structure import COMPONENT, hinge_names
+from workbench.scenarios import Frame, Load, Member
+
+Array = NDArray[np.float64]
+NUMBER = {"u": 0, "v": 1, "rotation": 2}
+NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
+UNBALANCED = 1e-6  # share of a load that meets no stiffness
+
+
+class ElasticFrame:
+    """The elastic frame for small displacements from its state under dead loads.
+
+    Arguments: `frame`; names of the `members` that count (None: all); `springs`, whether springs
+    to the ground and locks act, as they do once the dead loads are on.
+    """
+
+    def __init__(
+        self, frame: Frame, members: Collection[str] | None = None, *, springs: bool = True
+    ) -> None:
+        self._frame = frame
+        self._first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
+        self._counted = [members is None or m.name in members for m in frame.members]
+        self._beams: list[tuple[Array, Array, Array]] = []  # dofs, stiffness, to local axes
+        size = 3 * len(frame.nodes) + 2 * len(frame.members)
+        self.stiffness: Array = np.zeros((size, size))
+        self.mass: Array = np.zeros((size, size))
+        for number, member in enumerate(frame.members):
+            self._place(member, 3 * len(frame.nodes) + 2 * number, self._counted[number])
+        held = []
+        for node in frame.nodes:
+            at = self._first[node.name]
+            self.mass[range(at, at + 3), range(at, at + 3)] += node.mass, node.mass, 0.0
+            self.mass[at + 2, at + 2] += node.rotary_inertia
+            held += [at + NUMBER[component] for component in node.held]
+            if springs:
+                given = (node.spring_x, node.spring_y, node.spring_rotation)
+                self.stiffness[range(at, at + 3), range(at, at + 3)] += given
+                if node.locked != "none":
+                    held.append(at + NUMBER[COMPONENT[node.locked]])
+        resisting = np.flatnonzero(np.diag(self.stiffness) > 0.0)
+        self._free = np.setdiff1d(resisting, held)
+        self._held = np.array(sorted(held), dtype=np.int64)
+        scale = 1.0 / np.sqrt(np.diag(self.stiffness)[self._free])
+        values, modes = np.linalg.eigh(
+            self.stiffness[np.ix_(self._free, self._free)] * np.outer(scale, scale)
+        )
+        self._stiff = values > NO_STIFFNESS * max(values.max(initial=0.0), 1e-300)
+        self._values, self._modes = values, scale[:, None] * modes
+
+    def _place(self, member: Member, spare: int, counted: bool) -> None:
+        """Add stiffness and mass of a member; `spare` dofs turn at its joints."""
+        frame = self._frame
+        start, end = frame.node(member.start), frame.node(member.end)
+        chord = np.array([end.x - start.x, end.y - start.y])
+        length = float(np.hypot(*chord))
+        dofs = np.concatenate([self._first[n] + np.arange(3) for n in (member.start, member.end)])
+        joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
+        properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+        softness = length / (modulus * properties.area)
+        for side, joint in enumerate(joints):
+            softness += 0.0 if joint.axial_stiffness is None else 1.0 / joint.axial_stiffness
+            if joint.rotational_stiffness is not None:
+                node, dofs[3 * side + 2] = dofs[3 * side + 2], spare + side
+                if counted:
+                    grid = np.ix_([node, spare + side], [node, spare + side])
+                    coupling = joint.rotational_stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+                    self.stiffness[grid] += coupling
+        local = _axes(chord / length)
+        stiffness = _stiffness(1.0 / softness, modulus * properties.second_moment, length)
+        self._beams.append((dofs, stiffness, local))
+        if counted:
+            grid = np.ix_(dofs, dofs)
+            self.stiffness[grid] += local.T @ stiffness @ local
+            self.mass[grid] += local.T @ _mass(properties.mass_per_length * length, length) @ local
+
+    def load(self, loads: Sequence[Load]) -> Array:
+        """Nodal forces and moments (dofs,)."""
+        total = np.zeros(len(self.stiffness))
+        for given in loads:
+            at = self._first[given.node]
+            total[at : at + 3] += given.x, given.y, given.moment
+        return total
+
+    def displacement(self, load: Array) -> Array | None:
+        """Displacements (dofs,) under a load; None where something moves without resistance."""
+        moved = np.zeros(len(load))
+        carried = np.concatenate([self._free, self._held])
+        loose = np.delete(load, carried)
+        shares = self._modes.T @ load[self._free]
+        lost = np.linalg.norm(shares[~self._stiff])
+        if np.any(loose) or lost > UNBALANCED * np.linalg.norm(shares):
+            return None
+        stiff = self._stiff
+        moved[self._free] = self._modes[:, stiff] @ (shares[stiff] / self._values[stiff])
+        return moved
+
+    def end_forces(self, displacement: Array) -> tuple[Array, Array]:
+        """Axial forces and moments (hinges,) at the ends of all members, see `hinge_names`.
+
+        Axial forces are positive in tension, moments where they stretch the fibers on the right
+        of somebody who looks from start to end; zero in members that do not count.
+        """
+        axial, moment = np.zeros((2, len(hinge_names(self._frame))))
+        for i, (dofs, stiffness, local) in enumerate(self._beams):
+            if self._counted[i]:
+                forces = stiffness @ local @ displacement[dofs]
+                axial[2 * i : 2 * i + 2] = forces[3]
+                moment[2 * i : 2 * i + 2] = -forces[2], forces[5]
+        return axial, moment
+
+
+def _axes(direction: Array) -> Array:
+    """Rotation of element dofs from global to local axes (6, 6)."""
+    c, s = direction
+    turn = np.zeros((6, 6))
+    turn[:2, :2] = turn[3:5, 3:5] = [[c, s], [-s, c]]
+    turn[2, 2] = turn[5, 5] = 1.0
+    return turn
+
+
+def _stiffness(axial: float, bending: float, length: float) -> Array:
+    """Stiffness of a beam in local axes (6, 6): `axial` in N/m, `bending` EI in N m2."""
+    k = np.zeros((6, 6))
+    k[np.ix_([0, 3], [0, 3])] = axial * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    a, b, c = 12.0 / length**2, 6.0 / length, 4.0
+    rows = [[a, b, -a, b], [b, c, -b, 0.5 * c], [-a, -b, a, -b], [b, 0.5 * c, -b, c]]
+    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / length * np.array(rows)
+    return k
+
+
+def _mass(mass: float, length: float) -> Array:
+    """Consistent mass of a beam in local axes (6, 6)."""
+    m = np.zeros((6, 6))
+    m[np.ix_([0, 3], [0, 3])] = mass / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
+    a, b, c = 22.0 * length, 13.0 * length, length**2
+    rows = [
+        [156.0, a, 54.0, -b],
+        [a, 4 * c, b, -3 * c],
+        [54.0, b, 156.0, -a],
+        [-b, -3 * c, -a, 4 * c],
+    ]
+    m[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = mass / 420.0 * np.array(rows)
+    return m

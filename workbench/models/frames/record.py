@@ -1,0 +1,125 @@
+"""What a run of a frame records at every committed step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.models.frames.snapshots import Snapshots
+from workbench.models.frames.structure import FrameStructure
+from workbench.structures.ledger import StepEnergies
+
+Array = NDArray[np.float64]
+LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
+
+
+class Record:
+    """Histories of a run; the caller adds the energies of each step before recording it.
+
+    Arguments: the `structure` whose committed state is read; `dof` and `sign` of its displacement;
+    `end` of the record, see `Snapshots`.
+    """
+
+    def __init__(self, structure: FrameStructure, dof: int, sign: float, end: float | None) -> None:
+        self.structure = structure
+        self._dof, self._sign = dof, sign
+        self._rows: dict[str, list[float]] = {}
+        self._tables: dict[str, list[Array]] = {
+            "axial_force": [],
+            "moment": [],
+            "plastic_rotation": [],
+        }
+        self._shear = np.zeros(len(structure.frame.members))
+        self._snapshots = Snapshots(structure, end)
+        self._start_stored = structure.assembly.stored
+        self._plastic = self._algorithmic = self._ideal = 0.0
+        self._evaluations = self._cuts = 0
+
+    @property
+    def displacement(self) -> float:
+        """Committed displacement since the start, along the direction of the record, in m."""
+        assembly = self.structure.assembly
+        moved = assembly.displacement[self._dof] - self.structure.start[self._dof]
+        return self._sign * float(moved)
+
+    @property
+    def velocity(self) -> float:
+        """Committed velocity along the direction of the record, in m/s."""
+        return self._sign * float(self.structure.assembly.velocity[self._dof])
+
+    def add(self, energies: StepEnergies, evaluations: int, cuts: int) -> None:
+        """Add the dissipation and the solver cost of a step."""
+        self._plastic += energies.plastic
+        self._algorithmic += energies.algorithmic
+        self._ideal += energies.ideal
+        self._evaluations += evaluations
+        self._cuts += cuts
+
+    def record(self, at: float, **values: float) -> None:
+        """Append the committed state at a time (s) or step, with further `values` by name."""
+        members, assembly = self.structure.members, self.structure.assembly
+        for name, (dof, sign) in self.structure.watched.items():
+            values[name] = sign * float(assembly.displacement[dof])
+        values.update(
+            at=at,
+            displacement=self.displacement,
+            elastic=assembly.stored,
+            dissipated=self._plastic + self._algorithmic,
+            algorithmic=self._algorithmic,
+        )
+        for name, value in values.items():
+            self._rows.setdefault(name, []).append(value)
+        self._tables["axial_force"].append(members.axial_forces())
+        self._tables["moment"].append(members.moments())
+        self._tables["plastic_rotation"].append(members.plastic_rotations())
+        self._shear = np.maximum(self._shear, members.shear_forces())
+        self._snapshots.see(at, self.displacement)
+
+    def column(self, name: str) -> Array:
+        """History of a scalar (steps,)."""
+        return np.array(self._rows[name])
+
+    def columns(self, *names: str) -> dict[str, Any]:
+        """Histories of several scalars by name."""
+        return {name: self.column(name) for name in names}
+
+    def states(self) -> dict[str, Any]:
+        """Variables of hinges, members, watched dofs and snapshots."""
+        tables: dict[str, Any] = {
+            name: np.stack(rows, axis=1) for name, rows in self._tables.items()
+        }
+        tables["shear_utilisation"] = self.shear_utilisation()
+        watched = self.columns(*self.structure.watched)
+        return {**watched, **tables, **self._snapshots.values()}
+
+    def shear_utilisation(self) -> Array:
+        """Largest shear force of each member (members,) over its plastic shear resistance."""
+        frame = self.structure.frame
+        resistance = [frame.properties(member).shear_resistance for member in frame.members]
+        return np.asarray(self._shear / np.array(resistance))
+
+    def gained(self) -> Array:
+        """Elastic energy (steps,) beyond that under the dead loads, in J."""
+        return self.column("elastic") - self._start_stored
+
+    def yield_ratio(self) -> float | None:
+        """Plastic work over that of stresses at yield; None without plastic flow."""
+        if self._ideal <= LEAST_FLOW * max(self.column("elastic").max(), 1e-300):
+            return None
+        return self._plastic / self._ideal
+
+    def diagnostics(self) -> dict[str, float | int]:
+        """Numbers about the solution itself, for the attributes of a response."""
+        numbers: dict[str, float | int] = {
+            "elements": self.structure.elements,
+            "smallest_element": self.structure.smallest,
+            "newton_iterations": self._evaluations,
+            "cut_steps": self._cuts,
+            "algorithmic_dissipation": self._algorithmic,
+        }
+        ratio = self.yield_ratio()
+        if ratio is not None:
+            numbers["yield_ratio"] = ratio
+        return numbers

@@ -1,0 +1,271 @@
+"""Static paths, impact and ground motion of a frame, from the first step to the response."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import SolverError
+from workbench.models.frames.collapse import CollapseWatch
+from workbench.models.frames.findings import named
+from workbench.models.frames.record import Record
+from workbench.models.frames.structure import FrameStructure, hinge_names, member_names
+from workbench.responses import (
+    Finding,
+    Response,
+    build_response,
+    peak_contact_force,
+    peak_of,
+    residual_of,
+)
+from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
+from workbench.structures.ground_motion import GroundStep
+from workbench.structures.impact import TimeStep
+from workbench.structures.paths import PathStep
+
+Array = NDArray[np.float64]
+LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
+LEAST_STEPS_TO_PEAK = 30
+OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a result
+
+
+def run_impact(
+    scenario: FrameImpact,
+    structure: FrameStructure,
+    steps: Iterator[TimeStep],
+    *,
+    largest_error: float | None = OPEN_LEDGER,
+    least_yield_ratio: float = 0.99,
+) -> Response:
+    """Follow `steps` of the impact driver on a frame under its dead loads.
+
+    Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
+    `least_yield_ratio` without a warning. Raises `SolverError`, and `OutOfDomainError` when the
+    frame collapses.
+    """
+    striker = scenario.striker
+    dof, sign = structure.dof(striker.node, striker.direction)
+    record = Record(structure, dof, sign, scenario.duration)
+    watch = CollapseWatch(structure)
+    work = loss = length = 0.0
+    record.record(
+        0.0,
+        velocity=0.0,
+        striker_velocity=striker.velocity,
+        percussion=0.0,
+        kinetic=scenario.input_energy,
+        external_work=0.0,
+        contact_loss=0.0,
+    )
+    for taken in steps:
+        record.add(taken.energies, taken.evaluations, taken.cuts)
+        work += taken.external_work
+        loss += taken.contact_loss
+        length = length or taken.length
+        record.record(
+            taken.time,
+            velocity=record.velocity,
+            striker_velocity=taken.striker.velocity,
+            percussion=taken.percussion,
+            kinetic=taken.kinetic + taken.striker.kinetic_energy,
+            external_work=work,
+            contact_loss=loss,
+        )
+        watch.check(f"{taken.time:.4g} s")
+    columns = record.columns(
+        "displacement", "velocity", "striker_velocity", "percussion", "kinetic", "elastic",
+        "dissipated", "external_work", "contact_loss",
+    )  # fmt: skip
+    brought = scenario.input_energy
+    spent = columns["kinetic"] + record.gained() + columns["dissipated"] + columns["contact_loss"]
+    balance = brought + columns["external_work"] - spent
+    _check_ledger(balance, brought, largest_error)
+    time = record.column("at")
+    peak = peak_of(time, columns["displacement"])
+    warnings = shear_reached(record)
+    warnings += _accuracy(record, brought, time, bool(peak), least_yield_ratio)
+    response = build_response(
+        {
+            **columns,
+            **peak,
+            **record.states(),
+            "balance_error": balance,
+            "input_energy": brought,
+            "residual_displacement": residual_of(time, columns["displacement"]) if peak else None,
+            "peak_force": peak_contact_force(time[1:], columns["percussion"][1:]),
+            "impulse": columns["percussion"].sum(),
+        },
+        time=time,
+        hinges=hinge_names(structure.frame),
+        segments=member_names(structure.frame),
+        members=member_names(structure.frame),
+        warnings=warnings,
+    )
+    response.attrs.update(record.diagnostics(), time_step=length)
+    return response
+
+
+def run_static(
+    scenario: FrameStatic, structure: FrameStructure, steps: Iterator[PathStep]
+) -> Response:
+    """Follow `steps` of a static driver on a frame under its dead loads.
+
+    Raises `SolverError`, and `OutOfDomainError` when an element crumples.
+    """
+    dof, sign = structure.dof(scenario.node, scenario.direction)
+    assembly = structure.assembly
+    record = Record(structure, dof, sign, None)
+    watch = CollapseWatch(structure)
+    work = pushed = 0.0
+    record.record(0.0, load_factor=0.0, external_work=0.0, pushed=0.0)
+    for count, taken in enumerate(steps, 1):
+        record.add(taken.energies, taken.evaluations, taken.cuts)
+        work += taken.external_work
+        dead = float(assembly.load @ (assembly.displacement - structure.start))
+        pushed = work - dead
+        record.record(float(count), load_factor=taken.factor, external_work=work, pushed=pushed)
+        watch.check(f"step {count}", standing=False)
+    columns = record.columns(
+        "displacement", "load_factor", "elastic", "dissipated", "external_work"
+    )
+    brought = float(np.max(np.abs(record.column("pushed"))))
+    force = columns["load_factor"] * scenario.magnitude
+    response = build_response(
+        {
+            **columns,
+            **record.states(),
+            "force": force,
+            "resistance": np.max(np.abs(force)),
+            "balance_error": columns["external_work"] - record.gained() - columns["dissipated"],
+            "input_energy": brought,
+        },
+        steps=len(columns["displacement"]),
+        hinges=hinge_names(structure.frame),
+        segments=member_names(structure.frame),
+        members=member_names(structure.frame),
+        warnings=shear_reached(record),
+    )
+    response.attrs.update(record.diagnostics())
+    return response
+
+
+def run_ground_motion(
+    scenario: FrameGroundMotion,
+    structure: FrameStructure,
+    steps: Iterator[GroundStep],
+    *,
+    least_yield_ratio: float = 0.99,
+) -> Response:
+    """Follow `steps` of the driver of ground motion on a frame under its dead loads.
+
+    Displacements and kinetic energy are relative to the ground; what damping takes counts as
+    dissipated, the work of the ground as external. The input energy is the largest work of the
+    ground so far. Raises `SolverError`, and `OutOfDomainError` when the frame collapses.
+    """
+    dof, sign = structure.dof(scenario.node, scenario.direction)
+    record = Record(structure, dof, sign, scenario.duration)
+    watch = CollapseWatch(structure)
+    ground = dead = damped = length = 0.0
+    start = {"velocity": 0.0, "kinetic": 0.0, "external_work": 0.0, "ground": 0.0, "damped": 0.0}
+    record.record(0.0, **start)
+    for taken in steps:
+        record.add(taken.energies, taken.evaluations, taken.cuts)
+        ground += taken.input_energy
+        dead += taken.external_work
+        damped += taken.damped
+        length = length or taken.length
+        record.record(
+            taken.time,
+            velocity=record.velocity,
+            kinetic=taken.kinetic,
+            external_work=ground + dead,
+            ground=ground,
+            damped=damped,
+        )
+        watch.check(f"{taken.time:.4g} s")
+    columns = record.columns(
+        "displacement", "velocity", "kinetic", "elastic", "dissipated", "external_work"
+    )
+    columns["dissipated"] = columns["dissipated"] + record.column("damped")
+    brought = float(np.max(np.abs(record.column("ground"))))
+    spent = columns["kinetic"] + record.gained() + columns["dissipated"]
+    balance = columns["external_work"] - spent
+    _check_ledger(balance, brought, OPEN_LEDGER)
+    time = record.column("at")
+    peak = peak_of(time, columns["displacement"])
+    response = build_response(
+        {
+            **columns,
+            **peak,
+            **record.states(),
+            "balance_error": balance,
+            "input_energy": brought,
+        },
+        time=time,
+        hinges=hinge_names(structure.frame),
+        segments=member_names(structure.frame),
+        members=member_names(structure.frame),
+        warnings=shear_reached(record) + _softened(record, least_yield_ratio),
+    )
+    response.attrs.update(record.diagnostics(), time_step=length)
+    return response
+
+
+def shear_reached(record: Record) -> list[Finding]:
+    """Members whose shear force has passed their plastic shear resistance."""
+    frame = record.structure.frame
+    ratios = record.shear_utilisation()
+    above = [frame.members[i].name for i in np.argsort(-ratios) if ratios[i] > 1.0]
+    if not above:
+        return []
+    text = (
+        f"V/Vpl = {ratios.max():.2f} was reached in {named(above)}, but shear does not yield in "
+        "this model: it overestimates the resistance"
+    )
+    return [Finding("shear-reached", text)]
+
+
+def _check_ledger(balance: Array, brought: float, largest_error: float | None) -> None:
+    error = float(np.max(np.abs(balance))) / brought
+    if largest_error is not None and error > largest_error:
+        raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
+
+
+def _accuracy(
+    record: Record, brought: float, time: Array, peaked: bool, least_yield_ratio: float
+) -> list[Finding]:
+    """What a finished run tells about its own accuracy."""
+    findings = []
+    if not peaked:
+        text = (
+            f"the displacement still grows at the end of the record, {time[-1]:g} s: "
+            "extend time.duration to find the peak"
+        )
+        findings.append(Finding("no-peak", text))
+    findings += _softened(record, least_yield_ratio)
+    top = int(np.argmax(record.column("displacement")))
+    if peaked and top < LEAST_STEPS_TO_PEAK:
+        text = f"the peak comes after {top} time steps only: reduce time_step"
+        findings.append(Finding("time-step", text))
+    damped = record.column("algorithmic")[top] / brought
+    if damped > LARGEST_DAMPING:
+        text = (
+            f"time stepping has dissipated {100 * damped:.1f} % of the impact energy before the "
+            "peak, as waves matter more than the motion of the frame: raise refinement"
+        )
+        findings.append(Finding("damping", text))
+    return findings
+
+
+def _softened(record: Record, least_yield_ratio: float) -> list[Finding]:
+    """Whether averaging over the steps has softened what yields."""
+    ratio = record.yield_ratio()
+    if ratio is None or ratio >= least_yield_ratio:
+        return []
+    text = (
+        f"yield ratio {ratio:.4f} is below {least_yield_ratio:g}: averaging over the step softens "
+        "what yields; take a smaller time_step"
+    )
+    return [Finding("yield-ratio", text)]

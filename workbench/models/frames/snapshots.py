@@ -1,0 +1,78 @@
+"""Pictures of a frame over its record: deformed shapes and utilisation of the hinges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.models.frames.structure import FrameStructure
+
+Array = NDArray[np.float64]
+Picture = tuple[Array, Array]  # shapes and utilisation
+EVENLY = 60  # snapshots over the record; one more at the peak
+
+
+class Snapshots:
+    """Collects at most `EVENLY` + 1 snapshots while a run passes by.
+
+    Arguments: the `structure`, whose committed state is read; `end` of the record, which starts
+    at zero (time in s; None: unknown, snapshots are then even in the number of steps). Evenly
+    spaced ones are those of the first step at or after their turn; the one of the peak follows
+    the largest displacement by one step.
+    """
+
+    def __init__(self, structure: FrameStructure, end: float | None) -> None:
+        self._structure = structure
+        self._turns = None if end is None else np.linspace(0.0, end, EVENLY) * (1.0 - 1e-9)
+        self._even: dict[float, Picture] = {}
+        self._peak: dict[float, Picture] = {}
+        self._seen, self._stride, self._next = 0, 1, 0
+        self._last: float | None = None
+        self._largest = 0.0
+        self._rising = False
+
+    def see(self, at: float, displacement: float) -> None:
+        """Look at the committed state at a time (s) or step, with its displacement (m)."""
+        falling = abs(displacement) < self._largest
+        if falling and self._rising:
+            self._peak = {at: self._picture()}
+        self._rising = not falling
+        self._largest = max(self._largest, abs(displacement))
+        if self._has_turn(at):
+            self._even[at] = self._peak.get(at) or self._picture()
+        self._seen += 1
+        self._last = at
+
+    def _has_turn(self, at: float) -> bool:
+        if self._turns is not None:
+            if self._next == EVENLY or at < self._turns[self._next]:
+                return False
+            self._next = int(np.searchsorted(self._turns, at, side="right"))
+            return True
+        if len(self._even) == 2 * EVENLY:
+            self._even = dict(list(self._even.items())[::2])
+            self._stride *= 2
+        return self._seen % self._stride == 0
+
+    def values(self) -> dict[str, Any]:
+        """Variables of the response; the state seen last must still be the committed one."""
+        even = list(self._even)
+        if self._last is not None and even[-1] != self._last:
+            even.append(self._last)
+            self._even[self._last] = self._picture()
+        if len(even) > EVENLY:
+            even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
+        pictures = dict(sorted({**self._peak, **{at: self._even[at] for at in even}}.items()))
+        shapes = np.stack([shape for shape, _ in pictures.values()], axis=-1)
+        return {
+            "snapshot_at": list(pictures),
+            "shape_x": shapes[:, :, 0],
+            "shape_y": shapes[:, :, 1],
+            "utilisation": np.stack([used for _, used in pictures.values()], axis=-1),
+        }
+
+    def _picture(self) -> Picture:
+        members = self._structure.members
+        return members.shapes(self._structure.assembly), members.utilisation()

@@ -1,0 +1,189 @@
+"""A scenario's frame as an assembly: supports, masses, springs, dead loads and locks.
+
+Models differ in the elements of the members only. They hand over a `Skeleton`, whose first nodes
+are those of the frame, and a reader of the members' states; everything else happens here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.scenarios import Frame, Load
+from workbench.structures.assembly import ElementGroup, PlanarAssembly
+from workbench.structures.statics import apply_loads
+
+Array = NDArray[np.float64]
+POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
+COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
+
+
+class MemberReader(Protocol):
+    """Committed state of all members, in SI units; two hinges per member, start and end.
+
+    Axial forces are positive in tension, moments where they stretch the fibers on the right of
+    somebody who looks from start to end.
+    """
+
+    def axial_forces(self) -> Array:
+        """Axial forces (hinges,)."""
+        ...
+
+    def moments(self) -> Array:
+        """Bending moments (hinges,)."""
+        ...
+
+    def plastic_rotations(self) -> Array:
+        """Plastic rotations (hinges,), those of the joints included."""
+        ...
+
+    def utilisation(self) -> Array:
+        """Utilisation of the sections (hinges,) under N and M: 1 on the yield surface."""
+        ...
+
+    def shear_forces(self) -> Array:
+        """Largest shear force of each member (members,), without sign."""
+        ...
+
+    def contractions(self) -> Array:
+        """Loss of length along the axis of each member (members,)."""
+        ...
+
+    def slightest(self) -> float:
+        """Least length of an element over its initial one, where that must not vanish; else 1."""
+        ...
+
+    def shapes(self, assembly: PlanarAssembly) -> Array:
+        """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
+        ...
+
+
+class Skeleton(NamedTuple):
+    """Elements of a frame before it is supported.
+
+    `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order; element
+    `groups`; `ties`, pairs (master, slave) of nodes that share translations only; number of
+    `elements` for the record.
+    """
+
+    coordinates: Array
+    groups: Sequence[ElementGroup]
+    ties: tuple[tuple[int, int], ...]
+    elements: int
+
+
+@dataclass(frozen=True)
+class FrameStructure:
+    """A frame under its dead loads, ready to be hit, pushed or shaken.
+
+    `assembly`, whose first nodes are those of the `frame`; `members` read their states;
+    number of `elements` and `smallest` length of one in m; `start`, the displacements (dofs,)
+    from which those of the response count; `watched`, further histories of the response by name:
+    dof and sign of a displacement since the unloaded state.
+    """
+
+    frame: Frame
+    assembly: PlanarAssembly
+    members: MemberReader
+    elements: int
+    smallest: float
+    start: Array
+    watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
+
+    def dof(self, node: str, direction: str) -> tuple[int, float]:
+        """Dof and sign of a node's motion along `direction` (x, y or rotation, with a sign)."""
+        sign = -1.0 if direction.startswith("-") else 1.0
+        names = [n.name for n in self.frame.nodes]
+        component = COMPONENT[direction.lstrip("+-")]
+        return self.assembly.dof(names.index(node), component), sign
+
+    def pattern(self, loads: Sequence[Load]) -> Array:
+        """Nodal forces (dofs,) of `loads`."""
+        return nodal_forces(self.frame, self.assembly, loads)
+
+
+def hinge_names(frame: Frame) -> list[str]:
+    """Names of the two hinges of every member, in the order of the members."""
+    return [f"{member.name}:{end}" for member in frame.members for end in ("start", "end")]
+
+
+def member_names(frame: Frame) -> list[str]:
+    """Names of the members in their order."""
+    return [member.name for member in frame.members]
+
+
+def nodal_forces(frame: Frame, assembly: PlanarAssembly, loads: Sequence[Load]) -> Array:
+    """Forces and moments (dofs,) of `loads` at the nodes of the frame."""
+    forces = np.zeros(assembly.size)
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    for load in loads:
+        for component, value in (("u", load.x), ("v", load.y), ("rotation", load.moment)):
+            forces[assembly.dof(number[load.node], component)] += value
+    return forces
+
+
+def stand_frame(
+    frame: Frame,
+    skeleton: Skeleton,
+    members: MemberReader,
+    *,
+    lumped: bool = False,
+    rotary_inertia: float = 0.0,
+) -> FrameStructure:
+    """Support a frame, bring its dead loads on, then its springs and locks.
+
+    Arguments: `skeleton` and the reader of its `members`; `lumped` mass; `rotary_inertia` of
+    every node in kg m2, beside what frame and members give. Springs are unstressed, and locked
+    nodes stand still, once the dead loads are on. Raises `SolverError` when those find no
+    equilibrium.
+    """
+    assembly = PlanarAssembly(
+        skeleton.coordinates, skeleton.groups, lumped=lumped, ties=skeleton.ties
+    )
+    for number, node in enumerate(frame.nodes):
+        assembly.hold([assembly.dof(number, component) for component in node.held])
+        assembly.add_mass(number, node.mass, node.rotary_inertia)
+    for number in range(len(skeleton.coordinates)):
+        assembly.add_mass(number, 0.0, rotary_inertia)
+    for number in free_to_spin(frame):
+        assembly.hold([assembly.dof(number, "rotation")])
+    assembly.load = nodal_forces(frame, assembly, frame.loads)
+    if np.any(assembly.load):
+        apply_loads(assembly)
+    for number, node in enumerate(frame.nodes):
+        for component, stiffness in (
+            ("u", node.spring_x),
+            ("v", node.spring_y),
+            ("rotation", node.spring_rotation),
+        ):
+            if stiffness > 0.0:
+                assembly.add_spring(assembly.dof(number, component), stiffness)
+        if node.locked != "none":
+            assembly.hold([assembly.dof(number, COMPONENT[node.locked])])
+    assembly.assemble(assembly.displacement, None)
+    assembly.stored = assembly.account(assembly.displacement, 0.5).stored
+    chords = np.concatenate(
+        [np.diff(skeleton.coordinates[group.nodes], axis=1)[:, 0] for group in skeleton.groups]
+    )
+    lengths = np.hypot(*chords.T)
+    return FrameStructure(
+        frame,
+        assembly,
+        members,
+        skeleton.elements,
+        float(lengths[lengths > 0.0].min()),
+        assembly.displacement.copy(),
+    )
+
+
+def free_to_spin(frame: Frame) -> list[int]:
+    """Numbers of nodes whose rotation nothing resists: every member there ends in a pin."""
+    stiff = {node.name: node.spring_rotation > 0.0 for node in frame.nodes}
+    for member in frame.members:
+        for node, joint in ((member.start, member.joint_start), (member.end, member.joint_end)):
+            stiff[node] = stiff[node] or frame.joint(joint).rotational_stiffness != 0.0
+    return [number for number, node in enumerate(frame.nodes) if not stiff[node.name]]

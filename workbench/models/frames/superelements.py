@@ -1,0 +1,235 @@
+"""A scenario's frame as superelements: hinges and bars of every member, and what is read off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.hinges import YieldSurface
+from workbench.models.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
+from workbench.scenarios import Frame, Joint, Member
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.superelements import HingeEnd, Superelement, Superelements
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+HingeSurfaces = tuple[YieldSurface, YieldSurface]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One of the equal parts into which a member is cut, as the maker of superelements sees it.
+
+    `length` in m; elastic EA (N) and EI (N m2); `joints` at its two ends (a rigid one inside the
+    member); `pins`, rotational stiffness of the joints or supports at its ends (N m/rad), zero
+    also at a support that leaves the end free to turn; mass (kg/m) and rotary inertia (kg m) per
+    length.
+    """
+
+    length: float
+    axial: float
+    bending: float
+    joints: tuple[Joint, Joint]
+    pins: tuple[float, float]
+    mass: float
+    rotary: float
+
+
+def series(*stiffnesses: float | None) -> float:
+    """Stiffness of springs in series; None is rigid."""
+    known = [k for k in stiffnesses if k is not None]
+    if 0.0 in known:
+        return 0.0
+    softness = sum(1.0 / k for k in known)
+    return 1.0 / softness if softness > 0.0 else inf
+
+
+def hinge_ends(
+    piece: Piece, surfaces: HingeSurfaces, axial: float, bending: tuple[float, float]
+) -> tuple[HingeEnd, HingeEnd]:
+    """Both hinges of a piece: `axial` stiffness (N/m) of each beside its joint, `bending` in all.
+
+    A free end that is no pin gets some stiffness, so that its node turns with the bar; it carries
+    no moment anyway.
+    """
+    ends = []
+    some = max(bending) or 6.0 * piece.bending / piece.length
+    for surface, joint, stiffness in zip(surfaces, piece.joints, bending, strict=True):
+        pinned = joint.rotational_stiffness == 0.0
+        turned = stiffness if pinned or stiffness > 0.0 else some
+        ends.append(HingeEnd(surface, series(axial, joint.axial_stiffness), turned))
+    return ends[0], ends[1]
+
+
+def stand_superelements(
+    frame: Frame,
+    parts: int,
+    surface: Callable[[Member], YieldSurface],
+    make: Callable[[Piece, HingeSurfaces], Superelement],
+    *,
+    regularisation: float,
+    node_inertia: float,
+    first_order: bool = False,
+    lumped: bool = False,
+) -> FrameStructure:
+    """The frame under its dead loads, every member cut into so many equal `parts`.
+
+    Arguments: yield `surface` of a member; `make` gives the superelement of a piece, with the
+    surfaces of its two hinges; `regularisation`, share of elastic stiffness beside the hinges;
+    `node_inertia`, rotary inertia of every node in kg m2; equilibrium of the undeformed frame if
+    `first_order`; `lumped` mass. Raises `InputError`, `SolverError`.
+    """
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    points = [[node.x, node.y] for node in frame.nodes]
+    nodes: list[tuple[int, int]] = []
+    sections: list[Superelement] = []
+    for member in frame.members:
+        own = surface(member)
+        inner = range(len(points), len(points) + parts - 1)
+        line = [number[member.start], *inner, number[member.end]]
+        from_, to = np.array(points[line[0]]), np.array(points[line[-1]])
+        points.extend((from_ + (to - from_) * k / parts).tolist() for k in range(1, parts))
+        nodes.extend(pairwise(line))
+        for k in range(parts):
+            piece = _piece(frame, member, parts, k)
+            surfaces = tuple(joint_surface(own, joint) for joint in piece.joints)
+            sections.append(make(piece, (surfaces[0], surfaces[1])))
+    group = Superelements(
+        nodes,
+        sections=sections,
+        section_of=np.arange(len(sections)),
+        regularisation=regularisation,
+        first_order=first_order,
+    )
+    coordinates = np.array(points)
+    return stand_frame(
+        frame,
+        Skeleton(coordinates, [group], (), len(nodes)),
+        SuperelementMembers(frame, group, coordinates, parts),
+        lumped=lumped,
+        rotary_inertia=node_inertia,
+    )
+
+
+def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
+    properties, modulus = frame.properties(member), frame.steel.elastic_modulus
+    rigid = frame.joint("rigid")
+    joints = (
+        frame.joint(member.joint_start) if index == 0 else rigid,
+        frame.joint(member.joint_end) if index == parts - 1 else rigid,
+    )
+    ends = (member.start if index == 0 else None, member.end if index == parts - 1 else None)
+    pins = tuple(
+        0.0 if _turns_freely(frame, member, end) else series(joint.rotational_stiffness)
+        for joint, end in zip(joints, ends, strict=True)
+    )
+    return Piece(
+        length=frame.length(member) / parts,
+        axial=modulus * properties.area,
+        bending=modulus * properties.second_moment,
+        joints=joints,
+        pins=(pins[0], pins[1]),
+        mass=properties.mass_per_length,
+        rotary=properties.mass_per_length * properties.second_moment / properties.area,
+    )
+
+
+def _turns_freely(frame: Frame, member: Member, name: str | None) -> bool:
+    """Whether nothing at the node of that name resists the rotation of the member."""
+    if name is None:
+        return False
+    node = frame.node(name)
+    if "rotation" in node.held or node.spring_rotation > 0.0:
+        return False
+    others = [other for other in frame.members if other.name != member.name]
+    return not any(name in (other.start, other.end) for other in others)
+
+
+def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
+    """The weaker of member and joint at each bound; linear where the joint is the weaker one.
+
+    A joint has no interaction curve of its own: EN 1993-1-8, 6.2.7.1(3) takes a straight line.
+    """
+    (tension, compression), (positive, negative) = member.axial_bounds, member.moment_bounds
+    bounds = (
+        _weaker(tension, joint.tension_resistance),
+        _weaker(compression, joint.compression_resistance),
+        _weaker(positive, joint.plastic_moment),
+        _weaker(negative, joint.plastic_moment_negative),
+    )
+    if bounds == (tension, compression, positive, negative):
+        return member
+    return YieldSurface(
+        bounds[0],
+        bounds[2],
+        squash_load_compression=bounds[1],
+        plastic_moment_negative=bounds[3],
+    )
+
+
+def _weaker(own: float, joint: float | None) -> float:
+    return own if joint is None else min(own, joint)
+
+
+class SuperelementMembers:
+    """Reads the members of a frame off their superelements, see `MemberReader`.
+
+    Arguments: the `frame`; the `group` of all elements, so many `parts` for every member in turn;
+    `coordinates` (nodes, 2) of the nodes in m.
+    """
+
+    def __init__(self, frame: Frame, group: Superelements, coordinates: Array, parts: int) -> None:
+        self._group, self._parts = group, parts
+        count = len(frame.members)
+        first = np.arange(count) * parts
+        self._ends: Indices = np.stack([first, first + parts - 1], axis=1).ravel()
+        self._side: Indices = np.resize([0, 1], 2 * count)
+        self._origin: Array = coordinates[group.nodes[:, 0]]
+
+    def axial_forces(self) -> Array:
+        """Axial forces (hinges,)."""
+        return np.asarray(self._group.local_forces[self._ends, 0])
+
+    def moments(self) -> Array:
+        """Bending moments (hinges,)."""
+        local = self._group.local_forces[self._ends]
+        return np.where(self._side == 0, -local[:, 1], local[:, 2])
+
+    def plastic_rotations(self) -> Array:
+        """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
+        plastic = self._group.plastic[self._ends]
+        return np.where(self._side == 0, -plastic[:, 1], plastic[:, 3])
+
+    def utilisation(self) -> Array:
+        """Left side of the yield condition (hinges,)."""
+        return np.asarray(self._group.utilisation()[self._ends, self._side])
+
+    def shear_forces(self) -> Array:
+        """Largest shear force of each member (members,), without sign."""
+        shear = np.abs(self._group.shear_forces)
+        return np.asarray(shear.reshape(-1, self._parts).max(axis=1))
+
+    def contractions(self) -> Array:
+        """Loss of length of the chords of each member (members,)."""
+        return np.asarray(-self._group.elongations.reshape(-1, self._parts).sum(axis=1))
+
+    def slightest(self) -> float:
+        """Least length of a chord over its initial length."""
+        return float(np.min(1.0 + self._group.elongations / self._group.lengths))
+
+    def shapes(self, assembly: PlanarAssembly) -> Array:
+        """Displaced positions (members, points, 2)."""
+        along = POINTS * self._parts
+        piece = np.minimum(along.astype(int), self._parts - 1)
+        shapes = np.empty((len(self._ends) // 2, len(POINTS), 2))
+        for k in range(self._parts):
+            here = piece == k
+            of_piece = slice(k, None, self._parts)
+            moved = self._group.shapes(assembly.displacement, along[here] - k)[of_piece]
+            shapes[:, here] = self._origin[of_piece, None] + moved
+        return shapes

@@ -1,0 +1,56 @@
+"""How long the events of a frame take, for the choice of time steps."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+
+from workbench.scenarios import Frame, FrameImpact
+
+
+def time_to_peak(scenario: FrameImpact) -> float:
+    """Estimate (s) of the time of the peak: of an elastic spring, or of hinges if longer.
+
+    Both from the members at the struck node alone, held at their far ends; the plastic estimate
+    is that of a mechanism with hinges at both ends of them.
+    """
+    frame, striker = scenario.frame, scenario.striker
+    along = np.array([1.0, 0.0] if striker.direction.endswith("x") else [0.0, 1.0])
+    stiffness = np.zeros((3, 3))
+    resistance = 0.0
+    inertia = striker.mass + frame.node(striker.node).mass
+    for member in frame.members:
+        if striker.node not in (member.start, member.end):
+            continue
+        far = frame.node(member.end if striker.node == member.start else member.start)
+        near = frame.node(striker.node)
+        length = frame.length(member)
+        properties = frame.properties(member)
+        c, s = (far.x - near.x) / length, (far.y - near.y) / length
+        modulus = frame.steel.elastic_modulus
+        axial = modulus * properties.area / length
+        bending = modulus * properties.second_moment / length
+        e, n = np.array([c, s, 0.0]), np.array([-s, c, 0.0])
+        turned = 6.0 * bending / length * n
+        stiffness += axial * np.outer(e, e) + 12.0 * bending / length**2 * np.outer(n, n)
+        stiffness[2, :2] += turned[:2]
+        stiffness[:2, 2] += turned[:2]
+        stiffness[2, 2] += 4.0 * bending
+        across, lengthwise = abs(float(n[:2] @ along)), abs(float(e[:2] @ along))
+        resistance += 2.0 * properties.plastic_moment / length * across
+        resistance += properties.squash_load * lengthwise
+        inertia += properties.mass_per_length * length / 3.0
+    flexibility = float(np.append(along, 0.0) @ np.linalg.pinv(stiffness) @ np.append(along, 0.0))
+    elastic = 0.5 * pi * sqrt(inertia * flexibility)
+    return max(elastic, striker.mass * striker.velocity / resistance)
+
+
+def wave_times(frame: Frame) -> list[float]:
+    """Times (s) of an axial wave along every member."""
+    times = []
+    for member in frame.members:
+        properties = frame.properties(member)
+        speed = sqrt(frame.steel.elastic_modulus * properties.area / properties.mass_per_length)
+        times.append(frame.length(member) / speed)
+    return times

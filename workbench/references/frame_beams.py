@@ -1,0 +1,172 @@
+"""A scenario's frame as fiber beams: members cut into elements, joints as springs, what is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.models.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
+from workbench.references.column_beams import ColumnElements
+from workbench.references.frame_mesh import FrameMesh
+from workbench.scenarios import Frame
+from workbench.structures.assembly import ElementGroup, PlanarAssembly
+from workbench.structures.joints import JointSpring, JointSprings
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+ENVELOPE = 181  # points of the exact interaction curve
+STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
+
+
+class FiberMembers:
+    """Reads the members of a frame off their fiber elements, see `MemberReader`.
+
+    Arguments: the `frame`, its `mesh`, its elements `beams`, its `springs` (None without joints);
+    `sampled`, where an element samples plasticity, from its end next to a hinge and over its
+    length.
+    """
+
+    def __init__(
+        self,
+        frame: Frame,
+        mesh: FrameMesh,
+        beams: ColumnElements,
+        springs: JointSprings | None,
+        sampled: float,
+    ) -> None:
+        self._mesh, self._beams, self._springs = mesh, beams, springs
+        self._sampled = sampled
+        count = len(frame.members)
+        self._ends = np.stack([mesh.first[:-1], mesh.first[1:] - 1], axis=1).ravel()
+        self._at_start = np.resize([True, False], 2 * count)
+        sections = [frame.strength_section(member) for member in frame.members]
+        steel = frame.steel
+        self._squash = np.repeat([s.squash_load(steel) for s in sections], 2)
+        self._plastic = np.repeat([s.plastic_moment(steel) for s in sections], 2)
+        radii = {s: np.hypot(*s.interaction_envelope(ENVELOPE)) for s in set(sections)}
+        self._radii = np.repeat(np.stack([radii[s] for s in sections]), 2, axis=0)
+        along = np.cumsum(mesh.lengths) - 0.5 * mesh.lengths
+        starts = np.concatenate([[0.0], np.cumsum(mesh.lengths)])[mesh.first]
+        middle = 0.5 * (starts[:-1] + starts[1:])[mesh.member]
+        self._half = 2 * mesh.member + (along > middle)
+        self._hinge = np.array([2 * m + (not start) for m, start, _, _ in mesh.joints], dtype=int)
+        self._dofs: tuple[Indices, Indices] | None = None
+
+    def axial_forces(self) -> Array:
+        """Axial forces (hinges,)."""
+        return np.asarray(self._beams.local_forces[self._ends, 0])
+
+    def moments(self) -> Array:
+        """Bending moments (hinges,)."""
+        local = self._beams.local_forces[self._ends]
+        return np.where(self._at_start, -local[:, 1], local[:, 2])
+
+    def plastic_rotations(self) -> Array:
+        """Plastic curvature integrated over the half member next to each end, and its joint."""
+        rotation = np.bincount(
+            self._half, weights=self._beams.plastic_rotations(), minlength=len(self._ends)
+        ).astype(float)
+        if self._springs is not None:
+            rotation[self._hinge] += self._springs.plastic
+        return rotation
+
+    def utilisation(self) -> Array:
+        """Radius of (N/Np, M/Mp) over that of the exact envelope, where the end is sampled.
+
+        Of the joint there, if more of its strength is used.
+        """
+        local = self._beams.local_forces[self._ends]
+        near = np.where(self._at_start, -local[:, 1], local[:, 2])
+        far = np.where(self._at_start, local[:, 2], -local[:, 1])
+        moment = (1.0 - self._sampled) * near + self._sampled * far
+        n, m = np.abs(local[:, 0]) / self._squash, np.abs(moment) / self._plastic
+        at = np.arctan2(n, m) / (0.5 * np.pi) * (ENVELOPE - 1)
+        low = np.minimum(at.astype(int), ENVELOPE - 2)
+        rows = np.arange(len(at))
+        share = at - low
+        bound = (1.0 - share) * self._radii[rows, low] + share * self._radii[rows, low + 1]
+        used = np.asarray(np.hypot(n, m) / bound)
+        if self._springs is not None:
+            np.maximum.at(used, self._hinge, self._springs.utilisation())
+        return used
+
+    def shear_forces(self) -> Array:
+        """Shear force of each member (members,), mean along it."""
+        mesh = self._mesh
+        weighted = np.add.reduceat(self._beams.shear_forces * mesh.lengths, mesh.first[:-1])
+        return np.abs(weighted / np.add.reduceat(mesh.lengths, mesh.first[:-1]))
+
+    def contractions(self) -> Array:
+        """Loss of length along the axis of each member (members,)."""
+        return -np.add.reduceat(self._beams.elongations, self._mesh.first[:-1])
+
+    def slightest(self) -> float:
+        """Least length of an element over its initial length, where that must not vanish."""
+        if not self._beams.crumples:
+            return 1.0
+        return float(np.min(1.0 + self._beams.elongations / self._beams.lengths))
+
+    def shapes(self, assembly: PlanarAssembly) -> Array:
+        """Displaced positions (members, points, 2), straight between the nodes."""
+        mesh = self._mesh
+        if self._dofs is None:
+            count = range(len(mesh.coordinates))
+            self._dofs = assembly.dofs(count, "u"), assembly.dofs(count, "v")
+        moved = [assembly.displacement[dofs] for dofs in self._dofs]
+        position = mesh.coordinates + np.stack(moved, axis=1)
+        shapes = np.empty((len(mesh.first) - 1, len(POINTS), 2))
+        for shape, first, last in zip(shapes, mesh.first[:-1], mesh.first[1:], strict=True):
+            line = np.append(mesh.nodes[first:last, 0], mesh.nodes[last - 1, 1])
+            at = np.concatenate([[0.0], np.cumsum(mesh.lengths[first:last])])
+            for axis in range(2):
+                shape[:, axis] = np.interp(POINTS * at[-1], at, position[line, axis])
+        return shapes
+
+
+def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
+    """Rotational springs between members and their nodes; None where no joint turns.
+
+    A rigid joint of limited strength gets `STIFF` times 4 EI/L of its member. Bounds that a joint
+    does not give are those of the member, whose fibers yield by themselves.
+    """
+    if not mesh.joints:
+        return None
+    pairs, springs = [], []
+    for index, at_start, master, slave in mesh.joints:
+        member = frame.members[index]
+        joint = frame.joint(member.joint_start if at_start else member.joint_end)
+        stiffness = joint.rotational_stiffness
+        if stiffness is None:
+            bending = frame.steel.elastic_modulus * frame.properties(member).second_moment
+            stiffness = STIFF * 4.0 * bending / frame.length(member)
+        positive, negative = joint.plastic_moment, joint.plastic_moment_negative
+        springs.append(JointSpring(stiffness, positive or inf, negative or inf))
+        pairs.append((master, slave) if at_start else (slave, master))
+    return JointSprings(pairs, springs)
+
+
+def fiber_frame(
+    frame: Frame,
+    mesh: FrameMesh,
+    build: Callable[[Indices, Indices], tuple[ColumnElements, ElementGroup]],
+    *,
+    sampled: float,
+    lumped: bool = False,
+) -> FrameStructure:
+    """The frame as fiber beams under its dead loads.
+
+    Arguments: `mesh`; `build` gives, from nodes (elements, 2) and the number of the member
+    (elements,), the elements and the group that assembles them (often the same); `sampled`, see
+    `FiberMembers`; `lumped` mass. Raises `SolverError`.
+    """
+    beams, group = build(mesh.nodes, mesh.member)
+    springs = joint_springs(frame, mesh)
+    groups: list[ElementGroup] = [group]
+    if springs is not None:
+        groups.append(springs)
+    members = FiberMembers(frame, mesh, beams, springs, sampled)
+    skeleton = Skeleton(mesh.coordinates, groups, mesh.ties, len(mesh.nodes))
+    return stand_frame(frame, skeleton, members, lumped=lumped)

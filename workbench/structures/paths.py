@@ -1,0 +1,249 @@
+"""Static paths: a dof or a load factor is led through successive targets, each step committed.
+
+A pattern of nodal loads and moments is multiplied by the load factor; the dead loads of the
+assembly stay as they are. The work of both is accounted for by the trapezoidal rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from math import ceil, inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.errors import InputError, SolverError
+from workbench.structures.assembly import COMPONENTS, PlanarAssembly
+from workbench.structures.equilibrium import (
+    DisplacementControl,
+    equilibrium,
+    free_pattern,
+    in_pieces,
+    present_factor,
+)
+from workbench.structures.ledger import StepEnergies
+
+Array = NDArray[np.float64]
+LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
+LARGEST_GAP = 5e-3  # of the energy turned over in a step; a structure that jumps leaves more
+
+
+class PathStep(NamedTuple):
+    """A committed point of a static path.
+
+    `displacement` of the led or watched dof along its sign since the start of the path (m or rad);
+    load `factor`; `energies` of the structure and `external_work` of pattern and dead loads since
+    the last point (J); residual `evaluations`; `cuts`, how often the increment was halved.
+    """
+
+    displacement: float
+    factor: float
+    energies: StepEnergies
+    external_work: float
+    evaluations: int
+    cuts: int
+
+
+def follow_displacement(
+    assembly: PlanarAssembly,
+    pattern: Array,
+    dof: int,
+    sign: float,
+    targets: Sequence[float],
+    increment: float,
+    tolerance: float = 1e-8,
+    most_cuts: int = 10,
+) -> Iterator[PathStep]:
+    """Displacement control: lead `dof` through `targets`; the load factor follows.
+
+    Arguments: `assembly` under its dead loads; `pattern` (dofs,) in N and N m; `dof` and the `sign`
+    of its direction; displacements `targets` along it from where it is now (m or rad), more than
+    one for reversals; largest `increment` between points; `tolerance` of the residual over the
+    largest force; `most_cuts`, how often an increment may be halved.
+    Yields a `PathStep` for each point; every target is one. Raises `SolverError`, also where the
+    structure would jump (snap-back), and `InputError`.
+    """
+    if dof in assembly.held:
+        raise InputError("dof", dof, "is held by a support", "lead a dof that can move")
+    points = sign * np.array(_points(0.0, targets, increment))
+    course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
+    yield from lead(course, points, tolerance, most_cuts, LARGEST_GAP)
+
+
+def follow_load(
+    assembly: PlanarAssembly,
+    pattern: Array,
+    factors: Sequence[float],
+    dof: int,
+    sign: float,
+    increment: float,
+    tolerance: float = 1e-8,
+    most_cuts: int = 10,
+) -> Iterator[PathStep]:
+    """Load control: lead the factor of `pattern` through successive `factors`.
+
+    Arguments as for `follow_displacement`, except that `dof` is only watched, and that `increment`
+    is that of the factor. Raises `SolverError` where a limit point ends the path.
+    """
+    course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
+    points = _points(course.factor, factors, increment)
+    yield from load(course, points, tolerance, most_cuts, LARGEST_GAP, "load factor")
+
+
+def _points(begin: float, targets: ArrayLike, increment: float) -> list[float]:
+    """Equal steps of at most `increment` from `begin` to each of the targets in turn."""
+    stops = np.atleast_1d(np.asarray(targets, dtype=float))
+    if not (stops.size and np.all(np.isfinite(stops))):
+        raise InputError("targets", None, "must be one or more finite numbers")
+    if not increment > 0.0:
+        raise InputError("increment", increment, "must be positive")
+    points: list[float] = []
+    for stop in stops:
+        count = ceil(abs(stop - begin) / increment - 1e-9)
+        points.extend(np.linspace(begin, stop, count + 1)[1:])
+        begin = float(stop)
+    return points
+
+
+class Course:
+    """A structure on its static path: where it is, what the step under way has cost and done.
+
+    Arguments: `pattern` without loads on supports; `dof` that is led or watched, along `sign`;
+    `constant` loads beside the pattern, the dead loads unless given.
+    """
+
+    def __init__(
+        self,
+        assembly: PlanarAssembly,
+        pattern: Array,
+        dof: int,
+        sign: float,
+        constant: Array | None = None,
+    ) -> None:
+        self.assembly, self.pattern, self.dof, self.sign = assembly, pattern, dof, sign
+        self.constant = assembly.load if constant is None else constant
+        self.origin = float(assembly.displacement[dof])
+        self.factor = present_factor(assembly, self.constant, pattern)
+        self.unit = "rad" if dof % len(COMPONENTS) == COMPONENTS["rotation"] else "m"
+        self.evaluations = 0
+        self._energies = StepEnergies(0.0, 0.0, 0.0, 0.0)
+        self._work = 0.0
+
+    @property
+    def at(self) -> float:
+        """Displacement of the dof, in m or rad."""
+        return float(self.assembly.displacement[self.dof])
+
+    def control(self, dof: int, tolerance: float) -> DisplacementControl:
+        """Control of the displacement of a dof under the loads of the course."""
+        return DisplacementControl(self.assembly, self.constant, self.pattern, dof, tolerance)
+
+    def commit(self, end: Array, factor: float, largest_gap: float = inf) -> float:
+        """Commit the trial state at `end`, unless the energies of the step leave too large a gap.
+
+        The gap is what the trapezoidal work lacks or has too much, over the energy turned over. It
+        vanishes with the step along a path, but not where the structure jumps: then the difference
+        would have set it in motion. Returns the gap.
+        """
+        change = end - self.assembly.displacement
+        step = self.assembly.account(end, LEDGER_WEIGHT)
+        work = 0.5 * (self.factor + factor) * float(self.pattern @ change)
+        work += float(self.constant @ change)
+        gained = step.stored - self.assembly.stored
+        missing = abs(work - gained - step.plastic)
+        turned = abs(work) + abs(gained) + abs(step.plastic)
+        gap = missing / turned if turned > 0.0 else 0.0
+        if gap <= largest_gap:
+            self._energies = (self._energies + step)._replace(stored=step.stored)
+            self._work += work
+            self.assembly.commit(end)
+            self.assembly.stored = step.stored
+            self.factor = factor
+        return gap
+
+    def record(self, cuts: int) -> PathStep:
+        """The point that has been reached; what comes next is counted anew."""
+        displacement = self.sign * (self.at - self.origin)
+        point = PathStep(
+            displacement, self.factor, self._energies, self._work, self.evaluations, cuts
+        )
+        self._energies, self._work = StepEnergies(0.0, 0.0, 0.0, 0.0), 0.0
+        self.evaluations = 0
+        return point
+
+
+def lead(
+    course: Course, points: ArrayLike, tolerance: float, most_cuts: int, largest_gap: float
+) -> Iterator[PathStep]:
+    """Lead the dof of a course through displacements `points` from its origin, one record each."""
+    assembly, dof = course.assembly, course.dof
+    control = course.control(dof, tolerance)
+    previous, gained = np.zeros(assembly.size), 0.0
+
+    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
+        nonlocal previous, gained
+        goal = begin + (done + share) * span
+        increment = goal - course.at
+        if previous[dof] * increment > 0.0:
+            ratio = increment / previous[dof]
+            change, more = previous * ratio, gained * ratio
+        else:
+            change, more = control.tangent_step(increment)
+        start, factor = assembly.displacement, course.factor
+        found, reached = control.solve(start + change, factor + more)
+        course.evaluations += found.evaluations
+        where = f"displacement {course.sign * (goal - course.origin):.6g} {course.unit}"
+        tried = (
+            f"line search and increments down to 1/{2**most_cuts}; where the path turns back in "
+            "this dof, lead another one or use arc length"
+        )
+        previous = np.zeros(assembly.size)
+        if not found.converged:
+            return SolverError(where, found.residual, tried)
+        change = found.x - start
+        gap = course.commit(found.x, reached, largest_gap)
+        if gap > largest_gap:
+            return SolverError(where, gap / largest_gap, tried)
+        previous, gained = change, reached - factor
+        return None
+
+    for point in np.asarray(points):
+        span = course.origin + float(point) - course.at
+        cuts = in_pieces(partial(attempt, course.at, span), most_cuts)
+        yield course.record(cuts)
+
+
+def load(
+    course: Course,
+    points: ArrayLike,
+    tolerance: float,
+    most_cuts: int,
+    largest_gap: float,
+    name: str,
+) -> Iterator[PathStep]:
+    """Lead the load factor of a course through `points`, one record each; `name` is for errors."""
+    assembly = course.assembly
+
+    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
+        factor = begin + (done + share) * span
+        total = course.constant + factor * course.pattern
+        found, _ = equilibrium(assembly, total, assembly.displacement, assembly.held, tolerance)
+        course.evaluations += found.evaluations
+        residual = found.residual
+        if found.converged:
+            gap = course.commit(found.x, factor, largest_gap)
+            if gap <= largest_gap:
+                return None
+            residual = gap / largest_gap
+        return SolverError(
+            f"{name} {factor:.6g}",
+            residual,
+            f"line search and load steps down to 1/{2**most_cuts}; no equilibrium is within reach "
+            "past a limit point: use displacement control or arc length",
+        )
+
+    for point in np.asarray(points):
+        cuts = in_pieces(partial(attempt, course.factor, float(point) - course.factor), most_cuts)
+        yield course.record(cuts)

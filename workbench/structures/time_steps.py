@@ -1,0 +1,152 @@
+"""Implicit time steps: the equations of one, and the march through a record.
+
+A step from t_n to t_n+1 solves M (v1 - v0) / dt + f + damping M (x1 - x0) / dt = p + w P / dt with
+v1 = 2 (x1 - x0) / dt - v0. The forces f are the energy-exact ones of the elements, or the mean of
+those at both ends. A closed contact makes the percussion P linear in x1, so that it is eliminated:
+no penalty, no extra unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import ceil
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import SolverError
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.newton import Solution, newton
+
+Array = NDArray[np.float64]
+Step = TypeVar("Step")
+ITERATIONS = 25
+
+
+class Pull(NamedTuple):
+    """A closed contact: P = mass (touch - w . v1) at `dof`, w = `sign` there."""
+
+    dof: int
+    sign: float
+    mass: float
+    touch: float
+
+
+class Trial(NamedTuple):
+    """A solved step: `solution`, end `velocity` (dofs,), and internal `force` (dofs,) at the end.
+
+    With energy-exact forces that is the force of the whole step.
+    """
+
+    solution: Solution
+    velocity: Array
+    force: Array
+
+
+def solve_step(
+    assembly: PlanarAssembly,
+    dt: float,
+    weight: float,
+    load: Array,
+    tolerance: float,
+    *,
+    damping: float = 0.0,
+    pull: Pull | None = None,
+    before: Array | None = None,
+) -> Trial:
+    """Solve one step from the committed state; the trial state stays in the groups.
+
+    Arguments: `dt` in s; `weight` of the end stresses in energy-exact forces; `load` (dofs,) of
+    the step in N; `tolerance` of the residual over the largest force; mass-proportional `damping`
+    in 1/s; `pull` of a closed contact; `before`, internal forces (dofs,) at the start if the mean
+    of both ends is to act instead of the energy-exact forces.
+    """
+    x0, v0, held = assembly.displacement, assembly.velocity, assembly.held
+    start_momentum = assembly.mass_times(v0) * (2.0 / dt)
+    factor = 2.0 / dt**2 + damping / dt
+    # twice the equations with the mean of both ends: the tangent at the end then counts once
+    scale, rule = (1.0, weight) if before is None else (2.0, None)
+    internal = np.zeros(assembly.size)
+
+    def evaluate(x: Array) -> Array:
+        force = assembly.assemble(x, rule, scale * factor)
+        internal[:] = force
+        if before is not None:
+            force = force + before
+        inertia = assembly.mass_times(x - x0) * factor - start_momentum
+        residual = scale * inertia + force - scale * load
+        if pull is not None:
+            d = pull.dof
+            v1 = pull.sign * (2.0 * (x[d] - x0[d]) / dt - v0[d])
+            residual[d] -= scale * pull.sign * pull.mass * (pull.touch - v1) / dt
+            assembly.add_to_diagonal(d, scale * 2.0 / dt**2 * pull.mass)
+        residual[held] = 0.0
+        return np.asarray(residual)
+
+    def allow(residual: Array) -> float:
+        return assembly.allowed_residual(tolerance, residual, x0)
+
+    assembly.begin_step(dt)
+    found = newton(evaluate, allow, assembly.solve, x0, ITERATIONS)
+    velocity = 2.0 * (found.x - x0) / dt - v0
+    velocity[held] = 0.0
+    return Trial(found, velocity, internal)
+
+
+class Advance(NamedTuple):
+    """How a step went: residual `evaluations`, and the scaled `residual` if it was not solved."""
+
+    evaluations: int
+    residual: float
+
+
+class Marched(NamedTuple):
+    """A committed step of a march: its end in s, residual `evaluations`, and `cuts` before it."""
+
+    time: float
+    evaluations: int
+    cuts: int
+
+
+def march(
+    spans: Sequence[tuple[float, float]],
+    advance: Callable[[float, float], tuple[Step | None, Advance]],
+    most_cuts: int,
+    remedies: str,
+) -> Iterator[tuple[Step, Marched]]:
+    """Go through a record; steps are halved where they fail and doubled back afterwards.
+
+    Arguments: `spans`, end times and nominal steps of successive parts of the record, both in s;
+    `advance`, takes the start and the length of a step, commits it and gives it, or None if it is
+    not solved; `most_cuts`, how often a step may be halved; what else `advance` tries, for errors.
+    Yields the steps. Raises `SolverError`.
+    """
+    begin = 0.0
+    for end, nominal in spans:
+        if end <= begin:
+            continue
+        count = max(1, ceil((end - begin) / nominal - 1e-9))
+        step = (end - begin) / count
+        level = 0
+        index = 0  # in units of step / 2^level
+        evaluations = cuts = 0
+        while index < count * 2**level:
+            dt = step / 2**level
+            taken, spent = advance(begin + index * dt, dt)
+            evaluations += spent.evaluations
+            if taken is None:
+                level, cuts, index = level + 1, cuts + 1, 2 * index
+                if level > most_cuts:
+                    raise SolverError(
+                        f"time {begin + index * dt / 2:.6g} s",
+                        spent.residual,
+                        f"{remedies}, steps down to {dt:.3g} s",
+                    )
+                continue
+            index += 1
+            yield taken, Marched(begin + index * dt, evaluations, cuts)
+            evaluations = cuts = 0
+            while level > 0 and index % 2 == 0:
+                level, index = level - 1, index // 2
+        begin = end

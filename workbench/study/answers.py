@@ -1,0 +1,49 @@
+"""The stored answers of one case of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from workbench.responses import Outcome, Response, outcome_of
+from workbench.study.definition import Case, Study
+
+STATIC = ("column-pushover", "frame-static")  # kinds whose answer is a curve over load steps
+
+
+def is_static(case: Case) -> bool:
+    """Whether a case is answered by a curve over load steps, not by a history in time."""
+    return case.scenario.KIND in STATIC
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The stored `responses` of one case by label; `asked` are all labels that are to answer."""
+
+    study: Study
+    case: Case
+    asked: tuple[str, ...]
+    responses: Mapping[str, Response]
+
+    def ok(self, label: str) -> Response | None:
+        """The response of a label, if it answered."""
+        response = self.responses.get(label)
+        if response is None or outcome_of(response) is not Outcome.OK:
+            return None
+        return response
+
+    def why_not(self, label: str) -> str:
+        """Why there is no answer of a label."""
+        response = self.responses.get(label)
+        if response is None:
+            return f"{label} has not been run"
+        return f"{label}: {outcome_of(response)}, {response.attrs['message']}"
+
+    def levels(self) -> list[str]:
+        """Labels of the ladder that answered, coarse to fine, without a gap up to the finest."""
+        levels: list[str] = []
+        for label in reversed(self.study.ladder):
+            if self.ok(label) is None:
+                break
+            levels.insert(0, label)
+        return levels
