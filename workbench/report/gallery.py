@@ -88,7 +88,7 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
         figure
         for figure in _STANDARD
         if figure.kind not in kinds
-        and (figure.kind != "convergence" or len(study.ladder) > 1)
+        and (figure.kind != "convergence" or len(study.steps) > 1)
         and (figure.kind != "structure" or not all(_is_of_studs(case) for case in study.cases))
     ]
     first = [figure for figure in added if figure.kind == "structure"]

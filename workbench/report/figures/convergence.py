@@ -22,7 +22,7 @@ _BAND = "#56b4e9"
 
 def draw(request: Request) -> Drawing:
     """One panel per case: the levels, the Richardson value at size zero, the interval."""
-    steps = request.study.ladder
+    steps = request.study.steps
     if len(steps) < 2:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
     quantity = str(request.option("quantity", request.study.quantities[0]))
@@ -60,13 +60,13 @@ def draw(request: Request) -> Drawing:
 def _levels(request: Request, case: Case, quantity: str) -> list[str]:
     """Levels of the ladder that know the quantity in a case."""
     row = request.stored.ladder(case.name, quantity) or {}
-    return [label for label in request.study.ladder if row.get(label) is not None]
+    return [label for label in request.study.steps if row.get(label) is not None]
 
 
 def _panel(request: Request, case: Case, panel: Axes, quantity: str, blocks: list[Any]) -> str:
     row = request.stored.ladder(case.name, quantity)
     assert row is not None
-    unit, steps = unit_of(quantity).factor, request.study.ladder
+    unit, steps = unit_of(quantity).factor, request.study.steps
     sizes = {label: 2.0 ** (len(steps) - 1 - i) for i, label in enumerate(steps)}
     known = {label: row[label] for label in _levels(request, case, quantity)}
     values = {label: value * unit for label, value in known.items()}
