@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS ?= $(shell $(PYTHON) -c "import os; print(os.cpu_count() or 1)")
 
-.PHONY: report quick test lint summary sweep benchmarks lock clean
+.PHONY: report quick test lint summary sweep frames benchmarks lock clean
 
 report: .venv/ready
 	$(BIN)/workbench run thesis_column --jobs $(JOBS)
@@ -29,8 +29,13 @@ sweep: .venv/ready
 	$(BIN)/workbench run column_sweep --jobs $(JOBS)
 	$(BIN)/workbench report column_sweep
 
+frames: .venv/ready
+	$(BIN)/workbench run thesis_frame_impact --jobs $(JOBS)
+	$(BIN)/workbench report thesis_frame_impact
+
 benchmarks: .venv/ready
 	$(BIN)/python benchmarks/column_models.py
+	$(BIN)/python benchmarks/frames.py
 
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))" \

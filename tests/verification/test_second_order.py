@@ -43,7 +43,9 @@ def column(supports: tuple[str, str], axial: float) -> Frame:
 
 MODELS = {
     "flexible superelement": FlexibleSuperelement(hinge_stiffness=1e6),
-    "fiber beam": FiberCorotational(shear_flexible=False, smallest_element=0.5, levels=1),
+    "fiber beam": FiberCorotational(
+        shear_flexible=False, smallest_element=0.5, layers=40, refinement=0, levels=1
+    ),
 }
 
 
