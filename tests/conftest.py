@@ -35,8 +35,3 @@ def thesis_impact() -> ColumnImpact:
 def clamped_impact() -> ColumnImpact:
     """HEB 220 clamped at both ends, hit at mid-height at 25 m/s (Heng 2017, section 5.1)."""
     return load_scenario(data_directory() / "published" / "heng2017_clamped_column.toml")
-
-
-def pytest_make_parametrize_id(val: object) -> str | None:
-    """Names of functions as parameters: their addresses differ between worker processes."""
-    return getattr(val, "__name__", None) if callable(val) else None

@@ -336,7 +336,10 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("make", "field", "words"), REFUSED, ids=lambda v: str(v)[:40])
+NAMES = [f"{field}: {words}"[:60] for _, field, words in REFUSED]
+
+
+@pytest.mark.parametrize(("make", "field", "words"), REFUSED, ids=NAMES)
 def test_what_does_not_fit_is_refused_with_one_message(make, field, words) -> None:
     with pytest.raises(InputError) as caught:
         make()
