@@ -30,7 +30,7 @@ PLACES = {  # member that is hit, m above its lower end
     UPPER: ("B1-B2", 1.0),
 }
 DURATIONS = {10.0: 0.03, 20.0: 0.06, 40.0: 0.1}  # s, past the peak
-LONG = 0.15  # s, where the frame sways or its masses do
+LONG = 0.11  # s, where the frame sways
 
 
 def profiles(storeys: int = 2, beam: str = "IPE 400", base: str = "clamped") -> Frame:
@@ -104,7 +104,7 @@ cases = (
     single(FOUR, profiles(storeys=4), "B0-B1", 40.0, 0.1),
     single(STRONG, profiles(beam="IPE 600"), "B0-B1", 40.0, 0.1),
     single(DEAD, loaded(profiles()), "B0-B1", 20.0, 0.06),
-    single(HEAVY, loaded(profiles()), "B0-B1", 40.0, LONG),
+    single(HEAVY, loaded(profiles()), "B0-B1", 40.0, 0.14),
     single(PINNED, profiles(base="pinned"), "B0-B1", 20.0, LONG),
     single(LIGHT, profiles(1, "IPE 270"), "A0-A1", 20.0, 0.06),
     thesis(FIGURE_5_13, "C0-C1", 0.8),
@@ -118,7 +118,7 @@ COLUMN, YIELDING = "4-DOF column", "column, yielding restraint"
 HINGED = "4-DOF column, pinned head"
 RIGID, FLEXIBLE = "rigid superelements", "flexible superelements"
 models = {
-    REFERENCE: FiberReissner(),
+    REFERENCE: FiberReissner(refinement=-1),  # peaks within 0.7 % of the default mesh
     COLUMN: ColumnOfFrame(),
     YIELDING: ColumnOfFrame(model="rigid-superelement", restraint="yielding"),
     HINGED: ColumnOfFrame(head="pinned"),

@@ -143,6 +143,7 @@ study = Study(
     quantities=("input_energy", "resistance"),
     gates=gates,
     figures=figures,
+    quick_models=(REFERENCE, FITTED, RIGID),
     notes=(
         "Elastic-perfectly plastic steel without Bauschinger effect, local buckling or fracture: "
         "softening here is geometry and axial force, not damage.",

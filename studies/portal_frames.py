@@ -138,6 +138,7 @@ study = Study(
     quantities=("resistance", "input_energy"),
     gates=gates,
     figures=figures,
+    quick_models=(REFERENCE, FLEXIBLE, RIGID),
     notes=(
         "The frame is one of this workbench: the printed summary of the thesis gives no numbers "
         "for its portal frames.",

@@ -42,7 +42,17 @@ def test_help_imports_nothing_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     print(f"workbench --help took {time.perf_counter() - begin:.3f} s")
     assert done.stderr.strip() == "loaded [] 0"
-    for verb in ("models", "simulate", "run", "status", "report", "validate", "fit", "data", "doctor"):
+    for verb in (
+        "models",
+        "simulate",
+        "run",
+        "status",
+        "report",
+        "validate",
+        "fit",
+        "data",
+        "doctor",
+    ):
         assert f"\n  {verb}" in done.stdout
     assert "..." not in done.stdout.partition("Commands:")[2]
 

@@ -37,20 +37,32 @@ def test_unknown_names_suggest_the_nearest() -> None:
 
 
 def test_published_answers_its_scenario_only(thesis_impact) -> None:
-    response = Published().simulate(thesis_impact.at_velocity(20.0))
+    response = Published("heng2017-figure-5-9", "4-DOF nonlinear yield surface").simulate(
+        thesis_impact.at_velocity(20.0)
+    )
     assert float(response["peak_displacement"]) == 0.324
     assert json.loads(response.attrs["data_uncertainty"]) == {"peak_displacement": 0.0005}
     longer = replace(thesis_impact.at_velocity(10.0), duration=0.2, name="longer")
-    assert float(Published().simulate(longer)["peak_displacement"]) == 0.0901
+    assert (
+        float(
+            Published("heng2017-figure-5-9", "4-DOF nonlinear yield surface").simulate(longer)[
+                "peak_displacement"
+            ]
+        )
+        == 0.0901
+    )
     for other in (
         thesis_impact.at_velocity(12.0),
         replace(thesis_impact, column=replace(thesis_impact.column, axial_load=0.0)),
     ):
-        refused = Published().simulate(other)
+        refused = Published("heng2017-figure-5-9", "4-DOF nonlinear yield surface").simulate(other)
         assert outcome_of(refused) is Outcome.OUT_OF_DOMAIN
         assert "no number for this scenario" in refused.attrs["message"]
 
 
 def test_a_changed_table_changes_the_digest() -> None:
-    one, two = Published(), Published("heng2017-figure-5-4", "TL beam model")
+    one, two = (
+        Published("heng2017-figure-5-9", "4-DOF nonlinear yield surface"),
+        Published("heng2017-figure-5-4", "TL beam model"),
+    )
     assert one.data_digest != two.data_digest

@@ -71,7 +71,7 @@ def test_quoted_strings_come_back_unchanged(text):
 
 def test_every_source_of_models_metrics_and_data_is_in_the_bibliography():
     keys = {metric.citation for metric in METRICS.values()}
-    keys |= {dataset.key for dataset in datasets() if dataset.key}
+    keys |= {key for dataset in datasets() for key in dataset.key.split()}
     keys |= {"roache1994", "celik2008", "asme-vv20", "fds-validation"}
     for offer in offers():
         # a property (published series) is answered by the catalogue above
@@ -84,7 +84,7 @@ def test_works_are_complete():
     for key, work in BIBLIOGRAPHY.items():
         assert work.key == key
         assert work.authors
-        assert work.year.isdigit()
+        assert work.year.isdigit() or work.year == "n.d."
         assert work.title
         assert work.where
     assert reference_of("a private report").title == "a private report"

@@ -409,6 +409,8 @@ def test_every_model_of_columns_alone_declines_every_kind_of_frame(tmp_path: Pat
     given = [read(text, folder=tmp_path) for text in (REGULAR, STATIC, GROUND)]
     declined = 0
     for name in model_names():
+        if name == "published":
+            continue  # answers what its series was published for, and has no default one
         model = make_model(name, {})
         for scenario in given:
             if scenario.KIND in model.answers:

@@ -63,7 +63,7 @@ from workbench.structures.uniaxial import (
 Array = NDArray[np.float64]
 SMALLEST_SHARE = 1.0 / 256.0  # of the shorter segment: peaks within 1 % of the converged ones
 SMALLEST_DEPTH = 0.01  # of the depth
-GROWTH = 2.0  # of neighbouring elements
+GROWTH, MILD_GROWTH = 2.0, 1.5  # of neighbouring elements, by rule and from a given size on
 MIDDLE = 0.5  # of an element: where it samples plasticity
 LAWS = ("linear", "menegotto-pinto")
 FRAMES = (FrameImpact, FrameStatic, FrameGroundMotion)
@@ -191,7 +191,7 @@ class FiberReissner:
             self.refinement,
             SMALLEST_SHARE,
             SMALLEST_DEPTH,
-            GROWTH,
+            self._growth,
         )
 
     def frame_mesh(self, scenario: FrameScenario) -> list[Array]:
@@ -203,7 +203,7 @@ class FiberReissner:
             self.refinement,
             SMALLEST_SHARE,
             SMALLEST_DEPTH,
-            GROWTH,
+            self._growth,
         )
 
     def law(self, steel: Steel) -> UniaxialLaw:
@@ -264,6 +264,11 @@ class FiberReissner:
 
             return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
         return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
+
+    @property
+    def _growth(self) -> float:
+        """Ratio of neighbouring elements: fast from the very small elements of the rule only."""
+        return GROWTH if self.smallest_element is None else MILD_GROWTH
 
     @property
     def _halvings(self) -> int:

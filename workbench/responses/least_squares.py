@@ -109,9 +109,7 @@ def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
     return _fitted(phi, sizes, weights, np.array([float(found.x)]), free=True)
 
 
-def _fitted(
-    phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False
-) -> Fit:
+def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False) -> Fit:
     """phi_0 + sum a_k h^p_k by linear least squares; `free`: the exponent counts as fitted too."""
     root = np.sqrt(weights)
     terms = np.column_stack([np.ones_like(sizes), sizes[:, None] ** exponents])

@@ -44,9 +44,8 @@ def newton(
 
     Line search: with G(s) = d . R(x + s d), a step is taken when |G| has halved or the largest
     residual has; otherwise a zero of G is bracketed by regula falsi. For associative plasticity G
-    is the slope of the incremental potential, so that this search is safe. Where |G| has grown
-    without a change of sign the potential is not convex: the step is shortened too. The result may
-    be not converged; that is for the caller to handle.
+    is the slope of the incremental potential, so that this search is safe. The result may be not
+    converged; that is for the caller to handle.
     """
     x = start
     residual = evaluate(x)
@@ -71,14 +70,12 @@ def newton(
             new_slope = float(step @ residual)
             if abs(new_slope) <= 0.5 * abs(slope) or new_size <= 0.5 * size:
                 break
-            onward = np.isfinite(new_slope) and new_slope * slope > 0.0
-            tame = onward and abs(new_slope) <= abs(slope)
-            if tame and np.isnan(high):
+            if np.isfinite(new_slope) and new_slope * slope > 0.0 and np.isnan(high):
                 break  # no sign change in reach: take the step, the tangent will follow
-            if tame:
+            if not np.isfinite(new_slope) or new_slope * slope <= 0.0:
+                high, slope_high = s, new_slope
+            else:
                 low, slope_low = s, new_slope
-            else:  # a slope that has grown says nothing about where it vanishes
-                high, slope_high = s, np.nan if onward else new_slope
             if np.isfinite(slope_high):
                 share = slope_low / (slope_low - slope_high)
                 share = min(max(share, SMALLEST_CUT), LARGEST_CUT)

@@ -182,32 +182,32 @@ def lead(
     control = course.control(dof, tolerance)
     previous, gained = np.zeros(assembly.size), 0.0
 
+    def guesses(increment: float) -> Iterator[tuple[Array, float]]:
+        """Changes of displacements and factor to start from: the last step's, the tangent's."""
+        if previous[dof] * increment > 0.0:
+            ratio = increment / previous[dof]
+            yield previous * ratio, gained * ratio
+        yield control.tangent_step(increment)
+
     def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
         nonlocal previous, gained
         goal = begin + (done + share) * span
-        increment = goal - course.at
-        if previous[dof] * increment > 0.0:
-            ratio = increment / previous[dof]
-            change, more = previous * ratio, gained * ratio
-        else:
-            change, more = control.tangent_step(increment)
-        start, factor = assembly.displacement, course.factor
-        found, reached = control.solve(start + change, factor + more)
-        course.evaluations += found.evaluations
+        start, factor, excess = assembly.displacement, course.factor, inf
+        for change, more in guesses(goal - course.at):
+            found, reached = control.solve(start + change, factor + more)
+            course.evaluations += found.evaluations
+            excess = found.residual
+            if found.converged:
+                excess = course.commit(found.x, reached, largest_gap) / largest_gap
+                if excess <= 1.0:
+                    previous, gained = found.x - start, reached - factor
+                    return None
         where = f"displacement {course.sign * (goal - course.origin):.6g} {course.unit}"
         tried = (
-            f"line search and increments down to 1/{2**most_cuts}; where the path turns back in "
-            "this dof, lead another one or use arc length"
+            f"line search and increments down to 1/{2**most_cuts} from two starts; where the path "
+            "turns back in this dof, lead another one or use arc length"
         )
-        previous = np.zeros(assembly.size)
-        if not found.converged:
-            return SolverError(where, found.residual, tried)
-        change = found.x - start
-        gap = course.commit(found.x, reached, largest_gap)
-        if gap > largest_gap:
-            return SolverError(where, gap / largest_gap, tried)
-        previous, gained = change, reached - factor
-        return None
+        return SolverError(where, excess, tried)
 
     for point in np.asarray(points):
         span = course.origin + float(point) - course.at
