@@ -29,8 +29,7 @@ TL_BEAM = "Heng 2017: TL beam"
 FOUR_DOF = "4-DOF"
 
 models = {
-    # elements from 50 mm at the hinges to 0.1 m, halved twice
-    REFERENCE: FiberReissner(smallest_element=0.05, largest_element=0.1, layers=40, refinement=2),
+    REFERENCE: FiberReissner(layers=40),
     COROTATIONAL: FiberCorotational(),
     SHEAR: FiberShear(smallest_element=0.1, refinement=2),
     SOLID: SolidPlaneStress(refinement=1),
