@@ -587,3 +587,15 @@ def test_the_study_sorts_its_cases_as_the_model_does() -> None:
         if case.name in names["OWN_MECHANISM"]:
             warned = "restraint" in subjects(model.simulate(case.scenario))
             assert warned != (case.name in names["QUIET"]), case.name
+
+
+def test_parts_of_members_change_no_forces() -> None:
+    frame = cross()
+    forces = []
+    for parts in (1, 2, 3):
+        elastic = ElasticFrame(frame, parts=parts)
+        moved = elastic.displacement(elastic.load((Load("1", x=1e3, y=-2e3, moment=2e3),)))
+        assert moved is not None
+        forces.append(elastic.end_forces(moved))
+    for other in forces[1:]:
+        np.testing.assert_allclose(other, forces[0], rtol=1e-8, atol=1e-6)

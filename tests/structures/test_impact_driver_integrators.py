@@ -100,7 +100,7 @@ def test_momentum_and_dissipation(
     steps = list(impact(beam, dof, striker, span, 0.5, sign=sign, integrator=integrator))
     momentum = mass * steps[-1].striker.velocity + struck * sign * float(beam.velocity[dof])
     assert momentum == pytest.approx(mass * speed, rel=1e-7)
-    assert min(s.contact_loss for s in steps) >= 0.0
+    assert min(s.contact_loss for s in steps) >= -1e-14 * striker.kinetic_energy  # round-off
     assert min(s.percussion for s in steps) >= 0.0
     expected = collide(struck, mass, speed, restitution)
     loss = sum(s.contact_loss for s in steps)

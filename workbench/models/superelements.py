@@ -134,12 +134,16 @@ class RigidSuperelement:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
         return respond(self, scenario, self._solve)
 
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
+        """The yield surface of the hinges of a member, joints of its full strength."""
+        return yield_surface(frame, member, self.alpha, self.beta)
+
     def structure(self, frame: Frame) -> FrameStructure:
         """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
         return stand_superelements(
             frame,
             self.elements,
-            lambda member: yield_surface(frame, member, self.alpha, self.beta),
+            lambda member: self.member_surface(frame, member),
             self._piece,
             regularisation=self.regularisation,
             node_inertia=self.node_inertia,
@@ -208,12 +212,16 @@ class FlexibleSuperelement:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
         return respond(self, scenario, self._solve)
 
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
+        """The yield surface of the hinges of a member, joints of its full strength."""
+        return yield_surface(frame, member, self.alpha, self.beta)
+
     def structure(self, frame: Frame) -> FrameStructure:
         """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
         return stand_superelements(
             frame,
             self.elements,
-            lambda member: yield_surface(frame, member, self.alpha, self.beta),
+            lambda member: self.member_surface(frame, member),
             self._piece,
             regularisation=self.regularisation,
             node_inertia=self.node_inertia,

@@ -114,6 +114,9 @@ class PlanarAssembly:
     ) -> None:
         self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
         self.groups = tuple(groups)
+        # asked once: checks of protocols are slow
+        self._rate_groups = [group for group in self.groups if isinstance(group, RateGroup)]
+        self._kinetic_groups = [group for group in self.groups if isinstance(group, KineticGroup)]
         self.size = 3 * len(self.coordinates)
         self._master = self._masters(tuple(ties))
         self._dof_of_node = self._numbering()
@@ -284,9 +287,8 @@ class PlanarAssembly:
 
     def begin_step(self, duration: float) -> None:
         """Tell groups to which the rate matters how long the next step is, in s."""
-        for group in self.groups:
-            if isinstance(group, RateGroup):
-                group.begin_step(duration)
+        for group in self._rate_groups:
+            group.begin_step(duration)
 
     def add_to_diagonal(self, dof: int, value: float) -> None:
         """Add to the diagonal of the tangent."""
@@ -353,5 +355,5 @@ class PlanarAssembly:
     def kinetic_energy(self, velocity: Array | None = None) -> float:
         """Kinetic energy of the structure, in J; `velocity` (dofs,), None for the committed one."""
         v = self.velocity if velocity is None else velocity
-        groups = sum(g.kinetic_energy() for g in self.groups if isinstance(g, KineticGroup))
+        groups = sum(group.kinetic_energy() for group in self._kinetic_groups)
         return 0.5 * float(v @ self.mass_times(v)) + groups

@@ -60,7 +60,8 @@ def present_factor(assembly: PlanarAssembly, constant: Array, pattern: Array) ->
     Leaves the committed tangent in the assembly.
     """
     force = assembly.assemble(assembly.displacement, None) - constant
-    return float(pattern @ force) / float(pattern @ pattern)
+    direction = pattern / np.max(np.abs(pattern))  # loads of 1e-200 N have no square
+    return float(direction @ force) / float(direction @ pattern)
 
 
 class DisplacementControl:

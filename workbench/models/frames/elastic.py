@@ -1,7 +1,7 @@
-"""Small displacements of a frame of elastic Bernoulli beams: unit loads, end forces, mass.
+"""Small displacements of a frame of elastic Bernoulli beams: unit loads, end forces, mass, buckling.
 
-One element per member: displacements of the nodes and forces at member ends are exact for loads
-at the nodes. The mass is consistent with the cubic deflection (Przemieniecki 1968).
+Displacements of the nodes and forces at member ends are exact for loads at the nodes. Mass and geometric stiffness are consistent with the cubic deflection
+(Przemieniecki 1968).
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from workbench.models.frames.structure import COMPONENT, hinge_names
 from workbench.scenarios import Frame, Load, Member
@@ -18,27 +19,36 @@ Array = NDArray[np.float64]
 NUMBER = {"u": 0, "v": 1, "rotation": 2}
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness
+LEAST_SOFTENING = 1e-9  # share of the stiffness; what is less is rounding
 
 
 class ElasticFrame:
     """The elastic frame for small displacements from its state under dead loads.
 
     Arguments: `frame`; names of the `members` that count (None: all); `springs`, whether springs
-    to the ground and locks act, as they do once the dead loads are on.
+    to the ground and locks act, as they do once the dead loads are on; beams (`parts`) per member.
     """
 
     def __init__(
-        self, frame: Frame, members: Collection[str] | None = None, *, springs: bool = True
+        self,
+        frame: Frame,
+        members: Collection[str] | None = None,
+        *,
+        springs: bool = True,
+        parts: int = 1,
     ) -> None:
         self._frame = frame
         self._first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
         self._counted = [members is None or m.name in members for m in frame.members]
-        self._beams: list[tuple[Array, Array, Array]] = []  # dofs, stiffness, to local axes
-        size = 3 * len(frame.nodes) + 2 * len(frame.members)
+        # of each member: dofs of its parts, stiffness of a part, to local axes
+        self._beams: list[tuple[Array, Array, Array]] = []
+        self._parts = parts
+        own = 2 + 3 * (parts - 1)  # dofs of a member: rotations at joints, nodes between parts
+        size = 3 * len(frame.nodes) + own * len(frame.members)
         self.stiffness: Array = np.zeros((size, size))
         self.mass: Array = np.zeros((size, size))
         for number, member in enumerate(frame.members):
-            self._place(member, 3 * len(frame.nodes) + 2 * number, self._counted[number])
+            self._place(member, 3 * len(frame.nodes) + own * number, self._counted[number])
         held = []
         for node in frame.nodes:
             at = self._first[node.name]
@@ -61,7 +71,7 @@ class ElasticFrame:
         self._values, self._modes = values, scale[:, None] * modes
 
     def _place(self, member: Member, spare: int, counted: bool) -> None:
-        """Add stiffness and mass of a member; `spare` dofs turn at its joints."""
+        """Add stiffness and mass of a member; its own dofs begin with `spare`."""
         frame = self._frame
         start, end = frame.node(member.start), frame.node(member.end)
         chord = np.array([end.x - start.x, end.y - start.y])
@@ -79,12 +89,16 @@ class ElasticFrame:
                     coupling = joint.rotational_stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
                     self.stiffness[grid] += coupling
         local = _axes(chord / length)
-        stiffness = _stiffness(1.0 / softness, modulus * properties.second_moment, length)
-        self._beams.append((dofs, stiffness, local))
-        if counted:
-            grid = np.ix_(dofs, dofs)
-            self.stiffness[grid] += local.T @ stiffness @ local
-            self.mass[grid] += local.T @ _mass(properties.mass_per_length * length, length) @ local
+        part = length / self._parts
+        stiffness = _stiffness(self._parts / softness, modulus * properties.second_moment, part)
+        mass = _mass(properties.mass_per_length * part, part)
+        between = spare + 2 + np.arange(3 * (self._parts - 1)).reshape(-1, 3)
+        line = np.vstack([dofs[:3], between, dofs[3:]])
+        beams = np.hstack([line[:-1], line[1:]])
+        self._beams.append((beams, stiffness, local))
+        for own in beams if counted else ():
+            self.stiffness[np.ix_(own, own)] += local.T @ stiffness @ local
+            self.mass[np.ix_(own, own)] += local.T @ mass @ local
 
     def load(self, loads: Sequence[Load]) -> Array:
         """Nodal forces and moments (dofs,)."""
@@ -107,6 +121,27 @@ class ElasticFrame:
         moved[self._free] = self._modes[:, stiff] @ (shares[stiff] / self._values[stiff])
         return moved
 
+    @property
+    def is_mechanism(self) -> bool:
+        """Whether something can move without resistance."""
+        return not bool(np.all(self._stiff))
+
+    def buckling_factor(self, axial: Array) -> float:
+        """Factor on `axial` forces (hinges,) at which the frame, no mechanism, buckles.
+
+        Forces in N, tension positive, as `end_forces` gives them. Infinite without compression.
+        """
+        softening = np.zeros_like(self.stiffness)
+        for i, (beams, _, local) in enumerate(self._beams):
+            bow = _geometric(self._frame.length(self._frame.members[i]) / self._parts)
+            for dofs in beams:
+                softening[np.ix_(dofs, dofs)] += axial[2 * i] * local.T @ bow @ local
+        grid = np.ix_(self._free, self._free)
+        lowest = eigh(
+            softening[grid], self.stiffness[grid], eigvals_only=True, subset_by_index=[0, 0]
+        )[0]
+        return np.inf if lowest > -LEAST_SOFTENING else -1.0 / float(lowest)
+
     def end_forces(self, displacement: Array) -> tuple[Array, Array]:
         """Axial forces and moments (hinges,) at the ends of all members, see `hinge_names`.
 
@@ -114,11 +149,11 @@ class ElasticFrame:
         of somebody who looks from start to end; zero in members that do not count.
         """
         axial, moment = np.zeros((2, len(hinge_names(self._frame))))
-        for i, (dofs, stiffness, local) in enumerate(self._beams):
+        for i, (beams, stiffness, local) in enumerate(self._beams):
             if self._counted[i]:
-                forces = stiffness @ local @ displacement[dofs]
-                axial[2 * i : 2 * i + 2] = forces[3]
-                moment[2 * i : 2 * i + 2] = -forces[2], forces[5]
+                first, last = (stiffness @ local @ displacement[beams[j]] for j in (0, -1))
+                axial[2 * i : 2 * i + 2] = last[3]
+                moment[2 * i : 2 * i + 2] = -first[2], last[5]
         return axial, moment
 
 
@@ -138,6 +173,15 @@ def _stiffness(axial: float, bending: float, length: float) -> Array:
     a, b, c = 12.0 / length**2, 6.0 / length, 4.0
     rows = [[a, b, -a, b], [b, c, -b, 0.5 * c], [-a, -b, a, -b], [b, 0.5 * c, -b, c]]
     k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / length * np.array(rows)
+    return k
+
+
+def _geometric(length: float) -> Array:
+    """Geometric stiffness of a beam under unit tension in local axes (6, 6)."""
+    k = np.zeros((6, 6))
+    a, b, c, d = 36.0, 3.0 * length, 4.0 * length**2, -(length**2)
+    rows = [[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]]
+    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = np.array(rows) / (30.0 * length)
     return k
 
 
