@@ -1,7 +1,7 @@
-"""Small displacements of a frame of elastic Bernoulli beams: unit loads, end forces, mass, buckling.
+"""Small displacements of a frame of elastic Bernoulli beams: unit loads, mass, buckling.
 
-Displacements of the nodes and forces at member ends are exact for loads at the nodes. Mass and geometric stiffness are consistent with the cubic deflection
-(Przemieniecki 1968).
+Displacements of the nodes and forces at member ends are exact for loads at the nodes. Mass and
+geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968).
 """
 
 from __future__ import annotations
