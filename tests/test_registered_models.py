@@ -42,6 +42,7 @@ QUESTIONS = {
 }
 
 OPTIONS = {
+    "fiber-corotational": {"smallest_element": 0.05},  # the contract holds on any mesh
     "published": {"dataset": "heng2017-figure-5-9", "series": "4-DOF nonlinear yield surface"}
 }
 # external work by trapezoids over few, large load steps: second order in the step
@@ -59,6 +60,7 @@ def model_of(name: str) -> Model:
 @pytest.mark.parametrize("name", model_names())
 def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
     model = model_of(name)
+    thesis_impact = replace(thesis_impact, duration=0.03)  # past the peak
     scenarios = [
         thesis_impact.at_velocity(10.0),
         ColumnPushover("push", thesis_impact.column, 0.05),
