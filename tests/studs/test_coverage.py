@@ -18,7 +18,8 @@ from workbench.studs.factors import _prediction
 from workbench.studs.quantities import Specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.statistics.intervals import Interval, profile_interval
-from workbench.studs.statistics.mixed import fit, problem
+from workbench.studs.statistics.mixed import fit
+from workbench.studs.statistics.problem import problem
 
 CONFIDENCE, MARGIN = 0.9, 0.03
 Generator = np.random.Generator

@@ -16,12 +16,13 @@ from workbench.studs.statistics.intervals import (
     profile_interval,
     scatter_intervals,
 )
-from workbench.studs.statistics.mixed import Estimate, Problem, fit, fit_robust, problem
+from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import (
     leave_one_campaign_out,
     posterior_interval,
     predictive_quantile,
 )
+from workbench.studs.statistics.problem import Problem, problem
 
 CONFIDENCE = 0.9
 MARGIN = 0.03  # of the nominal coverage

@@ -152,6 +152,15 @@ _WORKS = (
         "10.1115/1.2960953",
     ),
     Reference(
+        "eca-hoekstra2014",
+        "Eca, L.; Hoekstra, M.",
+        "2014",
+        "A procedure for the estimation of the numerical uncertainty of CFD calculations based on "
+        "grid refinement studies",
+        "Journal of Computational Physics 262, 104-130",
+        "10.1016/j.jcp.2014.01.006",
+    ),
+    Reference(
         "oberkampf-roy2010",
         "Oberkampf, W. L.; Roy, C. J.",
         "2010",

@@ -22,7 +22,8 @@ from workbench.studs.statistics.intervals import (
     profile_interval,
     scatter_intervals,
 )
-from workbench.studs.statistics.mixed import Estimate, fit_robust, problem
+from workbench.studs.statistics.mixed import Estimate, fit_robust
+from workbench.studs.statistics.problem import problem
 
 FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensible fit reaches
 

@@ -12,7 +12,8 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.statistics.intervals import Interval, profile_interval
-from workbench.studs.statistics.mixed import fit, problem
+from workbench.studs.statistics.mixed import fit
+from workbench.studs.statistics.problem import problem
 
 
 @dataclass(frozen=True)

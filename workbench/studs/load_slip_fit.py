@@ -25,7 +25,8 @@ from workbench.studs.statistics.intervals import (
     profile_interval,
     scatter_intervals,
 )
-from workbench.studs.statistics.mixed import Estimate, fit_robust, problem
+from workbench.studs.statistics.mixed import Estimate, fit_robust
+from workbench.studs.statistics.problem import problem
 from workbench.studs.stiffness import chord_stiffness
 
 HELD = {"rational": {"softening": 0.0}}

@@ -26,8 +26,9 @@ from workbench.studs.statistics.intervals import (
     bootstrap_by_campaign,
     profile_interval,
 )
-from workbench.studs.statistics.mixed import Estimate, Problem, fit_robust, problem
+from workbench.studs.statistics.mixed import Estimate, fit_robust
 from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, predictive_quantile
+from workbench.studs.statistics.problem import Problem, problem
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),

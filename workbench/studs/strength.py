@@ -24,7 +24,7 @@ from workbench.studs.statistics.intervals import (
     profile_interval,
     scatter_intervals,
 )
-from workbench.studs.statistics.mixed import Estimate, Problem, fit_robust, problem
+from workbench.studs.statistics.mixed import Estimate, fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
     LeftOut,
@@ -32,6 +32,7 @@ from workbench.studs.statistics.prediction import (
     leave_one_campaign_out,
     predictive_quantile,
 )
+from workbench.studs.statistics.problem import Problem, problem
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own

@@ -75,6 +75,12 @@ def draw(request: Request) -> Drawing:
         panel.set_yticks([-1, -0.5, 0, 0.5, 1])
         panel.set_aspect("equal")
     (legend_beside if alone else legend_below)(canvas, handles)
+    weak = [name for name in names if _is_weaker(frame, name)]
+    if weak:
+        statements.append(
+            "Joints weaker than their members yield within the surface of the member: "
+            f"{', '.join(weak)}."
+        )
     statements.insert(0, f"Case: {case.name}. Dots mark the end of the record.")
     alt = f"axial force and moment of the hinges of {', '.join(found)} for {case.name}"
     width = _ALONE / TEXT_WIDTH if alone else 1.0
@@ -111,6 +117,18 @@ def _member(frame: Frame, hinge: str) -> Member:
     """The member that a hinge belongs to; hinges of other names: the first member."""
     name = hinge.rpartition(":")[0]
     return next((m for m in frame.members if m.name == name), frame.members[0])
+
+
+def _is_weaker(frame: Frame, hinge: str) -> bool:
+    """Whether a hinge stands for a joint with less strength than its member."""
+    member = _member(frame, hinge)
+    joint = frame.joint(member.joint_end if hinge.endswith(":end") else member.joint_start)
+    own = frame.properties(member)
+    moments = (joint.plastic_moment, joint.plastic_moment_negative)
+    forces = (joint.tension_resistance, joint.compression_resistance)
+    return any(m is not None and m < own.plastic_moment for m in moments) or any(
+        n is not None and n < own.squash_load for n in forces
+    )
 
 
 def _surfaces(

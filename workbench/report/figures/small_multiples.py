@@ -76,7 +76,7 @@ def multiples(
     instants: tuple[str | float, ...] = ("half-way", "peak", "end"),
 ) -> Drawing:
     """Shapes at some instants over the structure at rest, hinge states as coloured circles."""
-    instants = instants_of(request.option("instants", instants))
+    instants = instants_of(request.option("instants", _different(found, instants)))
     lines, statements = _rows(found, instants, statements)
     canvas = new_figure(sum(line.window.high + 0.25 for line in lines) + 0.8)
     axes = canvas.subplots(
@@ -129,6 +129,13 @@ def multiples(
     return Drawing(canvas, joined(blocks), said, alt)
 
 
+def _different(found: Found, instants: tuple[str | float, ...]) -> tuple[str | float, ...]:
+    """The instants, without the peak where every answer ends at it: a push that only grows."""
+    if all(s.peak == len(s.at) - 1 for _, known in found for s in known.values()):
+        return tuple(instant for instant in instants if instant != "peak")
+    return instants
+
+
 def _rows(
     found: Found, instants: tuple[str | float, ...], statements: list[str]
 ) -> tuple[list[_Row], list[str]]:
@@ -149,6 +156,9 @@ def _rows(
         bounds = _bounds(list(shown.values()), list(picks.values()), times)
         wide = (TEXT_WIDTH - 1.35) / len(instants)
         natural = wide * (bounds[3] - bounds[2]) / (bounds[1] - bounds[0])
+        if natural < _LEAST:  # room for the numbers on the upright axis
+            spare = 0.5 * (_LEAST / natural - 1.0) * (bounds[3] - bounds[2])
+            bounds = (*bounds[:2], bounds[2] - spare, bounds[3] + spare)
         high = min(max(natural, _LEAST), _MOST, _HIGHEST / len(answers) - 0.25)
         window = _Window(bounds, times, wide, high)
         lines += [_Row(case, label, s, picks[label], window) for label, s in shown.items()]

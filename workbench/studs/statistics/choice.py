@@ -9,7 +9,8 @@ import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import Problem, fit, subset
+from workbench.studs.statistics.mixed import fit
+from workbench.studs.statistics.problem import Problem, subset
 
 
 @dataclass(frozen=True, slots=True)

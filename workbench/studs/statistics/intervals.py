@@ -16,17 +16,8 @@ import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import (
-    Estimate,
-    Indices,
-    Problem,
-    best_ratio,
-    criterion_at,
-    jacobian,
-    solve_theta,
-    subset,
-    whiten,
-)
+from workbench.studs.statistics.mixed import Estimate, best_ratio, criterion_at, solve_theta
+from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset, whiten
 
 LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
@@ -131,10 +122,14 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     centre = float(estimate.theta[k])
     # the restricted criterion has its minimum near, not exactly at, the estimate
     least = min(held_at(centre + step * error) for step in (-0.1, 0.0, 0.1))
+
+    def excess(value: float) -> float:
+        # the root of a nearly quadratic rise is nearly linear: few steps to its crossing
+        return float(np.sqrt(max(held_at(value) - least, 0.0)) - np.sqrt(rise))
+
     ends = []
     for sign, bound in ((-1.0, given.lower[k]), (1.0, given.upper[k])):
-        ends.append(_crossing(lambda v: held_at(v) - least - rise, centre,
-                              sign * t * error, float(bound)))  # fmt: skip
+        ends.append(_crossing(excess, centre, sign * t * error, float(bound)))
     return Interval(ends[0], ends[1], confidence, "profile likelihood")
 
 

@@ -9,165 +9,23 @@ and 7; degrees of freedom after Satterthwaite (see `satterthwaite`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+from scipy.optimize import minimize, minimize_scalar
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-
-Indices = NDArray[np.int64]
-Prediction = Callable[[Array], Array]
+from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 100.0, 1000.0)  # lambda, to find the valley
 ITERATIONS = 60
 STEP_TOLERANCE = 1e-9
-DIFFERENCE = 1e-6
+GAIN_TOLERANCE = 1e-13  # of the sum of squares
 SEARCHES = 30
+ROUNDS, CUTS = 5, 11  # of the valley of a linear problem: a width of 0.2^4 x 0.1 is left
 SIMPLEX = 2000  # evaluations per parameter where two terms of a formula are equal: a kink
-
-
-@dataclass(frozen=True)
-class Problem:
-    """What is fitted: `y` (n,), campaigns (n,), the prediction f(theta) -> (n,), and bounds.
-
-    `names` of the parameters, `start`, `lower`, `upper` (p,); `weights` (n,); `design` (n, p) for
-    a linear prediction (then `predict` is design @ theta).
-    """
-
-    y: Array
-    groups: Indices
-    predict: Prediction
-    names: tuple[str, ...]
-    start: Array
-    lower: Array
-    upper: Array
-    weights: Array
-    labels: tuple[str, ...]
-    design: Array | None = None
-
-    @cached_property
-    def moments(self) -> tuple[Array, Array, Array] | None:
-        """Of a linear problem: cross products of (X, y), their sums and weights per campaign."""
-        if self.design is None:
-            return None
-        joined = np.column_stack([self.design, self.y])
-        weighted = self.weights[:, None] * joined
-        sums = np.zeros((self.campaigns, joined.shape[1]))
-        np.add.at(sums, self.groups, weighted)
-        return joined.T @ weighted, sums, self.totals
-
-    @cached_property
-    def totals(self) -> Array:
-        """Sum of the weights of each campaign (campaigns,)."""
-        return np.asarray(
-            np.bincount(self.groups, self.weights, minlength=self.campaigns), dtype=float
-        )
-
-    @cached_property
-    def is_free(self) -> bool:
-        """Whether no parameter has a bound."""
-        return not np.any(np.isfinite([self.lower, self.upper]))
-
-    @property
-    def count(self) -> int:
-        """Number of observations."""
-        return len(self.y)
-
-    @property
-    def campaigns(self) -> int:
-        """Number of campaigns."""
-        return len(self.labels)
-
-    @property
-    def tells_campaigns(self) -> bool:
-        """Whether scatter within and between campaigns can be told apart: some have two rows."""
-        return 1 < self.campaigns < self.count
-
-    def without(self, label: str) -> tuple[Indices, Indices]:
-        """Rows outside and inside the campaign `label`."""
-        inside = self.groups == self.labels.index(label)
-        return np.flatnonzero(~inside), np.flatnonzero(inside)
-
-
-def problem(
-    y: ArrayLike,
-    campaigns: ArrayLike,
-    predict: Prediction | None,
-    names: tuple[str, ...],
-    start: ArrayLike,
-    *,
-    lower: ArrayLike | float = -np.inf,
-    upper: ArrayLike | float = np.inf,
-    weights: ArrayLike | None = None,
-    design: ArrayLike | None = None,
-    fitted: bool = True,
-) -> Problem:
-    """Make a checked problem; see `Problem` for the arguments. `design` replaces `predict`.
-
-    With `fitted` False the rows only describe tests to be predicted. Raises `InputError` when
-    there are no more observations than parameters to fit.
-    """
-    observed = np.atleast_1d(np.asarray(y, float))
-    keys = np.asarray(campaigns).astype(str)
-    labels, groups = np.unique(keys, return_inverse=True)
-    matrix = None if design is None else np.asarray(design, float).reshape(len(observed), -1)
-    p = len(names)
-    if len(keys) != len(observed) or not np.all(np.isfinite(observed)):
-        raise InputError("observations", observed.shape, "must be finite, each with a campaign")
-    if fitted and len(observed) <= p:
-        raise InputError(
-            "observations", len(observed), f"must be more than the {p} parameters",
-            "hold parameters fixed, or bring more tests",
-        )  # fmt: skip
-    if predict is None:
-        if matrix is None:
-            raise InputError("predict", None, "must be given when there is no design matrix")
-        predict = _linear(matrix)
-    return Problem(
-        observed, groups.astype(np.int64), predict, names,
-        np.clip(np.asarray(start, float), lower, upper),
-        np.broadcast_to(np.asarray(lower, float), p).copy(),
-        np.broadcast_to(np.asarray(upper, float), p).copy(),
-        np.ones(len(observed)) if weights is None else np.asarray(weights, float),
-        tuple(str(label) for label in labels), matrix,
-    )  # fmt: skip
-
-
-def _linear(matrix: Array) -> Prediction:
-    return lambda theta: np.asarray(matrix @ theta)
-
-
-def jacobian(given: Problem, theta: Array, free: Indices) -> Array:
-    """Derivatives (n, free) of the prediction with respect to the `free` parameters."""
-    if given.design is not None:
-        return given.design[:, free]
-    base = given.predict(theta)
-    columns = np.empty((given.count, len(free)))
-    for column, k in enumerate(free):
-        step = DIFFERENCE * max(abs(theta[k]), 1e-2)
-        if theta[k] + step > given.upper[k]:
-            step = -step
-        moved = theta.copy()
-        moved[k] += step
-        columns[:, column] = (given.predict(moved) - base) / step
-    return columns
-
-
-def whiten(given: Problem, x: Array, ratio: float) -> Array:
-    """V^(-1/2) sigma applied to the columns of x (n, k) or (n,) for a value of lambda."""
-    root = np.sqrt(given.weights)
-    phi = 1.0 - 1.0 / np.sqrt(1.0 + ratio * given.totals)
-    columns = x if x.ndim == 2 else x[:, None]
-    scaled = root[:, None] * columns
-    result = np.empty_like(scaled)
-    for k in range(scaled.shape[1]):
-        sums = np.bincount(given.groups, root * scaled[:, k], minlength=given.campaigns)
-        result[:, k] = scaled[:, k] - root * (phi * sums / given.totals)[given.groups]
-    return result if x.ndim == 2 else result[:, 0]
 
 
 @dataclass(frozen=True)
@@ -271,44 +129,46 @@ def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) 
 
 def _solve_damped(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     theta = start.copy()
-    residual = whiten(given, given.y - given.predict(theta), ratio)
+    base = given.predict(theta)
+    residual = whiten(given, given.y - base, ratio)
     size = float(residual @ residual)
-    damping, moved = 1e-6, np.inf
+    damping = 1e-6
     for _ in range(ITERATIONS):
-        j = whiten(given, jacobian(given, theta, free), ratio)
+        j = whiten(given, jacobian(given, theta, free, base), ratio)
         gradient = j.T @ residual
         stuck = ((theta[free] <= given.lower[free]) & (gradient < 0.0)) | (
             (theta[free] >= given.upper[free]) & (gradient > 0.0)
         )
         own = np.flatnonzero(~stuck)
         normal = j[:, own].T @ j[:, own]
-        if len(own) == 0 or moved < STEP_TOLERANCE:
-            return Solved(theta, size, normal, stuck)
         scale = np.diag(normal)
         if not np.any(scale > 0.0):
             return Solved(theta, size, normal, stuck)
         for _ in range(SEARCHES):
             # a parameter without influence here (a kink of the prediction) stays where it is
-            matrix = normal + damping * np.diag(scale)
+            step = _solved(normal + damping * np.diag(scale), gradient[own])
             trial = theta.copy()
-            trial[free[own]] += np.linalg.lstsq(matrix, gradient[own], rcond=None)[0]
+            trial[free[own]] += step
             trial = np.clip(trial, given.lower, given.upper)
-            new = whiten(given, given.y - given.predict(trial), ratio)
+            moved = float(np.max(np.abs(trial - theta) / (np.abs(theta) + 1e-3)))
+            # what is left to gain is below round-off: further searching only damps noise
+            if moved < STEP_TOLERANCE or abs(float(step @ gradient[own])) < GAIN_TOLERANCE * size:
+                return Solved(theta, size, normal, stuck)
+            new_base = given.predict(trial)
+            new = whiten(given, given.y - new_base, ratio)
             new_size = float(new @ new)
             if np.isfinite(new_size) and new_size <= size:
                 break
             damping = max(10.0 * damping, 1e-6)
         else:
             return Solved(theta, size, normal, stuck)  # at the minimum to round-off
-        moved = float(np.max(np.abs(trial - theta) / (np.abs(theta) + 1e-3)))
-        theta, residual, size = trial, new, new_size
+        theta, base, residual, size = trial, new_base, new, new_size
         damping *= 0.1
     return _solve_without_slopes(given, ratio, theta, free)
 
 
 def _solve_without_slopes(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     """Best free parameters at a kink, along which Gauss-Newton only zigzags: simplex search."""
-    from scipy.optimize import minimize
 
     def at(values: Array) -> Array:
         theta = start.copy()
@@ -355,6 +215,34 @@ def criterion_at(
     return m * float(np.log(variance)) + information + determinant + m, variance, solved
 
 
+def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> Array:
+    """The criterion of `criterion_at` for many values of lambda (k,), those of a line at once."""
+    if given.moments is None or not given.is_free:
+        values = []
+        for each in ratios:
+            value, _, solved = criterion_at(given, float(each), start, free)
+            start = solved.theta
+            values.append(value)
+        return np.array(values)
+    cross, sums, totals = given.moments
+    shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
+    matrices = cross - np.einsum("kc,ci,cj->kij", shrink, sums, sums)
+    combination = np.append(-start, 1.0)
+    combination[free] = 0.0
+    right = matrices[:, free] @ combination
+    normal = matrices[np.ix_(np.arange(len(ratios)), free, free)]
+    _check_influence(given, np.diag(normal[0]), free, start)
+    sign, information = np.linalg.slogdet(normal)
+    if np.any(sign <= 0.0):  # singular to round-off
+        return np.array([criterion_at(given, float(r), start, free)[0] for r in ratios])
+    rest = combination @ matrices @ combination
+    own = np.linalg.solve(normal, right[..., None])[..., 0]
+    m = given.count - len(free)
+    variance = np.maximum((rest - np.sum(own * right, axis=1)) / m, np.finfo(float).tiny)
+    determinant = np.log1p(ratios[:, None] * totals).sum(axis=1)
+    return np.asarray(m * np.log(variance) + information + determinant + m)
+
+
 def best_ratio(
     given: Problem, start: Array, free: Indices, hint: float | None = None
 ) -> tuple[float, float, Array]:
@@ -362,11 +250,10 @@ def best_ratio(
 
     `hint`, a lambda known to be near (then only its neighbourhood and zero are searched).
     """
-    from scipy.optimize import minimize_scalar
-
     if not given.tells_campaigns:
         value, _, solved = criterion_at(given, 0.0, start, free)
         return 0.0, value, solved.theta
+    grid = GRID if hint is None else (0.0, *(hint * f for f in (0.3, 1.0, 3.0) if hint > 0.0))
     best_theta = start.copy()
 
     def at(ratio: float) -> float:
@@ -375,8 +262,12 @@ def best_ratio(
         best_theta = solved.theta
         return value
 
-    grid = GRID if hint is None else (0.0, *(hint * f for f in (0.3, 1.0, 3.0) if hint > 0.0))
-    values = [at(ratio) for ratio in grid]
+    linear = given.moments is not None and given.is_free
+    values = (
+        criteria_at(given, np.array(grid), start, free)
+        if linear
+        else np.array([at(ratio) for ratio in grid])
+    )
     k = int(np.argmin(values))
     low = grid[max(k - 1, 0)]
     high = grid[min(k + 1, len(grid) - 1)]
@@ -384,14 +275,30 @@ def best_ratio(
         high = GRID[-1]
     if high <= low:
         high = GRID[1]
-    found = minimize_scalar(
-        lambda t: at(float(np.expm1(t))), bounds=(np.log1p(low), np.log1p(high)),
-        method="bounded", options={"xatol": 1e-4 if hint is None else 5e-3},
-    )  # fmt: skip
-    ratio, value = float(np.expm1(found.x)), float(found.fun)
+    if linear:
+        ratio, value = _valley(given, low, high, start, free)
+    else:
+        found = minimize_scalar(
+            lambda t: at(float(np.expm1(t))), bounds=(np.log1p(low), np.log1p(high)),
+            method="bounded", options={"xatol": 1e-4 if hint is None else 1e-2},
+        )  # fmt: skip
+        ratio, value = float(np.expm1(found.x)), float(found.fun)
     if values[k] <= value:
-        ratio, value = grid[k], values[k]
+        ratio, value = grid[k], float(values[k])
     return ratio, value, solve_theta(given, ratio, best_theta, free).theta
+
+
+def _valley(
+    given: Problem, low: float, high: float, start: Array, free: Indices
+) -> tuple[float, float]:
+    """The lambda from `low` to `high` of the smallest criterion of a linear problem, and that."""
+    left, right = np.log1p(low), np.log1p(high)
+    for _ in range(ROUNDS):
+        t = np.linspace(left, right, CUTS)
+        values = criteria_at(given, np.expm1(t), start, free)
+        k = int(np.argmin(values))
+        left, right = t[max(k - 1, 0)], t[min(k + 1, CUTS - 1)]
+    return float(np.expm1(t[k])), float(values[k])
 
 
 def fit(given: Problem, *, start: Array | None = None) -> Estimate:
@@ -452,20 +359,3 @@ def fit_robust(given: Problem, loss: str = "huber", *, rounds: int = 30) -> Esti
             return result
         result = fit(replace(given, weights=weights), start=result.theta)
     return result
-
-
-def subset(given: Problem, rows: Indices, predict: Prediction | None = None) -> Problem:
-    """The same problem on some `rows`, with each drawn campaign kept apart by its label.
-
-    `predict` on those rows is needed for predictions that are no design matrix; by default the
-    whole prediction is evaluated and cut.
-    """
-    labels, groups = np.unique(given.groups[rows], return_inverse=True)
-    design = None if given.design is None else given.design[rows]
-    whole = given.predict
-    own = predict or (_linear(design) if design is not None else lambda theta: whole(theta)[rows])
-    return replace(
-        given, y=given.y[rows], groups=groups.astype(np.int64), predict=own,
-        weights=given.weights[rows], labels=tuple(given.labels[k] for k in labels),
-        design=design,
-    )  # fmt: skip

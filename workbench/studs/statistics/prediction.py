@@ -15,14 +15,8 @@ import numpy as np
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.intervals import Interval
-from workbench.studs.statistics.mixed import (
-    Estimate,
-    Problem,
-    criterion_at,
-    fit,
-    jacobian,
-    subset,
-)
+from workbench.studs.statistics.mixed import Estimate, criterion_at, fit
+from workbench.studs.statistics.problem import Problem, jacobian, subset
 
 LEAST_CAMPAIGNS = 3
 LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns

@@ -1,0 +1,182 @@
+"""What a regression with campaign effects is asked: observations, prediction, bounds, weights."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.errors import InputError
+from workbench.studs.quantities import Array
+
+Indices = NDArray[np.int64]
+Prediction = Callable[[Array], Array]
+
+DIFFERENCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is fitted: `y` (n,), campaigns (n,), the prediction f(theta) -> (n,), and bounds.
+
+    `names` of the parameters, `start`, `lower`, `upper` (p,); `weights` (n,); `design` (n, p) for
+    a linear prediction (then `predict` is design @ theta).
+    """
+
+    y: Array
+    groups: Indices
+    predict: Prediction
+    names: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    weights: Array
+    labels: tuple[str, ...]
+    design: Array | None = None
+
+    @cached_property
+    def moments(self) -> tuple[Array, Array, Array] | None:
+        """Of a linear problem: cross products of (X, y), their sums and weights per campaign."""
+        if self.design is None:
+            return None
+        joined = np.column_stack([self.design, self.y])
+        weighted = self.weights[:, None] * joined
+        sums = np.zeros((self.campaigns, joined.shape[1]))
+        np.add.at(sums, self.groups, weighted)
+        return joined.T @ weighted, sums, self.totals
+
+    @cached_property
+    def totals(self) -> Array:
+        """Sum of the weights of each campaign (campaigns,)."""
+        return np.asarray(
+            np.bincount(self.groups, self.weights, minlength=self.campaigns), dtype=float
+        )
+
+    @cached_property
+    def campaign_directions(self) -> tuple[Array, Array]:
+        """Roots of the weights (n,), and their unit vector of each campaign (campaigns, n)."""
+        root = np.sqrt(self.weights)
+        member = self.groups == np.arange(self.campaigns)[:, None]
+        return root, np.where(member, root, 0.0) / np.sqrt(self.totals)[:, None]
+
+    @cached_property
+    def is_free(self) -> bool:
+        """Whether no parameter has a bound."""
+        return not np.any(np.isfinite([self.lower, self.upper]))
+
+    @property
+    def count(self) -> int:
+        """Number of observations."""
+        return len(self.y)
+
+    @property
+    def campaigns(self) -> int:
+        """Number of campaigns."""
+        return len(self.labels)
+
+    @property
+    def tells_campaigns(self) -> bool:
+        """Whether scatter within and between campaigns can be told apart: some have two rows."""
+        return 1 < self.campaigns < self.count
+
+    def without(self, label: str) -> tuple[Indices, Indices]:
+        """Rows outside and inside the campaign `label`."""
+        inside = self.groups == self.labels.index(label)
+        return np.flatnonzero(~inside), np.flatnonzero(inside)
+
+
+def problem(
+    y: ArrayLike,
+    campaigns: ArrayLike,
+    predict: Prediction | None,
+    names: tuple[str, ...],
+    start: ArrayLike,
+    *,
+    lower: ArrayLike | float = -np.inf,
+    upper: ArrayLike | float = np.inf,
+    weights: ArrayLike | None = None,
+    design: ArrayLike | None = None,
+    fitted: bool = True,
+) -> Problem:
+    """Make a checked problem; see `Problem` for the arguments. `design` replaces `predict`.
+
+    With `fitted` False the rows only describe tests to be predicted. Raises `InputError` when
+    there are no more observations than parameters to fit.
+    """
+    observed = np.atleast_1d(np.asarray(y, float))
+    keys = np.asarray(campaigns).astype(str)
+    labels, groups = np.unique(keys, return_inverse=True)
+    matrix = None if design is None else np.asarray(design, float).reshape(len(observed), -1)
+    p = len(names)
+    if len(keys) != len(observed) or not np.all(np.isfinite(observed)):
+        raise InputError("observations", observed.shape, "must be finite, each with a campaign")
+    if fitted and len(observed) <= p:
+        raise InputError(
+            "observations", len(observed), f"must be more than the {p} parameters",
+            "hold parameters fixed, or bring more tests",
+        )  # fmt: skip
+    if predict is None:
+        if matrix is None:
+            raise InputError("predict", None, "must be given when there is no design matrix")
+        predict = _linear(matrix)
+    return Problem(
+        observed, groups.astype(np.int64), predict, names,
+        np.clip(np.asarray(start, float), lower, upper),
+        np.broadcast_to(np.asarray(lower, float), p).copy(),
+        np.broadcast_to(np.asarray(upper, float), p).copy(),
+        np.ones(len(observed)) if weights is None else np.asarray(weights, float),
+        tuple(str(label) for label in labels), matrix,
+    )  # fmt: skip
+
+
+def _linear(matrix: Array) -> Prediction:
+    return lambda theta: np.asarray(matrix @ theta)
+
+
+def subset(given: Problem, rows: Indices, predict: Prediction | None = None) -> Problem:
+    """The same problem on some `rows`, with each drawn campaign kept apart by its label.
+
+    `predict` on those rows is needed for predictions that are no design matrix; by default the
+    whole prediction is evaluated and cut.
+    """
+    labels, groups = np.unique(given.groups[rows], return_inverse=True)
+    design = None if given.design is None else given.design[rows]
+    whole = given.predict
+    own = predict or (_linear(design) if design is not None else lambda theta: whole(theta)[rows])
+    return replace(
+        given, y=given.y[rows], groups=groups.astype(np.int64), predict=own,
+        weights=given.weights[rows], labels=tuple(given.labels[k] for k in labels),
+        design=design,
+    )  # fmt: skip
+
+
+def jacobian(given: Problem, theta: Array, free: Indices, base: Array | None = None) -> Array:
+    """Derivatives (n, free) of the prediction with respect to the `free` parameters.
+
+    `base` (n,), the prediction at `theta` where it is known already.
+    """
+    if given.design is not None:
+        return given.design[:, free]
+    if base is None:
+        base = given.predict(theta)
+    columns = np.empty((given.count, len(free)))
+    for column, k in enumerate(free):
+        step = DIFFERENCE * max(abs(theta[k]), 1e-2)
+        if theta[k] + step > given.upper[k]:
+            step = -step
+        moved = theta.copy()
+        moved[k] += step
+        columns[:, column] = (given.predict(moved) - base) / step
+    return columns
+
+
+def whiten(given: Problem, x: Array, ratio: float) -> Array:
+    """V^(-1/2) sigma applied to the columns of x (n, k) or (n,) for a value of lambda."""
+    root, directions = given.campaign_directions
+    phi = 1.0 - 1.0 / np.sqrt(1.0 + ratio * given.totals)
+    scaled = (root * x.T).T
+    along = (directions @ scaled).T * phi
+    return np.asarray(scaled - directions.T @ along.T)
