@@ -1,4 +1,4 @@
-"""Band storage: products, and rows that are held."""
+"""Band storage: products, and rows that are held; largest entries."""
 
 from __future__ import annotations
 
@@ -35,3 +35,35 @@ def hold(band: Vector, width: int, held: Indices, n: int) -> None:
             band[j * rows + 2 * width + h - j] = 0.0
             band[h * rows + 2 * width + j - h] = 0.0
         band[h * rows + 2 * width] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def largest(x: Vector) -> float:
+    """Largest magnitude in x; NaN if there is one."""
+    top = 0.0
+    for value in x:
+        size = abs(value)
+        if np.isnan(size):
+            return float(size)
+        if size > top:
+            top = size
+    return top
+
+
+@njit(cache=True, error_model="numpy")
+def add_inertia(
+    mass: Vector,
+    width: int,
+    moved: Vector,
+    factor: float,
+    start: Vector,
+    force: Vector,
+    held: Indices,
+    result: Vector,
+) -> None:
+    """Residual of a time step: M moved factor - start + force, zero at held dofs."""
+    band_product(mass, width, moved, result)
+    for i in range(result.shape[0]):
+        result[i] = result[i] * factor - start[i] + force[i]
+    for h in held:
+        result[h] = 0.0

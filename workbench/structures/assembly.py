@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import isfinite
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -300,6 +301,12 @@ class PlanarAssembly:
         _kernels.band_product(self.mass, self.width, x, result)
         return result
 
+    def residual(self, moved: Array, factor: float, start: Array, force: Array) -> Array:
+        """Residual (dofs,) of a time step: M moved factor - start + force, zero at held dofs."""
+        result = np.empty(self.size)
+        _kernels.add_inertia(self.mass, self.width, moved, factor, start, force, self._held, result)
+        return result
+
     def allowed_residual(self, tolerance: float, residual: Array, start: Array) -> float:
         """Largest residual entry (N) with which a step counts as solved.
 
@@ -308,10 +315,11 @@ class PlanarAssembly:
         forces yet); displacements `start`, whose rounding leaves a residual by itself, as does
         that of the chords.
         """
-        scale = max(self._largest_force, np.max(np.abs(self.load)), 1e-3 * np.max(np.abs(residual)))
+        largest = _kernels.largest
+        scale = max(self._largest_force, largest(self.load), 1e-3 * largest(residual))
         diagonal = self.band[2 * self.width :: self._rows]
-        rounded = max(np.max(np.abs(start)), self._shortest)
-        rounding = ROUNDINGS * np.max(np.abs(diagonal)) * rounded
+        rounded = max(largest(start), self._shortest)
+        rounding = ROUNDINGS * largest(diagonal) * rounded
         return float(max(tolerance * scale, rounding))
 
     def tangent_times(self, x: Array) -> Array:
@@ -333,7 +341,7 @@ class PlanarAssembly:
         _, _, x, info = lapack.dgbsv(
             self.width, self.width, matrix, x, overwrite_ab=1, overwrite_b=1
         )
-        return x if info == 0 and np.all(np.isfinite(x)) else None
+        return x if info == 0 and isfinite(_kernels.largest(x.ravel(order="K"))) else None
 
     def account(self, end: Array, weight: float) -> StepEnergies:
         """Energies of the step to the trial state at displacements `end`; springs are stored."""
@@ -348,7 +356,7 @@ class PlanarAssembly:
         for group in self.groups:
             group.commit()
         self.displacement = end.copy()
-        self._largest_force = max(self._largest_force, float(np.max(np.abs(self._force))))
+        self._largest_force = max(self._largest_force, float(_kernels.largest(self._force)))
         if velocity is not None:
             self.velocity = velocity
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isfinite, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from workbench.structures._kernels import largest
 
 Array = NDArray[np.float64]
 
@@ -51,32 +54,32 @@ def newton(
     residual = evaluate(x)
     allowed = allow(residual)
     evaluations = 1
-    size = float(np.max(np.abs(residual)))
+    size = largest(residual)
     for _ in range(iterations):
         if size <= allowed:
             return Solution(x, True, size / allowed, evaluations)
         step = solve(-residual)
-        if step is None or not np.isfinite(size):
+        if step is None or not isfinite(size):
             break
         slope = float(step @ residual)
         low, slope_low = 0.0, slope
-        high, slope_high = np.nan, np.nan
+        high, slope_high = nan, nan
         s = 1.0
         for _ in range(SEARCHES):
             trial = x + s * step
             residual = evaluate(trial)
             evaluations += 1
-            new_size = float(np.max(np.abs(residual)))
+            new_size = largest(residual)
             new_slope = float(step @ residual)
             if abs(new_slope) <= 0.5 * abs(slope) or new_size <= 0.5 * size:
                 break
-            if np.isfinite(new_slope) and new_slope * slope > 0.0 and np.isnan(high):
+            if isfinite(new_slope) and new_slope * slope > 0.0 and isnan(high):
                 break  # no sign change in reach: take the step, the tangent will follow
-            if not np.isfinite(new_slope) or new_slope * slope <= 0.0:
+            if not isfinite(new_slope) or new_slope * slope <= 0.0:
                 high, slope_high = s, new_slope
             else:
                 low, slope_low = s, new_slope
-            if np.isfinite(slope_high):
+            if isfinite(slope_high):
                 share = slope_low / (slope_low - slope_high)
                 share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
             else:

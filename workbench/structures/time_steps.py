@@ -67,6 +67,7 @@ def solve_step(
     factor = 2.0 / dt**2 + damping / dt
     # twice the equations with the mean of both ends: the tangent at the end then counts once
     scale, rule = (1.0, weight) if before is None else (2.0, None)
+    given = scale * (start_momentum + load)
     internal = np.zeros(assembly.size)
 
     def evaluate(x: Array) -> Array:
@@ -74,15 +75,13 @@ def solve_step(
         internal[:] = force
         if before is not None:
             force = force + before
-        inertia = assembly.mass_times(x - x0) * factor - start_momentum
-        residual = scale * inertia + force - scale * load
+        residual = assembly.residual(x - x0, scale * factor, given, force)
         if pull is not None:
             d = pull.dof
             v1 = pull.sign * (2.0 * (x[d] - x0[d]) / dt - v0[d])
             residual[d] -= scale * pull.sign * pull.mass * (pull.touch - v1) / dt
             assembly.add_to_diagonal(d, scale * 2.0 / dt**2 * pull.mass)
-        residual[held] = 0.0
-        return np.asarray(residual)
+        return residual
 
     def allow(residual: Array) -> float:
         return assembly.allowed_residual(tolerance, residual, x0)
