@@ -19,6 +19,7 @@ flexible one has none. Time steps are energy-exact (midpoint of the forces, exac
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -76,8 +77,58 @@ COMMON = (
 )
 
 
+class _HingedBars(ABC):
+    """What both superelements do alike; each says what its bars are and holds the options."""
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    answers: ClassVar[tuple[str, ...]] = ANSWERS
+    assumptions: ClassVar[tuple[str, ...]]
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    alpha: float | None
+    beta: float | None
+    elements: int
+    integrator: str
+    time_step: float | None
+    node_inertia: float
+    regularisation: float
+    geometry: str
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings common to all member models."""
+        return domain_findings(scenario)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
+        return respond(self, scenario, self._solve)
+
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
+        """The yield surface of the hinges of a member, joints of its full strength."""
+        return yield_surface(frame, member, self.alpha, self.beta)
+
+    def structure(self, frame: Frame) -> FrameStructure:
+        """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
+        return stand_superelements(
+            frame,
+            self.elements,
+            lambda member: self.member_surface(frame, member),
+            self._piece,
+            regularisation=self.regularisation,
+            node_inertia=self.node_inertia,
+            first_order=self.geometry == "linear",
+        )
+
+    @abstractmethod
+    def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
+        """The superelement of a piece of a member."""
+
+    def _solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
+        return answer(scenario, self.structure, self.integrator, self.time_step)
+
+
 @dataclass(frozen=True)
-class RigidSuperelement:
+class RigidSuperelement(_HingedBars):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -108,13 +159,11 @@ class RigidSuperelement:
 
     name: ClassVar[str] = "rigid-superelement"
     version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = ANSWERS
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",
         *COMMON,
     )
-    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
@@ -125,30 +174,6 @@ class RigidSuperelement:
                 "has no place for rotary inertia that turns with the bars",
                 "take inertia = linear or none, or another integrator",
             )
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings common to all member models."""
-        return domain_findings(scenario)
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
-        return respond(self, scenario, self._solve)
-
-    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
-        """The yield surface of the hinges of a member, joints of its full strength."""
-        return yield_surface(frame, member, self.alpha, self.beta)
-
-    def structure(self, frame: Frame) -> FrameStructure:
-        """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
-        return stand_superelements(
-            frame,
-            self.elements,
-            lambda member: self.member_surface(frame, member),
-            self._piece,
-            regularisation=self.regularisation,
-            node_inertia=self.node_inertia,
-            first_order=self.geometry == "linear",
-        )
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         factor = self.rotational_stiffness / 6.0
@@ -161,12 +186,9 @@ class RigidSuperelement:
             rotation_inertia=self.inertia,
         )
 
-    def _solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        return answer(scenario, self.structure, self.integrator, self.time_step)
-
 
 @dataclass(frozen=True)
-class FlexibleSuperelement:
+class FlexibleSuperelement(_HingedBars):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -192,41 +214,15 @@ class FlexibleSuperelement:
 
     name: ClassVar[str] = "flexible-superelement"
     version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = ANSWERS
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",
         "No rotary inertia of the beams.",
         *COMMON,
     )
-    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def __post_init__(self) -> None:
         check_fields(self, "option")
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings common to all member models."""
-        return domain_findings(scenario)
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
-        return respond(self, scenario, self._solve)
-
-    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
-        """The yield surface of the hinges of a member, joints of its full strength."""
-        return yield_surface(frame, member, self.alpha, self.beta)
-
-    def structure(self, frame: Frame) -> FrameStructure:
-        """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
-        return stand_superelements(
-            frame,
-            self.elements,
-            lambda member: self.member_surface(frame, member),
-            self._piece,
-            regularisation=self.regularisation,
-            node_inertia=self.node_inertia,
-            first_order=self.geometry == "linear",
-        )
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         n = self.hinge_stiffness
@@ -240,9 +236,6 @@ class FlexibleSuperelement:
             flexible=True,
             mass_per_length=piece.mass,
         )
-
-    def _solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        return answer(scenario, self.structure, self.integrator, self.time_step)
 
 
 def yield_surface(
