@@ -64,6 +64,24 @@ def test_a_model_without_an_answer_is_no_crash(small, kind):
     assert drawing.statements
 
 
+def test_meshes_stand_over_their_size_with_the_interval_of_the_reference(small):
+    study = small.study
+    sizes = {label: 0.1 * 2.0**i for i, label in enumerate(study.models)}
+    drawing = draw(request(small, "meshes", sizes=sizes))
+    assert drawing.canvas is not None
+    known = {label for label in sizes if label in set(drawing.data["label"])}
+    assert len(known) >= 2
+    for row in drawing.data.itertuples():
+        assert row.size_m == sizes[row.label]
+        stored = small.number(row.case, row.label, study.quantities[0])
+        assert getattr(row, f"{study.quantities[0]}_SI") == stored
+    (panel,) = drawing.canvas.axes
+    assert [line.get_label() for line in panel.lines] == ["uniform meshes"]
+    assert any(study.reference in str(patch.get_label()) for patch in panel.patches) or any(
+        study.reference in text for text in drawing.statements
+    )
+
+
 def test_drawing_leaves_the_global_settings_alone(small):
     before = dict(mpl.rcParams)
     draw(request(small, "history"))
