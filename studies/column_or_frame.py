@@ -29,6 +29,11 @@ PLACES = {  # member that is hit, m above its lower end
     OUTER: ("A0-A1", 1.0),
     UPPER: ("B1-B2", 1.0),
 }
+FOUR, STRONG = "four storeys, 40 m/s", "strong beams, 40 m/s"
+DEAD, HEAVY = "dead loads, 20 m/s", "dead loads, 40 m/s"
+PINNED, LIGHT = "pinned bases, 20 m/s", "one storey, light beams, edge column, 20 m/s"
+FIGURE_5_13, HALF_WAY = "squares, middle column", "squares, at mid-height"
+EDGE, ABOVE = "squares, edge column", "squares, upper storey"
 DURATIONS = {10.0: 0.03, 20.0: 0.06, 40.0: 0.1}  # s, past the peak
 LONG = 0.11  # s, where the frame sways
 
@@ -78,14 +83,14 @@ def swept(place: str, velocity: float) -> Case:
         scenario,
         figure="map",
         parameters={"velocity in m/s": velocity, "place": place},
-        quick=velocity == 10.0 and place in (FIRST, UPPER),
+        quick=velocity <= 20.0 and place in (FIRST, UPPER),
     )
 
 
 def single(name: str, frame: Frame, member: str, velocity: float, duration: float) -> Case:
     """A variation of the frame of profiles, hit at 1 m by 2000 kg."""
     scenario = impact(name, frame, member, 1.0, velocity, 2000.0, duration)
-    return Case(name, scenario, figure="variations", quick=False)
+    return Case(name, scenario, figure="variations", quick=name == LIGHT)
 
 
 def thesis(name: str, member: str, at: float) -> Case:
@@ -94,11 +99,6 @@ def thesis(name: str, member: str, at: float) -> Case:
     return Case(name, scenario, figure="squares", quick=False)
 
 
-FOUR, STRONG = "four storeys, 40 m/s", "strong beams, 40 m/s"
-DEAD, HEAVY = "dead loads, 20 m/s", "dead loads, 40 m/s"
-PINNED, LIGHT = "pinned bases, 20 m/s", "one storey, light beams, edge column, 20 m/s"
-FIGURE_5_13, HALF_WAY = "squares, middle column", "squares, middle column at mid-height"
-EDGE, ABOVE = "squares, edge column", "squares, upper storey"
 cases = (
     *(swept(place, velocity) for place, velocity in product(PLACES, VELOCITIES)),
     single(FOUR, profiles(storeys=4), "B0-B1", 40.0, 0.1),
@@ -118,7 +118,9 @@ COLUMN, YIELDING = "4-DOF column", "column, yielding restraint"
 HINGED = "4-DOF column, pinned head"
 RIGID, FLEXIBLE = "rigid superelements", "flexible superelements"
 models = {
-    REFERENCE: FiberReissner(refinement=-1),  # peaks within 0.7 % of the default mesh
+    REFERENCE: FiberReissner(
+        refinement=-1
+    ),  # at the default one the study takes four times as long
     COLUMN: ColumnOfFrame(),
     YIELDING: ColumnOfFrame(model="rigid-superelement", restraint="yielding"),
     HINGED: ColumnOfFrame(head="pinned"),
@@ -127,26 +129,46 @@ models = {
 }
 
 OWN_BOUND = "Bound set by this study, not by a standard."
-ENDS_GIVE_WAY = (PINNED, LIGHT, ABOVE)  # says limit analysis of frame and column
-OWN_MECHANISM = tuple(
+MOVING = tuple(  # the frame resists less than the column, says limit analysis: its joints move
     case.name
     for case in cases
-    if not case.name.startswith((TOP, UPPER)) and case.name not in ENDS_GIVE_WAY
+    if case.name.startswith((TOP, UPPER)) or case.name in (PINNED, LIGHT, ABOVE)
 )
+OWN_MECHANISM = tuple(case.name for case in cases if case.name not in MOVING)
 # ... and the spring stays below the collapse load of the frame without the column
 QUIET = tuple(
     name for name in OWN_MECHANISM if "40 m/s" not in name and not name.startswith("squares")
 )
+STRAINED = tuple(name for name in OWN_MECHANISM if name not in QUIET)
 gates = (
-    Gate(
-        COLUMN,
-        REFERENCE,
-        "peak_displacement",
-        "relative_error",
-        0.10,
-        "Wanted for a first design. The cases that fail mark where a column no longer stands for "
-        "the frame: they are the answer of this study, not a defect.",
-        OWN_BOUND,
+    *(
+        Gate(
+            COLUMN,
+            REFERENCE,
+            "peak_displacement",
+            "relative_error",
+            0.10,
+            f"{why} 10 percent is wanted for a first design.",
+            OWN_BOUND,
+            names,
+        )
+        for names, why in (
+            (
+                QUIET,
+                "Where the column warns of nothing: its own mechanism governs, and its spring "
+                "stays below the collapse load of the rest of the frame.",
+            ),
+            (
+                STRAINED,
+                "Where the column warns of its spring, which carries more than the rest of the "
+                "frame can.",
+            ),
+            (
+                MOVING,
+                "Where the column warns of its ends: the joints of the frame sway or turn before "
+                "its own mechanism forms. What fails here marks the end of its domain.",
+            ),
+        )
     ),
     Gate(
         COLUMN,
@@ -154,8 +176,7 @@ gates = (
         "displacement",
         "sprague_geers_comprehensive",
         0.10,
-        "Where the column warns of nothing (its own mechanism governs and the spring stays below "
-        "the collapse load of the frame) the whole history is to be right, not only its peak.",
+        "Where the column warns of nothing, the whole history is to be right, not only its peak.",
         OWN_BOUND,
         QUIET,
     ),
@@ -196,7 +217,8 @@ figures = (
         "map",
         "sweep",
         "Error of the peak: where it is hit, and how fast",
-        "Frame of profiles, 2000 kg. Red: peak too large, blue: too small.",
+        "Frame of profiles, 2000 kg. Orange: peak too large, purple: too small. The column fails "
+        "in whole rows: where it is hit decides, not how fast.",
         (COLUMN, YIELDING, RIGID),
         {"x": "velocity in m/s", "y": "place", "facet": "", "limit": 0.4},
     ),
@@ -243,7 +265,7 @@ figures = (
         (REFERENCE,),
         {"cases": (f"{TOP}, 20 m/s", f"{UPPER}, 20 m/s")},
     ),
-    Figure("cost", "cost", "Cost against error", "Wall time of one run."),
+    Figure("cost", "cost", "Cost against error", "Wall time of one run against its error."),
 )
 
 study = Study(
@@ -259,7 +281,22 @@ study = Study(
     quantities=("peak_displacement", "time_of_peak"),
     gates=gates,
     figures=figures,
-    notes=(),
+    notes=(
+        "The cases are sorted by what the column model itself warns of. It warns of nothing where "
+        "limit analysis finds the same collapse load for frame and column and the spring stays "
+        "below the collapse load of the rest of the frame: there it stands for the frame.",
+        "Where the spring carries more than the rest of the frame can, an elastic one holds the "
+        "column too well: peaks come out too small, the more the longer catenary action lasts. The "
+        "restraint that yields shows what is lacking.",
+        "Where the joints move first (a hit near the head or in an upper storey, weak beams, "
+        "pinned bases) no spring along the column helps. A pinned head is no remedy: where the "
+        "joined one is right it is too soft. Take the whole frame, one element per member.",
+        "The reference is one refinement coarser than by default, which moves its peaks by less "
+        "than one percent. Where its coarser meshes damp waves too much (upper storey, 10 m/s) its "
+        "uncertainty is unknown, and no model can pass.",
+        "Profiles hit near an end would yield in shear, which no model here knows: the verdicts "
+        "compare theories that all leave it out.",
+    ),
 )
 
 if __name__ == "__main__":

@@ -140,6 +140,16 @@ figures = (
         {"case": CASE},
     ),
     Figure(
+        "interaction",
+        "interaction",
+        "Path of axial force and moment",
+        "Hinges of the struck column leave bending for tension and return. On the straight surface "
+        "(1 / 1) tension costs more moment: the column goes further and pulls nearly twice as hard "
+        "at the frame.",
+        (RIGID, FLEXIBLE, STRAIGHT),
+        {"case": CASE, "hinges": ("C0-C1/1:start", "C0-C1/1:end", "C0-C1/2:end")},
+    ),
+    Figure(
         "energy",
         "energy",
         "Energy ledger",

@@ -373,6 +373,73 @@ def test_snapshots_of_a_path_are_steps() -> None:
     np.testing.assert_array_equal(at, at.round())
 
 
+def test_a_path_that_turns_back_is_seen_where_it_turns() -> None:
+    """The hinges yield there; a step later they are elastic again."""
+    cycles = FrameStatic(
+        "cycles", portal(), (Load("A1", x=1.0),), "A1", "x", cyclic_path([0.1, 0.2], 2)
+    )
+    response = answered(RigidSuperelement().simulate(cycles))
+    displacement = response["displacement"].values
+    turning = int(np.argmax(displacement > 0.2 - 1e-9))
+    assert turning in response["snapshot_at"].values
+    seen = response["utilisation"].sel(snapshot=response["snapshot_at"].values == turning)
+    assert float(seen.max()) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_column_under_pinned_beams_is_a_cantilever() -> None:
+    """3 EI/h^3 for each column of a portal whose beam is attached by pins."""
+    frame = portal()
+    beam = frame.member("A1-B1")
+    pinned = replace(beam, joint_start="pinned", joint_end="pinned")
+    members = tuple(pinned if member is beam else member for member in frame.members)
+    height = frame.node("A1").y
+    for model, tolerance in ((RigidSuperelement(), 0.01), (FlexibleSuperelement(), 0.12)):
+        push = FrameStatic(
+            "push", replace(frame, members=members), (Load("A1", x=1.0),), "A1", "x", (1e-4,)
+        )
+        response = answered(model.simulate(push))
+        column = frame.properties("A0-A1")
+        stiffness = 6.0 * frame.steel.elastic_modulus * column.second_moment / height**3
+        found = float(response["force"][-1] / response["displacement"][-1])
+        assert found == pytest.approx(stiffness, rel=tolerance)  # flexible: hinges in series
+
+
+def test_a_weak_joint_whose_axial_force_changes_its_sign() -> None:
+    """The path goes through the corner of the straight surface of the joint."""
+    section, beam = find("HEB 220"), find("IPE 300")
+    nodes = (
+        Node("a", 0.0, 0.0, support="clamped"),
+        Node("b", 0.0, 4.0),
+        Node("c", 8.0, 4.0),
+        Node("d", 8.0, 0.0, support="pinned"),
+    )
+    joint = Joint("plate", 2e7, plastic_moment=1.5e5, plastic_moment_negative=0.5e5)
+    members = (
+        Member("left", "a", "b", section),
+        Member("beam", "b", "c", beam, joint_start="plate", joint_end="plate"),
+        Member("right", "d", "c", section),
+    )
+    dead = (Load("b", y=-2e5), Load("c", y=-2e5))
+    frame = Frame(nodes, members, joints=(joint,), loads=dead)
+    push = FrameStatic("push", frame, (Load("b", x=1e3),), "b", "x", (0.3,))
+    forces = []
+    for model in (RigidSuperelement(), FlexibleSuperelement()):
+        response = answered(model.simulate(push))
+        axial = response["axial_force"].sel(hinge="beam:start").values
+        assert axial.min() < 0.0 < axial.max()
+        forces.append(float(response["force"][-1]))
+    assert forces[0] == pytest.approx(forces[1], rel=0.01)
+
+
+def test_a_mechanism_is_named_before_it_is_pushed() -> None:
+    frame = portal("pinned", joint_start="pinned", joint_end="pinned")
+    push = FrameStatic("push", frame, (Load("A1", x=1e3),), "A1", "x", (0.1,))
+    findings = RigidSuperelement().domain(push)
+    assert [(f.subject, f.refusal) for f in findings if f.subject == "mechanism"] == [
+        ("mechanism", False)
+    ]
+
+
 # -- ledger ----------------------------------------------------------------------------------
 
 

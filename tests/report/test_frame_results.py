@@ -12,14 +12,18 @@ from synthetic_frames import SyntheticFrame, frame_study, portal
 from synthetic_study import store_of
 from test_report_figures import request
 
+from workbench.assessment import Gate
 from workbench.errors import InputError
+from workbench.models.superelements import FlexibleSuperelement
 from workbench.report import build_report
 from workbench.report.chapters import configuration, limits
+from workbench.report.chapters.verdicts import verdict_rows
 from workbench.report.content import Document, Listing, Picture, Section, Table, walk
 from workbench.report.figures import draw
 from workbench.report.figures.drawing import thinned, to_svg
 from workbench.report.pdf import render_pdf
-from workbench.scenarios import FrameStatic, Load, scenario_from
+from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
+from workbench.sections import find
 from workbench.study import Case
 
 
@@ -120,6 +124,32 @@ def test_surfaces_of_members_are_drawn_as_their_model_states_them(frames):
     words = [text.get_text() for text in drawing.canvas.legends[0].get_texts()]
     assert "super-ellipse α = 1, β = 1.7" in words
     assert {"exact plastic envelope of HEB 220", "exact plastic envelope of IPE 300"} <= set(words)
+    assert "within the surface of the member: B-C:start." in drawing.statements[-1]
+    strong = draw(
+        request(frames, "interaction", case="from above", labels=["rigid"], hinges=("A-B:start",))
+    )
+    assert not any("weaker" in text for text in strong.statements)
+
+
+@pytest.mark.parametrize(("beta", "expected"), [(None, 1.3), (1.0, 1.0)])
+def test_paths_of_superelements_reach_the_surface_that_they_state(tmp_path, beta, expected):
+    frame = regular_frame((6.0,), (4.0,), find("HEB 220"), find("HEB 220"))
+    frame = replace(frame, loads=(Load("A1", y=-3e5), Load("B1", y=-3e5)))
+    push = FrameStatic("push", frame, (Load("A1", x=1e4),), "A1", "x", (0.2,))
+    study = replace(
+        frame_study("pushed"),
+        cases=(Case("push", push),),
+        models={"reference": FlexibleSuperelement(alpha=1.0, beta=beta)},
+        quantities=("resistance",),
+        figures=(),
+    )
+    drawing = draw(request(store_of(study, tmp_path), "interaction"))
+    words = [text.get_text() for text in drawing.canvas.legends[0].get_texts()]
+    assert f"super-ellipse α = 1, β = {expected:g}" in words
+    m = drawing.data["moment_over_plastic_moment"].abs()
+    n = drawing.data["axial_force_over_squash_load"].abs()
+    assert (m + n**expected).max() == pytest.approx(1.0, abs=1e-3)
+    assert n[m > 0.8].max() > 0.05  # the surface counts
 
 
 @pytest.mark.parametrize("case", ["storeys", "shaken"])
@@ -128,6 +158,19 @@ def test_ledgers_close_whatever_brings_the_energy(frames, case):
     parts = data[["kinetic", "elastic", "dissipated", "contact_loss"]].sum(axis=1)
     energy = 1.0 if case == "shaken" else 0.97  # the closed forms leave out some of the impact
     assert (parts / data["brought_in"]).between(energy - 0.01, 1.01).all()
+
+
+def test_gates_that_differ_in_their_cases_keep_their_reasons(tmp_path):
+    gates = tuple(
+        Gate("rigid", "reference", "peak_displacement", "relative_error", 0.1, why, "", (case,))
+        for case, why in (("storeys", "Hit from the side."), ("from above", "Hit from above."))
+    )
+    stored = store_of(replace(frame_study("sorted"), gates=gates, figures=()), tmp_path)
+    rows = verdict_rows(stored)
+    assert [(row["rationale"], row["cases"], row["case"]) for row in rows] == [
+        ("Hit from the side.", 1, "storeys"),
+        ("Hit from above.", 1, "from above"),
+    ]
 
 
 def test_peaks_leave_out_cases_without_one(frames):

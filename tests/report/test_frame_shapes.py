@@ -5,23 +5,35 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from synthetic_frames import SyntheticFrame, frame_study
 from synthetic_study import store_of
 from test_report_figures import request
 
 from workbench.errors import InputError
+from workbench.models.superelements import FlexibleSuperelement
 from workbench.report import build_report
 from workbench.report.figures import draw
 from workbench.report.figures.film import LARGEST, film
 from workbench.report.figures.hinge_states import YIELDING, YIELDS, colour_of, hinge_places
 from workbench.report.figures.shapes import Shapes, magnification, shapes_of
-from workbench.scenarios import FrameImpact, FrameStriker, regular_frame
+from workbench.scenarios import (
+    Frame,
+    FrameImpact,
+    FrameStatic,
+    FrameStriker,
+    Load,
+    Member,
+    Node,
+    regular_frame,
+)
 from workbench.sections import find
 from workbench.study import Case
 
@@ -58,6 +70,41 @@ def test_instants(frames):
     titles = [panel.get_title(loc="left") for panel in draw(shown).canvas.axes]
     assert titles[0].startswith("start: 0")
     assert titles[1].startswith("10.2")
+
+
+def test_a_push_that_ends_at_its_peak_is_not_drawn_twice(tmp_path):
+    frame = regular_frame((6.0,), (4.0,), find("HEB 220"), find("IPE 300"))
+    for path, expected in ((0.1,), ["half-way", "end"]), ((0.1, 0.0), ["half-way", "peak", "end"]):
+        push = FrameStatic("push", frame, (Load("A1", x=1e4),), "A1", "x", path)
+        study = replace(
+            frame_study(f"to-and-fro-{len(path)}"),
+            cases=(Case("push", push),),
+            models={"reference": SyntheticFrame()},
+            figures=(),
+        )
+        drawing = draw(request(store_of(study, tmp_path), "deformed"))
+        assert list(dict.fromkeys(drawing.data["instant"])) == expected
+
+
+def test_flat_structures_have_room_for_their_axis(tmp_path):
+    beam = Frame(
+        (Node("l", 0.0, 0.0, "clamped"), Node("m", 2.0, 0.0), Node("r", 4.0, 0.0, "clamped")),
+        (Member("l-m", "l", "m", find("HEB 220")), Member("m-r", "m", "r", find("HEB 220"))),
+    )
+    push = FrameStatic("push", beam, (Load("m", y=1e4),), "m", "y", (0.1, -0.1, 0.0))
+    study = replace(
+        frame_study("flat"),
+        cases=(Case("push", push),),
+        models={"reference": FlexibleSuperelement()},
+        quantities=("resistance",),
+        figures=(),
+    )
+    canvas = draw(request(store_of(study, tmp_path), "deformed")).canvas
+    renderer = FigureCanvasAgg(canvas).get_renderer()
+    numbers = [text for text in canvas.axes[0].get_yticklabels() if text.get_text()]
+    boxes = [text.get_window_extent(renderer) for text in numbers]
+    assert len(boxes) >= 3
+    assert not any(a.overlaps(b) for a, b in pairwise(boxes))
 
 
 @pytest.mark.parametrize("instants", [("late",), (True,), (), ("end",) * 5, (float("nan"),)])

@@ -158,7 +158,7 @@ class RigidSuperelement(_HingedBars):
     geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",

@@ -27,6 +27,7 @@ from workbench.structures.ledger import StepEnergies
 
 Array = NDArray[np.float64]
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
+MOST_CUTS = 16  # crossing a corner of a yield surface can take as much
 LARGEST_GAP = 5e-3  # of the energy turned over in a step; a structure that jumps leaves more
 
 
@@ -54,7 +55,7 @@ def follow_displacement(
     targets: Sequence[float],
     increment: float,
     tolerance: float = 1e-8,
-    most_cuts: int = 10,
+    most_cuts: int = MOST_CUTS,
 ) -> Iterator[PathStep]:
     """Displacement control: lead `dof` through `targets`; the load factor follows.
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from math import hypot
+from typing import Any
 
 from workbench.assessment import Ladder, Metric, ladder
 from workbench.errors import InputError
@@ -86,7 +87,7 @@ def own_note(response: Response, quantity: str) -> str:
     if known is None:
         return f"its numerical uncertainty of {quantity} was not asked for"
     if uncertainty_of(response, quantity) is None:
-        return "; ".join(basis["statements"]) or known["note"]
+        return _said(basis) or known["note"]
     return f"refinement of its own, {known['note']}"
 
 
@@ -100,8 +101,7 @@ def _spread(
             return None, f"{label} keeps no {quantity} of its coarser runs: uncertainty unknown"
         directions = directions_of(response)
         if not directions:
-            said = "; ".join(json.loads(response.attrs[BASIS])["statements"])
-            return None, f"{label}: {said}"
+            return None, f"{label}: {_said(json.loads(response.attrs[BASIS]))}"
         values = _values(dict(variants(response)), evaluate)
         found = estimate(directions, values)
         return found.width, f"refinement of {what}: {found.note}"
@@ -129,6 +129,12 @@ def _values(
 def _refined(response: Response) -> bool:
     """Whether a response tried coarser meshes of its own."""
     return len(json.loads(response.attrs.get(BASIS, "{}")).get("levels", ())) > 1
+
+
+def _said(basis: Mapping[str, Any]) -> str:
+    """The statements of a refinement in one line, without those that another one repeats."""
+    said = list(dict.fromkeys(basis["statements"]))
+    return "; ".join(text for text in said if not any(text != o and text in o for o in said))
 
 
 def _no_ladder(label: str) -> str:

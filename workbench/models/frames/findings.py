@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from workbench.models.domain import SHEAR_LOSS, shear_bound
 from workbench.models.frames.chains import chains
+from workbench.models.frames.elastic import ElasticFrame
 from workbench.models.frames.stability import dead_load_state
 from workbench.models.frames.structure import free_to_spin
 from workbench.responses import Finding
@@ -19,8 +20,9 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
     """Domain findings that all models of frames without shear deformation share.
 
     Refusals: dead loads that the frame cannot carry (squash, buckling, mechanism), a moment on a
-    node where only pins meet. Warnings: dead loads above half the buckling load; members whose
-    bending mechanism needs more shear force than models without shear yielding allow.
+    node where only pins meet. Warnings: dead loads above half the buckling load; a mechanism that
+    no dead load meets; members whose bending mechanism needs more shear force than models without
+    shear yielding allow.
     """
     frame = scenario.frame
     findings = []
@@ -32,6 +34,12 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
         findings.append(Finding("mechanism", text, refusal=True))
     elif frame.loads:
         findings += _dead_load_findings(frame)
+    elif isinstance(scenario, FrameStatic) and ElasticFrame(frame).is_mechanism:
+        text = (
+            "for small displacements the frame is a mechanism: something moves without resistance "
+            "until its shape has changed"
+        )
+        findings.append(Finding("mechanism", text))
     return findings + _shear_findings(scenario)
 
 

@@ -57,8 +57,11 @@ class Record:
         self._evaluations += evaluations
         self._cuts += cuts
 
-    def record(self, at: float, **values: float) -> None:
-        """Append the committed state at a time (s) or step, with further `values` by name."""
+    def record(self, at: float, *, turns: bool = False, **values: float) -> None:
+        """Append the committed state at a time (s) or step, with further `values` by name.
+
+        `turns`, whether a static path ends or turns back here.
+        """
         members, assembly = self.structure.members, self.structure.assembly
         for name, (dof, sign) in self.structure.watched.items():
             values[name] = sign * float(assembly.displacement[dof])
@@ -75,7 +78,7 @@ class Record:
         self._tables["moment"].append(members.moments())
         self._tables["plastic_rotation"].append(members.plastic_rotations())
         self._shear = np.maximum(self._shear, members.shear_forces())
-        self._snapshots.see(at, self.displacement)
+        self._snapshots.see(at, self.displacement, turns=turns)
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isclose
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,13 +120,23 @@ def run_static(
     record = Record(structure, dof, sign, None)
     watch = CollapseWatch(structure)
     work = pushed = 0.0
+    stops = scenario.path
     record.record(0.0, load_factor=0.0, external_work=0.0, pushed=0.0)
     for count, taken in enumerate(steps, 1):
         record.add(taken.energies, taken.evaluations, taken.cuts)
         work += taken.external_work
         dead = float(assembly.load @ (assembly.displacement - structure.start))
         pushed = work - dead
-        record.record(float(count), load_factor=taken.factor, external_work=work, pushed=pushed)
+        reached = taken.factor if scenario.control == "load" else record.displacement
+        turns = bool(stops) and isclose(reached, stops[0], rel_tol=1e-9, abs_tol=1e-12)
+        stops = stops[1:] if turns else stops
+        record.record(
+            float(count),
+            turns=turns,
+            load_factor=taken.factor,
+            external_work=work,
+            pushed=pushed,
+        )
         watch.check(f"step {count}", standing=False)
     columns = record.columns(
         "displacement", "load_factor", "elastic", "dissipated", "external_work"
@@ -169,7 +180,7 @@ def run_ground_motion(
     watch = CollapseWatch(structure)
     ground = dead = damped = length = 0.0
     start = {"velocity": 0.0, "kinetic": 0.0, "external_work": 0.0, "ground": 0.0, "damped": 0.0}
-    record.record(0.0, **start)
+    record.record(0.0, turns=False, **start)
     for taken in steps:
         record.add(taken.energies, taken.evaluations, taken.cuts)
         ground += taken.input_energy

@@ -11,6 +11,7 @@ from workbench.models.frames.structure import FrameStructure
 
 Array = NDArray[np.float64]
 Picture = tuple[Array, Array]  # shapes and utilisation
+FARTHER = 1.0 + 1e-9  # cycles of equal size: the first one counts
 EVENLY = 60  # snapshots over the record; one more at the peak
 
 
@@ -19,8 +20,8 @@ class Snapshots:
 
     Arguments: the `structure`, whose committed state is read; `end` of the record, which starts
     at zero (time in s; None: unknown, snapshots are then even in the number of steps). Evenly
-    spaced ones are those of the first step at or after their turn; the one of the peak follows
-    the largest displacement by one step.
+    spaced ones are those of the first step at or after their turn. The one of the peak follows the
+    largest displacement by one step in time, and is the state where a path turns back in statics.
     """
 
     def __init__(self, structure: FrameStructure, end: float | None) -> None:
@@ -33,13 +34,21 @@ class Snapshots:
         self._largest = 0.0
         self._rising = False
 
-    def see(self, at: float, displacement: float) -> None:
-        """Look at the committed state at a time (s) or step, with its displacement (m)."""
-        falling = abs(displacement) < self._largest
-        if falling and self._rising:
-            self._peak = {at: self._picture()}
-        self._rising = not falling
-        self._largest = max(self._largest, abs(displacement))
+    def see(self, at: float, displacement: float, *, turns: bool = False) -> None:
+        """Look at the committed state at a time (s) or step, with its displacement (m).
+
+        `turns`, whether a static path ends or turns back here.
+        """
+        if self._turns is None:
+            if turns and abs(displacement) > self._largest * FARTHER:
+                self._largest = abs(displacement)
+                self._peak = {at: self._picture()}
+        else:
+            falling = abs(displacement) < self._largest
+            if falling and self._rising:
+                self._peak = {at: self._picture()}
+            self._rising = not falling
+            self._largest = max(self._largest, abs(displacement))
         if self._has_turn(at):
             self._even[at] = self._peak.get(at) or self._picture()
         self._seen += 1

@@ -146,8 +146,12 @@ def _turns_freely(frame: Frame, member: Member, name: str | None) -> bool:
     node = frame.node(name)
     if "rotation" in node.held or node.spring_rotation > 0.0:
         return False
-    others = [other for other in frame.members if other.name != member.name]
-    return not any(name in (other.start, other.end) for other in others)
+    for other in frame.members:
+        joints = {other.start: other.joint_start, other.end: other.joint_end}
+        attached = other.name != member.name and name in joints
+        if attached and frame.joint(joints[name]).rotational_stiffness != 0.0:
+            return False
+    return True
 
 
 def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:

@@ -61,8 +61,10 @@ def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
     """One row per gate: its worst verdict, and the case whose interval reaches farthest."""
     table = stored.tables["gates"]
     found = []
-    for gate in dict.fromkeys(table["gate"]):
-        rows = table[table["gate"] == gate]
+    # gates on other cases may ask the same with other reasons
+    numbers: Any = table.groupby(["gate", "bound", "rationale"], sort=False).ngroup()
+    for gate in dict.fromkeys(numbers):
+        rows = table[numbers == gate]
         verdicts = list(rows["verdict"])
         worst = next(verdict.value for verdict in _WORST if verdict in verdicts)
         valued = rows[rows["value"].notna()]

@@ -61,13 +61,14 @@ def draw(request: Request) -> Drawing:
         error = request.stored.number(case.name, label, "energy_error")
         panel.set_title(label, loc="left", pad=13.0)
         if error is not None:
-            panel.annotate(
-                f"largest balance error {number(error, 2)} of the input",
+            words = panel.annotate(
+                f"largest error {number(error, 2)} of the input",
                 *((0.0, 1.0), (0.0, 3.0)),
                 xycoords="axes fraction",
                 textcoords="offset points",
                 fontsize=6.5,
             )
+            words.set_in_layout(False)  # long words would make narrow panels
         name_axes(panel, i, len(ledgers), axis_label(history), "energy (kJ)")
         panel.margins(x=0.0)
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))

@@ -135,8 +135,9 @@ def looks(study: Study) -> Mapping[str, Look]:
 
 def _numbered(i: int, order: float) -> Look:
     color = PALETTE[i % len(PALETTE)]
-    line = _LINES[(i // len(PALETTE)) % len(_LINES)]
-    return Look(color, line, _MARKERS[i % len(_MARKERS)], 1.3, True, order)
+    turn = i // len(PALETTE)  # colours come again with other lines and markers
+    line = _LINES[turn % len(_LINES)]
+    return Look(color, line, _MARKERS[(i + turn) % len(_MARKERS)], 1.3, True, order)
 
 
 @contextmanager
