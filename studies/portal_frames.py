@@ -157,7 +157,7 @@ study = Study(
         "A box-shaped surface (20 / 20) stands for hinges without interaction of axial force and "
         "moment.",
         "0.1 Np: each column carries a tenth of its squash load as dead load.",
-        "A rigid bar between two springs is exact in sway. A column under a beam with pinned joints "
+        "A rigid bar between two springs is exact in sway. A column under a beam on pinned joints "
         "is a cantilever: its spring at the foot is half as stiff.",
     ),
 )
