@@ -270,6 +270,21 @@ def test_data_check_reads_every_row_of_the_tables_of_studs(
     assert "dataset stud-push-out: lab.csv, line 26, column shear_kN = -5.0" in text
 
 
+def test_data_check_reads_files_of_ones_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good, bad, curve = (tmp_path / name for name in ("good.csv", "bad.csv", "curve.csv"))
+    laboratory(good)
+    bad.write_text(laboratory(bad).read_text() + "lab 0,bad,push-out,19,100,solid,30,450,-5\n")
+    curve.write_text("campaign,specimen,slip_mm,load_kN\nlab,A,0.1,30\n")
+    assert run(["data", "check", str(good), str(curve)]) == 0
+    assert capsys.readouterr().out.count("0 problems.") == 2
+    assert run(["data", "check", str(bad)]) == 1
+    assert "bad.csv, line 26, column shear_kN = -5.0" in capsys.readouterr().out
+    assert run(["data", "check", str(tmp_path / "none.csv")]) == 2
+    assert "No such file" in capsys.readouterr().err
+
+
 def test_the_role_of_a_row_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = laboratory(tmp_path / "lab.csv")
     lines = file.read_text().splitlines()

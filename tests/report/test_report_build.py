@@ -162,19 +162,36 @@ def test_a_study_that_was_not_assessed_is_refused(small, tmp_path):
         build_report(tmp_path, small.study, out=tmp_path / "out")
 
 
+def test_models_that_were_not_asked_are_told(small):
+    from dataclasses import replace
+
+    from workbench.models.column_of_frame import ColumnOfFrame
+    from workbench.report.chapters.limits import missing
+
+    models = {**small.study.models, "frames only": ColumnOfFrame()}
+    wider = replace(small.study, models=models)
+    asked = {name for (label, _), names in wider.unasked().items() for name in names
+             if label == "frames only"}  # fmt: skip
+    assert asked == {case.name for case in wider.cases if not case.models}
+    last = missing(wider, Stored(small.directory, wider)).blocks[-1]
+    assert any("frames only (model column-of-frame) does not answer" in t for t in last.items)
+
+
 def test_cells_that_never_ran_are_told(small, tmp_path):
     from dataclasses import replace
 
     from synthetic_study import Synthetic
 
     from workbench.report.chapters.limits import missing
+    from workbench.report.content import Table
 
     peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
     models = {**small.study.models, "late": Synthetic(gain=2.0)}
     wider = replace(small.study, models=models, figures=peaks)
     stored = Stored(small.directory, wider)
     assert stored.cells["push", "late"].outcome == "not run"
-    rows = [cell.text for block in missing(stored).blocks[1:] for row in block.rows for cell in row]
+    tables = [block for block in missing(wider, stored).blocks if isinstance(block, Table)]
+    rows = [cell.text for block in tables for row in block.rows for cell in row]
     assert "late" in rows
     assert any("has not been run" in text for text in rows)
     written = build_report(small.directory, wider, formats=("html",), out=tmp_path)

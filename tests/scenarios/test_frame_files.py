@@ -43,6 +43,7 @@ storeys = [4.0]
 column = "HEB 220"
 beam = { side = 0.2 }
 base = "pinned"
+beam_joint = "soft"
 fillets = false
 [[split]]
 member = "A0-A1"
@@ -73,7 +74,7 @@ member = [
     { name = "A0-A1/1", start = "A0", end = "hit", section = "HEB 220" },
     { name = "A0-A1/2", start = "hit", end = "A1", section = "HEB 220" },
     { name = "B0-B1", start = "B0", end = "B1", section = "HEB 220" },
-    { name = "A1-B1", start = "A1", end = "B1", section = { height = 0.2, width = 0.2 } },
+    { name = "A1-B1", start = "A1", end = "B1", section = { height = 0.2, width = 0.2 }, joint_start = "soft", joint_end = "soft" },
 ]
 joint = [{ name = "soft", rotational_stiffness = 2e6 }]
 load = [{ node = "A1", y = -1e5 }]
@@ -120,10 +121,11 @@ def test_both_forms_say_the_same(tmp_path: Path) -> None:
     regular, explicit = read(REGULAR, folder=tmp_path), read(EXPLICIT, folder=tmp_path)
     assert regular == explicit
     assert to_toml(regular) == to_toml(explicit)
-    frame = regular_frame((6.0,), (4.0,), find("HEB 220"), square(0.2), "pinned", fillets=False)
-    frame = frame.split("A0-A1", 0.8, "hit")
     soft = Joint("soft", rotational_stiffness=2e6)
-    frame = replace(frame, joints=(soft,), loads=(Load("A1", y=-1e5),))
+    sections = find("HEB 220"), square(0.2)
+    frame = regular_frame((6.0,), (4.0,), *sections, "pinned", fillets=False, beam_joint=soft)
+    frame = frame.split("A0-A1", 0.8, "hit")
+    frame = replace(frame, loads=(Load("A1", y=-1e5),))
     assert regular == FrameImpact("portal", frame, FrameStriker(1500.0, 15.0, node="hit"))
 
 

@@ -150,8 +150,9 @@ def test_tests_after_pre_damage_flip_the_path(damaged: Maker, tmp_path: Path) ->
     rows = damaged(6, kind="pull-out", measure="displacement ratio", origin="measured")
     file = written(rows.assign(use_for_fit=1), tmp_path / "lab.csv")
     given = StudTests(
-        "mine", "residual-strength", ("stud-push-out", file), validate=("lab 4", "lab 5")
-    )
+        "mine", "residual-strength", ("stud-push-out", file),
+        calibrate=("provines2019", *(f"lab {k}" for k in range(4))), validate=("lab 4", "lab 5"),
+    )  # fmt: skip
     response = StudResidual().simulate(given)
     after = content_of(response)
     assert {score["name"] for score in after["fit"]["scores"]} >= {"linear", "mechanical"}

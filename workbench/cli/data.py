@@ -60,12 +60,29 @@ def show(
 
 
 @app.command("check")
-def check(as_json: Json = False) -> int:
-    """Check the catalogue: files, columns and sources, and every row of the tables of studs."""
+def check(
+    files: Annotated[
+        list[str] | None, typer.Argument(metavar="[FILE.csv]...", help="Check these files alone.")
+    ] = None,
+    as_json: Json = False,
+) -> int:
+    """Check the catalogue: files, columns and sources, and every row of the tables of studs.
+
+    With files of your own, only those: tests on studs, or points of load-slip curves.
+    """
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
     from workbench.studs import check_tables
+    from workbench.studs.tables import check_file
 
+    if files:
+        found = {str(file): check_file(file) for file in files}
+        if as_json:
+            print_json({"files": found})
+        else:
+            for file, sentences in found.items():
+                print(*sentences, f"{file}: {len(sentences)} problems.", sep="\n")
+        return 1 if any(found.values()) else 0
     problems = [*problems_of(), *check_tables()]
     count = len(datasets())
     if as_json:

@@ -90,6 +90,8 @@ def run(
                 print(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
         counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
         print(f"Cells: {counts}.")
+        for (label, kind), names in summary.study.unasked().items():
+            print(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
         again = f"{study} --quick" if quick else study
         print(f"The results are in {summary.directory}; `workbench report {again}` shows them.")
     return 1 if summary.failed else 0

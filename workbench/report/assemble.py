@@ -50,7 +50,7 @@ def document(
         verdicts.asked(study, stored),
         stud_evidence.in_short(study, stored),
         verdicts.verdicts(stored, shear.headline),
-        limits.missing(stored),
+        limits.missing(study, stored),
         limits.domain(stored, shear),
         limits.notes(study),
         results.pictures(drawn, keys),

@@ -35,7 +35,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
     lines = [f"# {_escaped(study.title)}", "", _escaped(study.question), ""]
     lines += _verdicts(stored)
     shear = limits.shear_demand(study, stored)
-    for section in (limits.missing(stored), limits.domain(stored, shear)):
+    for section in (limits.missing(study, stored), limits.domain(stored, shear)):
         for block in walk((section,)):
             if isinstance(block, Callout):
                 lines += [f"> {_escaped(block.text)}", ""]

@@ -29,7 +29,7 @@ FRAME_TABLES: dict[str, tuple[str, ...]] = {
     FrameImpact.KIND: (*_STRUCTURE, "striker", "time"),
     FrameGroundMotion.KIND: (*_STRUCTURE, "ground", "time"),
 }
-_REGULAR = ("bays", "storeys", "column", "beam", "base")
+_REGULAR = ("bays", "storeys", "column", "beam", "base", "beam_joint")
 _PUSH = ("node", "direction", "path", "control")
 _GROUND = ("acceleration", "time_step", "node", "direction", "damping")
 _SPLIT = ("member", "at", "node")
@@ -90,7 +90,7 @@ def _frame_from(tables: Mapping[str, Any]) -> Frame:
     steel = build(Steel, table_in(tables, "steel", optional=True), "steel")
     joints = tuple(_parts(Joint, tables))
     if form:
-        frame = replace(_regular(form, tables, steel, fillets), joints=joints)
+        frame = _regular(form, tables, steel, fillets, joints)
     else:
         for name in ("node", "member"):
             _check_given(tables, name, f"add [[{name}]], or bays and storeys in [frame]")
@@ -102,7 +102,13 @@ def _frame_from(tables: Mapping[str, Any]) -> Frame:
     return replace(frame, loads=_loads(tables, "load"))
 
 
-def _regular(form: dict[str, Any], tables: Mapping[str, Any], steel: Steel, fillets: bool) -> Frame:
+def _regular(
+    form: dict[str, Any],
+    tables: Mapping[str, Any],
+    steel: Steel,
+    fillets: bool,
+    joints: tuple[Joint, ...],
+) -> Frame:
     for name in ("node", "member"):
         if name in tables:
             raise InputError(
@@ -112,9 +118,17 @@ def _regular(form: dict[str, Any], tables: Mapping[str, Any], steel: Steel, fill
                 "write either nodes and members or bays and storeys; [[split]] refines both",
             )
     _check_all(form, _REGULAR, "frame", _REGULAR[:4])
+    for joint in joints:
+        if joint.name != form.get("beam_joint"):
+            raise InputError(
+                f"joint.{joint.name}",
+                None,
+                "is no joint of this regular frame",
+                "name it as frame.beam_joint, or list nodes and members",
+            )
     for name in ("column", "beam"):
         form[name] = section_from(form[name], f"frame.{name}")
-    return regular_frame(**form, steel=steel, fillets=fillets)
+    return regular_frame(**form, steel=steel, fillets=fillets, joints=joints)
 
 
 def _parts(kind: type[Any], tables: Mapping[str, Any]) -> list[Any]:

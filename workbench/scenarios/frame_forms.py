@@ -10,7 +10,7 @@ from workbench.materials import Steel
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_events import FrameImpact, FrameStatic, FrameStriker
-from workbench.scenarios.frame_parts import Load, Member, Node
+from workbench.scenarios.frame_parts import RIGID, Joint, Load, Member, Node
 from workbench.scenarios.members import LENGTH
 from workbench.sections import Section
 
@@ -28,11 +28,14 @@ def regular_frame(
     base: str = "clamped",
     steel: Steel | None = None,
     fillets: bool = True,
+    beam_joint: str | Joint = RIGID.name,
+    joints: Sequence[Joint] = (),
 ) -> Frame:
     """A frame of columns on axes A, B, ... and of beams on every level above the ground.
 
     Arguments: widths of the `bays` from the left and heights of the `storeys` from the ground, in
-    m; sections; `base`, clamped or pinned. Nodes are named A0, B0, ..., A1, ... (axis and level),
+    m; sections; `base`, clamped or pinned; `beam_joint` at both ends of every beam, a joint or the
+    name of one of `joints`, rigid or pinned. Nodes are named A0, B0, ..., A1, ... (axis and level),
     columns A0-A1 (from the bottom to the top), beams A1-B1 (from the left to the right).
     Raises `InputError`.
     """
@@ -53,8 +56,11 @@ def regular_frame(
         for i, axis in enumerate(axes)
     )
 
-    def member(start: str, end: str, section: Section) -> Member:
-        return Member(f"{start}-{end}", start, end, section)
+    if isinstance(beam_joint, Joint):
+        joints, beam_joint = (*joints, beam_joint), beam_joint.name
+
+    def member(start: str, end: str, section: Section, joint: str = RIGID.name) -> Member:
+        return Member(f"{start}-{end}", start, end, section, joint_start=joint, joint_end=joint)
 
     columns = [
         member(f"{axis}{level}", f"{axis}{level + 1}", column)
@@ -62,12 +68,12 @@ def regular_frame(
         for level in levels[:-1]
     ]
     beams = [
-        member(f"{left}{level}", f"{right}{level}", beam)
+        member(f"{left}{level}", f"{right}{level}", beam, beam_joint)
         for level in levels[1:]
         for left, right in pairwise(axes)
     ]
     given = Steel() if steel is None else steel
-    return Frame(nodes, (*columns, *beams), steel=given, fillets=fillets)
+    return Frame(nodes, (*columns, *beams), joints=tuple(joints), steel=given, fillets=fillets)
 
 
 def frame_of(column: Column) -> Frame:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import difflib
 import io
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,9 @@ from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Table
 LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
+_NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
+    r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
+)
 _SHOWN = 5  # problems that one message lists by line
 
 
@@ -142,7 +146,8 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
         columns = _columns(header, name, table)
         rows: list[dict[str, object]] = []
         problems: list[Problem] = []
-        seen: dict[tuple[object, ...], int] = {}
+        seen: dict[tuple[str, ...], int] = {}
+        spelling: dict[str, tuple[str, int]] = {}
         for cells in reader:
             line = reader.line_num
             if len(rows) + len(problems) >= MOST_ROWS:
@@ -155,15 +160,24 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
             if not found:
                 found = [Problem(name, line, *finding) for finding in row_findings(row, table.name)]
             if not found and table.key:
-                key = tuple(row[part] for part in table.key)
+                key = tuple(str(row[part]).casefold() for part in table.key)
                 if key in seen:
-                    label = ", ".join(str(part) for part in key)
+                    label = ", ".join(str(row[part]) for part in table.key)
                     found = [
                         Problem(name, line, table.key[-1], label, f"stands in line {seen[key]} too",
                                 "every specimen of a campaign has its own name")
                     ]  # fmt: skip
                 else:
                     seen[key] = line
+            if not found and "campaign" in row:
+                campaign = str(row["campaign"])
+                spelled, first = spelling.setdefault(campaign.casefold(), (campaign, line))
+                if campaign != spelled:
+                    found = [
+                        Problem(name, line, "campaign", campaign,
+                                f"is spelled {spelled} in line {first}",
+                                "one campaign has one spelling: scatter between campaigns counts")
+                    ]  # fmt: skip
             if found:
                 problems.extend(found)
             else:
@@ -246,16 +260,14 @@ def _cell(text: str, column: Column) -> object:
         return column.default
     if not isinstance(column.rule, Number):
         return column.rule.check(column.name, text)
-    try:
-        number = float(text)
-    except ValueError:
+    if not _NUMBER.fullmatch(text):
         allowed = column.rule.allowed()
         advice = "write the number alone: no unit, no words"
         parts = text.split(",")
         if len(parts) == 2 and all(part.lstrip("-").isdigit() for part in parts):
             advice = f"write a decimal point: {parts[0]}.{parts[1]}"
-        raise InputError(column.name, text, allowed, advice) from None
-    return float(column.rule.check(column.name, number))
+        raise InputError(column.name, text, allowed, advice)
+    return float(column.rule.check(column.name, float(text)))
 
 
 def _frame(

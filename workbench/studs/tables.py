@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 
 from workbench.errors import InputError
 from workbench.evidence import dataset
-from workbench.studs.reading import examine, read_points, read_tests
+from workbench.studs.reading import LONGEST_LINE, examine, read_points, read_tests
 from workbench.studs.schema import POINTS, TESTS
 
 SHIPPED = {
@@ -37,3 +39,19 @@ def check_tables() -> list[str]:
             continue
         problems.extend(f"dataset {name}: {problem.error()}" for problem in found)
     return problems
+
+
+def check_file(path: str | Path) -> list[str]:
+    """Problems of a CSV file of your own, one sentence each; empty when all rows are good.
+
+    A file with the columns slip_mm and load_kN holds points of curves, any other one tests. Raises
+    `InputError` for a file that cannot be read at all.
+    """
+    path = Path(path)
+    first = b""
+    if path.is_file():
+        with path.open("rb") as stream:
+            first = stream.readline(LONGEST_LINE)
+    names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
+    table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
+    return [str(problem.error()) for problem in examine(path, table).problems]

@@ -117,6 +117,20 @@ class Study:
                 ):
                     yield case, label
 
+    def unasked(self) -> dict[tuple[str, str], list[str]]:
+        """Cases that a label is not asked, as its model does not answer their kind.
+
+        Keys are (label, kind of scenario), values names of cases.
+        """
+        left: dict[tuple[str, str], list[str]] = {}
+        for case in self.cases:
+            for label, model in self.models.items():
+                if (not case.models or label in case.models) and (
+                    case.scenario.KIND not in model.answers
+                ):
+                    left.setdefault((label, case.scenario.KIND), []).append(case.name)
+        return left
+
     def quickened(self) -> Study:
         """The quick form: fewer cases and models, the same path.
 

@@ -25,12 +25,14 @@ _LISTED = 6  # names in a cell
 _SIMILAR = 3  # sentences of one kind that are all shown
 
 
-def missing(stored: Stored) -> Section:
-    """Cells without an answer, grouped by what happened."""
+def missing(study: Study, stored: Stored) -> Section:
+    """Cells without an answer, grouped by what happened, and what was not asked."""
     problems = list(stored.problems())
+    unasked = _unasked(study)
     if not problems:
-        text = f"All {count(len(stored.cells), 'cell')} hold an answer; nothing is missing."
-        return Section("missing", "What is missing", (Callout("good", text),))
+        text = f"All {count(len(stored.cells), 'cell')} hold an answer"
+        text += "." if unasked else "; nothing is missing."
+        return Section("missing", "What is missing", (Callout("good", text), *unasked))
     groups: dict[tuple[str, str], dict[str, list[CellState]]] = {}
     for cell in problems:
         sentence = cell.message or "This cell has not been run, or its inputs have changed since."
@@ -61,7 +63,19 @@ def missing(stored: Stored) -> Section:
         Column("what happened and what to do", width=4.0),
     )
     blocks.append(Table("missing-table", "Cells without an answer.", columns, rows, _PRINTED))
-    return Section("missing", "What is missing", tuple(blocks))
+    return Section("missing", "What is missing", (*blocks, *unasked))
+
+
+def _unasked(study: Study) -> tuple[Block, ...]:
+    """Models that were not asked, as they do not answer this kind of scenario."""
+    left = study.unasked()
+    if not left:
+        return ()
+    sentences = tuple(
+        f"{label} (model {study.models[label].name}) does not answer {kind}: {_names(names)}."
+        for (label, kind), names in left.items()
+    )
+    return (Paragraph("Not asked, and no cells:"), Bullets(sentences))
 
 
 def _merged(said: dict[str, list[CellState]]) -> Iterator[tuple[list[CellState], str]]:

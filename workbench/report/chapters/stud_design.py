@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import Any
 
 from workbench.report.chapters.stud_evidence import Answered, answers
@@ -15,6 +16,7 @@ from workbench.study.definition import Study
 KILO, MILLI = 1e-3, 1e3
 _LEAST_IN_SERIES = 3  # tests, EN 1994-1-1, B.2.5
 _LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
+_GRADE_WIDTH = 30  # characters of a line
 
 
 def design(study: Study, stored: Stored) -> Section | None:
@@ -233,7 +235,9 @@ def _residual(found: list[Answered]) -> Iterator[Block]:
                 Cell(f"{fit['quantity']}, {fit['predamage']}, {fit['measure']}"),
                 *cells,
                 Cell(fit["relation"]),
-                Cell(fit["grade"], tone=tone),
+                Cell(
+                    "\n".join(wrap(fit["grade"], _GRADE_WIDTH, break_on_hyphens=False)), tone=tone
+                ),
             )
         )
     if not rows:

@@ -41,7 +41,7 @@ def asked(study: Study, stored: Stored) -> Section:
     cells = stored.cells.values()
     answered = sum(cell.ok for cell in cells)
     done = (
-        f"{count(len(study.cases), 'case')} and {count(len(study.models), 'model')} make "
+        f"{count(len(study.cases), 'case')} and {count(len(study.models), 'model')} ask for "
         f"{count(len(cells), 'cell')}; {answered} of them hold an answer."
     )
     reference = f"The reference is {study.reference}"

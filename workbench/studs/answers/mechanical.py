@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, ClassVar
 
 import pandas as pd
@@ -92,24 +91,17 @@ _STUD = ["campaign", "diameter_mm", "height_mm", "fcm_MPa", "fu_MPa"]
 def calibrated(scenario: StudTests) -> MechanicalFit:
     """The mechanical model calibrated on the calibrating tests of a scenario.
 
-    Kept in this process, as several answers rest on one calibration. Raises `InputError`,
+    Kept in this process, as several answers rest on the same rows. Raises `InputError`,
     `SolverError`.
     """
-    return _calibrated(
-        scenario.tables, scenario.calibrate, scenario.validate, scenario.digests, shipped_digest()
-    )
+    rows = complete_rows(load_split(scenario).calibration)
+    key = rows.to_csv(index=False)
+    if key not in _KEPT:
+        _KEPT[key] = calibrate(rows)
+    return _KEPT[key]
 
 
-@lru_cache(maxsize=8)
-def _calibrated(
-    tables: tuple[str, ...],
-    campaigns: tuple[str, ...],
-    validate: tuple[str, ...],
-    digests: tuple[str, ...],
-    shipped: str,
-) -> MechanicalFit:
-    given = StudTests("calibration", "strength", tables, (), campaigns, validate)
-    return calibrate(load_split(given).calibration)
+_KEPT: dict[str, MechanicalFit] = {}
 
 
 def _strengths(rows: pd.DataFrame) -> pd.DataFrame:

@@ -60,7 +60,7 @@ def predict_rows(table: pd.DataFrame, around: Surroundings) -> pd.DataFrame:
     ratio; NaN where a test does not report it.
     """
     rows = complete_rows(table)
-    return _compare(rows, _predictions(rows, around))
+    return _compare(rows, _predictions(_studs(rows), around))
 
 
 def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
@@ -75,17 +75,17 @@ def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
     return rows.iloc[np.flatnonzero(known)].reset_index(drop=True)
 
 
-def _predictions(rows: pd.DataFrame, around: Surroundings) -> Array:
-    """Strength, stiffness and slip at rupture (rows, 3); equal studs are solved once."""
+def _studs(rows: pd.DataFrame) -> list[Stud]:
+    return [stud_of(row) for _, row in rows.iterrows()]
+
+
+def _predictions(studs: Sequence[Stud], around: Surroundings) -> Array:
+    """Strength, stiffness and slip at rupture (studs, 3); equal studs are solved once."""
     solved: dict[Stud, tuple[float, float, float]] = {}
-    result = np.empty((len(rows), 3))
-    for i, (_, row) in enumerate(rows.iterrows()):
-        stud = stud_of(row)
-        if stud not in solved:
-            curve = push_out(stud, around, steps=STEPS)
-            solved[stud] = (curve.strength, curve.secant(STIFFNESS_LEVEL), float(curve.slip[-1]))
-        result[i] = solved[stud]
-    return result
+    for stud in dict.fromkeys(studs):
+        curve = push_out(stud, around, steps=STEPS)
+        solved[stud] = (curve.strength, curve.secant(STIFFNESS_LEVEL), float(curve.slip[-1]))
+    return np.array([solved[stud] for stud in studs])
 
 
 def _observations(rows: pd.DataFrame) -> Array:
@@ -166,6 +166,7 @@ def calibrate(
         if name not in asdict(begin):
             raise InputError("free", name, "must be one of " + ", ".join(asdict(begin)))
     rows = complete_rows(table)
+    studs = _studs(rows)
     observed = np.log(_observations(rows))
     scatter = _replicate_scatter(rows, observed)
     known = np.isfinite(observed)
@@ -176,7 +177,7 @@ def calibrate(
         return replace(begin, **dict(zip(free, np.exp(theta).tolist(), strict=True)))
 
     def residual(theta: Array) -> Array:
-        error = (np.log(_predictions(rows, around(theta))) - observed) / scatter
+        error = (np.log(_predictions(studs, around(theta))) - observed) / scatter
         return np.asarray(error[known])
 
     theta = np.log([float(getattr(begin, name)) for name in free])
@@ -186,7 +187,7 @@ def calibrate(
     if not found.success:
         raise SolverError("calibration of the stud", float(found.cost), "20 evaluations")
     best = around(found.x)
-    compared = _compare(rows, _predictions(rows, best))
+    compared = _compare(rows, _predictions(studs, best))
     covariance = np.linalg.pinv(found.jac.T @ found.jac)
     covariance *= 2.0 * found.cost / max(int(known.sum()) - len(free), 1)
     ratios = np.log(compared[[f"{name}_ratio" for name in OBSERVED]].to_numpy(float))

@@ -74,6 +74,7 @@ class Links:
              7 * (3 + component)], axis=1,
         )  # fmt: skip
         self._entry: Indices = entry.astype(np.int64)
+        self._rows: Indices = rows[:, None]
 
     def assemble(
         self,
@@ -93,7 +94,7 @@ class Links:
         )  # fmt: skip
         joined = np.where(self._second >= 0, end[self._second], 0.0)
         self._deformation = self._sign * (end[self._first] - joined)
-        chosen = np.take_along_axis(positions, self._entry, axis=1)
+        chosen = positions[self._rows, self._entry]
         _kernels.scatter(
             force, band, chosen, self._first, self._second, self._sign, self._force, self._slope
         )

@@ -79,6 +79,13 @@ class StudStructure:
         )
         dof = self.assembly.dof
         self.slip_dof, self.uplift_dof = dof(self.flange, "v"), dof(0, "u")
+        self._shank_dofs = np.array([dof(node, "u") for node in range(self.head + 1)])
+        self._cone_dof = dof(self.cone, "u")
+        # the concrete of a node reaches half its length up; that of the base lies below it alone
+        self._above = np.concatenate([[self.tributary[0]], 0.5 * self.tributary[1:]])
+        stretched = self.depth[1:] <= RUPTURE_STRETCH * d + 1e-12
+        fibers = self.beams.sections[0].area
+        self._stretch = np.outer(lengths * stretched, fibers) / (lengths @ stretched * fibers.sum())
         self.assembly.hold(
             [dof(0, "rotation"), dof(self.flange, "u"), dof(self.flange, "rotation"),
              dof(self.cone, "v"), dof(self.cone, "rotation"), self.slip_dof]
@@ -165,11 +172,7 @@ class StudStructure:
     @property
     def axial_strain(self) -> float:
         """Mean plastic axial strain over two diameters from the base."""
-        elements = self.depth[1:] <= RUPTURE_STRETCH * self.stud.diameter + 1e-12
-        area = self.beams.sections[0].area
-        plastic = self.beams.plastic_strains.mean(axis=1) @ area / area.sum()
-        weights = np.diff(self.depth)[elements]
-        return float(np.average(plastic[elements], weights=weights))
+        return float(np.sum(self.beams.plastic_strains.mean(axis=1) * self._stretch))
 
     @property
     def slide_ratio(self) -> float:
@@ -191,13 +194,9 @@ class StudStructure:
         They lag behind by one step, so steps must be small.
         """
         u = self.assembly.displacement
-        moved = np.array([u[self.assembly.dof(node, "u")] for node in range(self.head + 1)])
-        cone = u[self.assembly.dof(self.cone, "u")]
         # a node that is drawn out of the concrete has no bearing
-        depth = self.depth + moved - cone
-        # the concrete of a node reaches half its length up; that of the base lies below it alone
-        above = np.concatenate([[self.tributary[0]], 0.5 * self.tributary[1:]])
-        share = np.clip((depth + above) / self.tributary, 0.0, 1.0)
+        depth = self.depth + u[self._shank_dofs] - u[self._cone_dof]
+        share = np.clip((depth + self._above) / self.tributary, 0.0, 1.0)
         # a broken cone bears less and gives more: strength and stiffness fall together
         loss = 1.0 - self.around.cone_loss * self.cone_damage
         self.links.factor[: self.head + 1] = np.maximum(share * loss, 1e-9)

@@ -11,17 +11,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import Estimate, best_ratio, criterion_at, solve_theta
+from workbench.studs.statistics.mixed import Estimate, best_ratio, criteria_at, solve_theta
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset, whiten
 
 LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
-LARGEST_RATIO, RATIOS, RATIO_SHIFT = 300.0, 70, 0.05  # of r = tau / sigma and its spline
+LARGEST_RATIO, RATIOS, RATIO_SHIFT = 1000.0, 80, 0.05  # of r = tau / sigma and its spline
 DENSE = 1500  # points over which the smooth criterion is searched
 
 
@@ -106,6 +107,9 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     if name not in given.names:
         raise InputError("parameter", name, "must be one of " + ", ".join(given.names))
     k = given.names.index(name)
+    if estimate.is_exact:
+        exact = float(estimate.theta[k])
+        return Interval(exact, exact, confidence, "profile likelihood")
     nu = freedom_of(estimate, name)
     t = float(stdtrit(nu, 0.5 + 0.5 * confidence))
     rise = (nu + 1.0) * np.log1p(t * t / nu)
@@ -114,10 +118,15 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     if not (np.isfinite(error) and error > 0.0):
         return Interval(None, None, confidence, "profile likelihood")
 
+    near = estimate.ratio
+
+    @cache
     def held_at(value: float) -> float:
+        nonlocal near
         theta = estimate.theta.copy()
         theta[k] = value
-        return best_ratio(given, theta, others, estimate.ratio)[1]
+        near, criterion, _ = best_ratio(given, theta, others, near)
+        return criterion
 
     centre = float(estimate.theta[k])
     # the restricted criterion has its minimum near, not exactly at, the estimate
@@ -168,8 +177,10 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     from scipy.special import chdtri
 
     rise = float(chdtri(1.0, 1.0 - confidence))
-    likelihood = _ScatterLikelihood(estimate)
     method = "profile likelihood"
+    if estimate.is_exact:
+        return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0, confidence, method))
+    likelihood = _ScatterLikelihood(estimate)
     s, least = estimate.sigma, likelihood.least
     ends = [
         _crossing(lambda v: likelihood.of_sigma(np.exp(v)) - least - rise, np.log(s), step, bound)
@@ -202,36 +213,35 @@ class _ScatterLikelihood:
         r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])
         if given.campaigns < 2:
             r = r[:1]
-        parts = np.empty((len(r), 2))
-        theta = estimate.theta
-        for i, each in enumerate(r):
-            value, variance, solved = criterion_at(given, float(each) ** 2, theta, free)
-            theta = solved.theta
-            parts[i] = value - self._m - self._m * np.log(variance), np.log(variance * self._m)
+        values, variance = criteria_at(given, r * r, estimate.theta, free)
+        parts = np.column_stack(
+            [values - self._m - self._m * np.log(variance), np.log(variance * self._m)]
+        )
         self._x = np.log(r + RATIO_SHIFT)
         self._parts: Callable[[Array], Array] = (
             CubicSpline(self._x, parts) if len(r) > 1 else lambda x: np.tile(parts, (len(x), 1))
         )
+        dense = np.linspace(self._x[0], self._x[-1], DENSE) if len(r) > 1 else self._x
+        self._dense = self._parts(dense).T
         self._log_s2 = 2.0 * np.log(estimate.sigma)
         self.least = self.of_sigma(estimate.sigma)
         if given.campaigns > 1:
             around = np.exp(np.linspace(-1.0, 1.0, 81)) * estimate.sigma
             self.least = min(self.of_sigma(float(each)) for each in around)
 
-    def _at(self, log_s2: Array, x: Array) -> Array:
-        rest, log_size = self._parts(x).T
-        return np.asarray(rest + self._m * log_s2 + np.exp(log_size - log_s2))
-
     def of_sigma(self, sigma: float) -> float:
         """Smallest criterion over tau."""
-        x = np.linspace(self._x[0], self._x[-1], DENSE) if len(self._x) > 1 else self._x
-        return float(np.min(self._at(np.full(len(x), 2.0 * np.log(sigma)), x)))
+        return self._least(2.0 * np.log(sigma), self._dense)
 
     def of_tau(self, tau: float) -> float:
         """Smallest criterion over sigma."""
         log_s2 = self._log_s2 + np.linspace(-4.0, 4.0, DENSE)
-        r = tau / np.exp(0.5 * log_s2)
-        return float(np.min(self._at(log_s2, np.log(np.minimum(r, LARGEST_RATIO) + RATIO_SHIFT))))
+        r = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
+        return self._least(log_s2, self._parts(np.log(r + RATIO_SHIFT)).T)
+
+    def _least(self, log_s2: Array | float, parts: Array) -> float:
+        rest, log_size = parts
+        return float(np.min(rest + self._m * log_s2 + np.exp(log_size - log_s2)))
 
 
 def bootstrap_by_campaign(

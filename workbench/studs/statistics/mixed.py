@@ -9,22 +9,26 @@ and 7; degrees of freedom after Satterthwaite (see `satterthwaite`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize, minimize_scalar
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
 
-GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 100.0, 1000.0)  # lambda, to find the valley
+GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
 ITERATIONS = 60
 STEP_TOLERANCE = 1e-9
-GAIN_TOLERANCE = 1e-13  # of the sum of squares
+GAIN_TOLERANCE = 1e-11  # of the sum of squares
 SEARCHES = 30
-ROUNDS, CUTS = 5, 11  # of the valley of a linear problem: a width of 0.2^4 x 0.1 is left
+ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its root to 1e-8
+NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
+BEYOND = 100.0
+VERTICES = 2  # of parabolas through three of them
+ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
 SIMPLEX = 2000  # evaluations per parameter where two terms of a formula are equal: a kink
 
 
@@ -46,6 +50,12 @@ class Estimate:
     at_bound: NDArray[np.bool_]
     effects: Array
     residuals: Array
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the prediction meets the observations to round-off: nothing scatters."""
+        scale = max(1.0, float(np.max(np.abs(self.problem.y))))
+        return float(np.hypot(self.sigma, self.tau)) <= ROUND_OFF * scale
 
     @property
     def ratio(self) -> float:
@@ -169,6 +179,7 @@ def _solve_damped(given: Problem, ratio: float, start: Array, free: Indices) -> 
 
 def _solve_without_slopes(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     """Best free parameters at a kink, along which Gauss-Newton only zigzags: simplex search."""
+    from scipy.optimize import minimize
 
     def at(values: Array) -> Array:
         theta = start.copy()
@@ -215,15 +226,10 @@ def criterion_at(
     return m * float(np.log(variance)) + information + determinant + m, variance, solved
 
 
-def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> Array:
-    """The criterion of `criterion_at` for many values of lambda (k,), those of a line at once."""
+def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
+    """Criterion and sigma^2 of `criterion_at` (k,) for many lambda (k,), of a line all at once."""
     if given.moments is None or not given.is_free:
-        values = []
-        for each in ratios:
-            value, _, solved = criterion_at(given, float(each), start, free)
-            start = solved.theta
-            values.append(value)
-        return np.array(values)
+        return _one_by_one(given, ratios, start, free)
     cross, sums, totals = given.moments
     shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
     matrices = cross - np.einsum("kc,ci,cj->kij", shrink, sums, sums)
@@ -234,13 +240,22 @@ def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> A
     _check_influence(given, np.diag(normal[0]), free, start)
     sign, information = np.linalg.slogdet(normal)
     if np.any(sign <= 0.0):  # singular to round-off
-        return np.array([criterion_at(given, float(r), start, free)[0] for r in ratios])
+        return _one_by_one(given, ratios, start, free)
     rest = combination @ matrices @ combination
     own = np.linalg.solve(normal, right[..., None])[..., 0]
     m = given.count - len(free)
     variance = np.maximum((rest - np.sum(own * right, axis=1)) / m, np.finfo(float).tiny)
     determinant = np.log1p(ratios[:, None] * totals).sum(axis=1)
-    return np.asarray(m * np.log(variance) + information + determinant + m)
+    return m * np.log(variance) + information + determinant + m, variance
+
+
+def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
+    found = np.empty((len(ratios), 2))
+    for i, each in enumerate(ratios):
+        value, variance, solved = criterion_at(given, float(each), start, free)
+        start = solved.theta
+        found[i] = value, variance
+    return found[:, 0], found[:, 1]
 
 
 def best_ratio(
@@ -250,42 +265,64 @@ def best_ratio(
 
     `hint`, a lambda known to be near (then only its neighbourhood and zero are searched).
     """
+    from scipy.optimize import minimize_scalar
+
     if not given.tells_campaigns:
         value, _, solved = criterion_at(given, 0.0, start, free)
         return 0.0, value, solved.theta
-    grid = GRID if hint is None else (0.0, *(hint * f for f in (0.3, 1.0, 3.0) if hint > 0.0))
+    grid = GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0))
     best_theta = start.copy()
+    tried: dict[float, Array] = {}
 
     def at(ratio: float) -> float:
         nonlocal best_theta
         value, _, solved = criterion_at(given, ratio, best_theta, free)
-        best_theta = solved.theta
+        best_theta = tried[ratio] = solved.theta
         return value
 
     linear = given.moments is not None and given.is_free
     values = (
-        criteria_at(given, np.array(grid), start, free)
+        criteria_at(given, np.array(grid), start, free)[0]
         if linear
         else np.array([at(ratio) for ratio in grid])
     )
     k = int(np.argmin(values))
     low = grid[max(k - 1, 0)]
     high = grid[min(k + 1, len(grid) - 1)]
-    if hint is not None and k == len(grid) - 1:
-        high = GRID[-1]
-    if high <= low:
-        high = GRID[1]
+    if hint is not None and k == len(grid) - 1:  # beyond what was thought near
+        high = max(BEYOND * high, GRID[-1])
     if linear:
         ratio, value = _valley(given, low, high, start, free)
+    elif hint is not None and k == 2:
+        ratio, value = _near_valley(at, np.log(grid[1:]), values[1:])
     else:
         found = minimize_scalar(
             lambda t: at(float(np.expm1(t))), bounds=(np.log1p(low), np.log1p(high)),
-            method="bounded", options={"xatol": 1e-4 if hint is None else 1e-2},
+            method="bounded", options={"xatol": 1e-4 if hint is None else 2e-2},
         )  # fmt: skip
         ratio, value = float(np.expm1(found.x)), float(found.fun)
     if values[k] <= value:
         ratio, value = grid[k], float(values[k])
-    return ratio, value, solve_theta(given, ratio, best_theta, free).theta
+    if ratio not in tried:
+        tried[ratio] = solve_theta(given, ratio, best_theta, free).theta
+    return ratio, value, tried[ratio]
+
+
+def _near_valley(at: Callable[[float], float], x: Array, values: Array) -> tuple[float, float]:
+    """The lambda of the smallest criterion from three ln(lambda), the middle one the lowest."""
+    for _ in range(VERTICES):
+        slopes = np.diff(values) / np.diff(x)
+        curvature = (slopes[1] - slopes[0]) / (x[2] - x[0])
+        if curvature <= 0.0:
+            break
+        vertex = 0.5 * (x[0] + x[1] - slopes[0] / curvature)
+        x, values = np.append(x, vertex), np.append(values, at(float(np.exp(vertex))))
+        order = np.argsort(x)
+        k = int(np.clip(np.argmin(values[order]), 1, len(x) - 2))
+        around = order[k - 1 : k + 2]
+        x, values = x[around], values[around]
+    k = int(np.argmin(values))
+    return float(np.exp(x[k])), float(values[k])
 
 
 def _valley(
@@ -295,7 +332,7 @@ def _valley(
     left, right = np.log1p(low), np.log1p(high)
     for _ in range(ROUNDS):
         t = np.linspace(left, right, CUTS)
-        values = criteria_at(given, np.expm1(t), start, free)
+        values, _ = criteria_at(given, np.expm1(t), start, free)
         k = int(np.argmin(values))
         left, right = t[max(k - 1, 0)], t[min(k + 1, CUTS - 1)]
     return float(np.expm1(t[k])), float(values[k])

@@ -21,6 +21,7 @@ from workbench.studs.statistics.problem import Problem, jacobian, subset
 LEAST_CAMPAIGNS = 3
 LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
 POINTS = 80
+_POSTERIOR = "posterior, flat densities"
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,8 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
     from scipy.special import stdtr
 
     _need_campaigns(estimate)
+    if estimate.is_exact:
+        return held.predict(estimate.theta)
     mixture = _mixture(estimate)
     free = np.flatnonzero(~estimate.at_bound)
     x = jacobian(held, estimate.theta, free)
@@ -111,6 +114,9 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
     if name not in given.names:
         raise InputError("parameter", name, "must be one of " + ", ".join(given.names))
     _need_campaigns(estimate)
+    if estimate.is_exact:
+        exact = estimate.parameter(name)
+        return Interval(exact, exact, confidence, _POSTERIOR)
     mixture = _mixture(estimate)
     k = given.names.index(name)
     centre, scale = mixture.theta[:, k], np.sqrt(mixture.variance * mixture.inverse[:, k, k])
@@ -127,7 +133,7 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
         )
         for share in (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
     ]
-    return Interval(ends[0], ends[1], confidence, "posterior, flat densities")
+    return Interval(ends[0], ends[1], confidence, _POSTERIOR)
 
 
 def _need_campaigns(estimate: Estimate) -> None:
