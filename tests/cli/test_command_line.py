@@ -221,7 +221,7 @@ def test_simulate_prints_a_short_table_and_writes_the_response(
     arguments = ["--model", "four-dof", "--out", str(target)]
     assert run(["simulate", str(scenario_file), *arguments]) == 0
     text = capsys.readouterr().out
-    assert "largest displacement of the hit point" in text
+    assert "largest displacement of the hit or pushed point" in text
     assert "warning (shear)" in text
     response = read_netcdf(target)
     assert f"{float(response['peak_displacement']):.4g} m" in text

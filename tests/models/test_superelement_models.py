@@ -431,6 +431,19 @@ def test_a_weak_joint_whose_axial_force_changes_its_sign() -> None:
     assert forces[0] == pytest.approx(forces[1], rel=0.01)
 
 
+def test_a_load_beyond_the_mechanism_is_carried_by_another_shape_and_says_so() -> None:
+    frame = portal()
+    push = FrameStatic("push", frame, (Load("A1", x=1.0),), "A1", "x", (1.0,), control="load")
+    mechanism = 4.0 * frame.properties("A0-A1").plastic_moment / 4.0
+    for share, warned in ((0.8, False), (1.5, True)):
+        response = answered(RigidSuperelement().simulate(replace(push, path=(share * mechanism,))))
+        assert float(response["force"][-1]) == pytest.approx(share * mechanism)
+        largest = float(np.abs(response["displacement"]).max())
+        assert float(response["peak_displacement"]) == pytest.approx(largest)
+        subjects = {finding.subject for finding in warnings_of(response)}
+        assert ("large-displacements" in subjects) == warned == (largest > 0.3 * 4.0)
+
+
 def test_a_mechanism_is_named_before_it_is_pushed() -> None:
     frame = portal("pinned", joint_start="pinned", joint_end="pinned")
     push = FrameStatic("push", frame, (Load("A1", x=1e3),), "A1", "x", (0.1,))

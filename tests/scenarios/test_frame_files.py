@@ -74,7 +74,7 @@ member = [
     { name = "A0-A1/1", start = "A0", end = "hit", section = "HEB 220" },
     { name = "A0-A1/2", start = "hit", end = "A1", section = "HEB 220" },
     { name = "B0-B1", start = "B0", end = "B1", section = "HEB 220" },
-    { name = "A1-B1", start = "A1", end = "B1", section = { height = 0.2, width = 0.2 }, joint_start = "soft", joint_end = "soft" },
+    { name = "A1-B1", start = "A1", end = "B1", section = { height = 0.2, width = 0.2 }, JOINTS },
 ]
 joint = [{ name = "soft", rotational_stiffness = 2e6 }]
 load = [{ node = "A1", y = -1e5 }]
@@ -84,7 +84,7 @@ fillets = false
 mass = 1500
 velocity = 15
 node = "hit"
-"""
+""".replace("JOINTS", 'joint_start = "soft", joint_end = "soft"')
 STATIC = (
     EXPLICIT.partition("[striker]")[0].replace("frame-impact", "frame-static")
     + """

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from workbench.report.figures import KINDS
-from workbench.study import load_study
+from workbench.study import cells_of, load_study
 
 STUDIES = Path(__file__).resolve().parents[2] / "studies"
 FILES = sorted(STUDIES.glob("*.py"))
@@ -26,6 +26,27 @@ def test_studies_load_and_their_quick_form_is_smaller(path: Path) -> None:
         assert figure.kind in KINDS
         named = {*figure.options.get("cases", ()), figure.options.get("case", "")} - {""}
         assert named <= {case.name for case in study.cases}
+
+
+def indented(text: str, begin: str, end: str) -> str:
+    """The block of code between two marks of a page."""
+    block = text[text.index(begin) : text.index(end)]
+    return "\n".join(line.removeprefix("    ") for line in block.splitlines())
+
+
+def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    readme = (STUDIES.parent / "README.md").read_text(encoding="utf-8")
+    guide = (STUDIES.parent / "docs" / "user-guide.md").read_text(encoding="utf-8")
+    scenario = indented(readme, '    kind = "column-impact"', "The same in Python:")
+    (tmp_path / "scenario.toml").write_text(scenario, encoding="utf-8")
+    text = indented(guide, "    from workbench.assessment import Gate", "Kinds of figures:")
+    (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    study = load_study("mine.py").study
+    assert len(cells_of(study)) == 6
+    assert {figure.kind for figure in study.figures} <= set(KINDS)
+    kinds = guide[guide.index("Kinds of figures:") : guide.index("and more;")].split("`")[1::2]
+    assert set(kinds) <= set(KINDS)
 
 
 def test_every_impact_of_the_flagship_has_published_numbers() -> None:

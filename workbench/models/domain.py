@@ -76,15 +76,17 @@ def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
     for segment, ratio in shear_demand(scenario).items():
         if bound < ratio <= 1.0:
             text = (
-                f"the segment {segment} the hit point needs V/Vpl = {ratio:.2f}: above "
-                f"{bound:.2f} shear yielding takes more than {100 * SHEAR_LOSS:g} % of the "
-                "resistance of this section, which models without it leave out"
+                f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
+                f"{ratio:.2f}: above {bound:.2f} shear yielding takes more than "
+                f"{100 * SHEAR_LOSS:g} % of the resistance of this section, which models without "
+                "it leave out"
             )
             findings.append(Finding("shear", text))
         elif ratio > 1.0:
             text = (
-                f"the segment {segment} the hit point needs V/Vpl = {ratio:.2f}: its web yields "
-                "in shear, so every model without shear yielding overestimates the resistance"
+                f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
+                f"{ratio:.2f}: its web yields in shear before, so that every model without shear "
+                "yielding overestimates the plastic resistance"
             )
             findings.append(Finding("shear", text))
     return findings

@@ -255,8 +255,8 @@ def _check_standing(beams: ColumnBeams, time: float) -> None:
     ):
         if value > limit:
             raise OutOfDomainError(
-                f"collapse at {time:.4g} s: {name} reaches {value:.3g} m, more than {limit:.3g} m;"
-                " the model means nothing beyond"
+                f"collapse at {time:.4g} s: {name} passes {limit:.4g} m; the model means nothing "
+                "beyond"
             )
     _check_hinges(beams, f"{time:.4g} s")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from workbench.errors import InputError
-from workbench.responses.least_squares import CAUTIOUS, SAFE, least_squares
+from workbench.responses.least_squares import CAUTIOUS, RELIABLE, SAFE, least_squares
 
 __all__ = ["CAUTIOUS", "SAFE", "Ladder", "ladder"]
 
@@ -88,8 +88,8 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
         note = "the two finest levels agree exactly, the coarser one does not: safety factor 3"
     else:
         note = (
-            f"observed order {order:.2f} is far from the expected {expected_order:g}: "
-            "safety factor 3"
+            f"observed order {order:.2f} is outside {ACCEPTED[0]:g} to {ACCEPTED[1]:g} of the "
+            f"expected {expected_order:g}: safety factor 3"
         )
     uncertainty = factor * abs(correction)
     if not accepted:
@@ -112,8 +112,8 @@ def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
         note = f"{count}: they follow no power law, safety factor 3"
     elif found.scatter < 1.0:
         note = (
-            f"{count}: order {found.order:.2f} is far from the expected {expected_order:g}, "
-            "safety factor 3"
+            f"{count}: order {found.order:.2f} is outside {RELIABLE[0]:g} to {RELIABLE[1]:g} of "
+            f"the expected {expected_order:g}, safety factor 3"
         )
     else:
         note = f"{count}: they scatter more than they differ, safety factor 3 and more"

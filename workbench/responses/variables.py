@@ -53,7 +53,7 @@ VARIABLES: dict[str, Variable] = {
     "shape_x": Variable(("member", "point", "snapshot"), "m", "place of the deformed axis along x"),
     "shape_y": Variable(("member", "point", "snapshot"), "m", "place of the deformed axis along y"),
     "utilisation": Variable(("hinge", "snapshot"), "1", "utilisation of the hinge in N and M"),
-    "peak_displacement": Variable((), "m", "largest displacement of the hit point"),
+    "peak_displacement": Variable((), "m", "largest displacement of the hit or pushed point"),
     "time_of_peak": Variable((), "s", "time of the largest displacement"),
     "residual_displacement": Variable((), "m", "permanent displacement of the hit point"),
     "peak_force": Variable((), "N", "largest contact force, mean over 1 ms"),

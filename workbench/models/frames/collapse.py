@@ -45,12 +45,11 @@ class CollapseWatch:
             )
         if not standing:
             return
-        moved = np.abs(self._across @ structure.assembly.displacement)
-        worst = int(moved.argmax())
-        if moved[worst] > COLLAPSE_SIDEWAYS:
+        share, worst = self.sideways()
+        if share > COLLAPSE_SIDEWAYS:
             raise OutOfDomainError(
                 f"collapse at {when}: the ends of member {structure.frame.members[worst].name} "
-                f"have moved {moved[worst] * self._lengths[worst]:.3g} m apart across its axis, "
+                f"have moved {share * self._lengths[worst]:.3g} m apart across its axis, "
                 f"more than {COLLAPSE_SIDEWAYS:g} of its length; the model means nothing beyond"
             )
         loss = self._chained @ structure.members.contractions()
@@ -61,6 +60,12 @@ class CollapseWatch:
                 f"{100.0 * loss[worst]:.3g} % of the length, more than "
                 f"{100.0 * COLLAPSE_CONTRACTION:g} %; the model means nothing beyond"
             )
+
+    def sideways(self) -> tuple[float, int]:
+        """Largest movement of a member's ends across its axis over its length; which member."""
+        moved = np.abs(self._across @ self._structure.assembly.displacement)
+        worst = int(moved.argmax())
+        return float(moved[worst]), worst
 
 
 def _across(structure: FrameStructure) -> Array:

@@ -137,16 +137,16 @@ def _shear_findings(scenario: FrameScenario) -> list[Finding]:
     above = [name for name in worst if demand[name] > 1.0]
     if above:
         text = (
-            f"a bending mechanism needs up to V/Vpl = {demand[above[0]]:.2f} in {named(above)}: "
-            "webs would yield in shear, so that every model without shear yielding overestimates "
-            "the resistance"
+            f"a plastic mechanism needs up to V/Vpl = {demand[above[0]]:.2f} in {named(above)}: "
+            "webs yield in shear before, so that every model without shear yielding overestimates "
+            "the plastic resistance"
         )
         findings.append(Finding("shear", text))
     near = [name for name in worst if bounds[name] < demand[name] <= 1.0]
     if near:
         least = min(bounds[name] for name in near)
         text = (
-            f"a bending mechanism needs up to V/Vpl = {demand[near[0]]:.2f} in {named(near)}: "
+            f"a plastic mechanism needs up to V/Vpl = {demand[near[0]]:.2f} in {named(near)}: "
             f"above {least:.2f} shear yielding takes more than {100 * SHEAR_LOSS:g} % of the "
             "resistance, which models without it leave out"
         )

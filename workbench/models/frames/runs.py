@@ -29,6 +29,7 @@ from workbench.structures.paths import PathStep
 Array = NDArray[np.float64]
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
 LEAST_STEPS_TO_PEAK = 30
+GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a result
 
 
@@ -141,6 +142,11 @@ def run_static(
     columns = record.columns(
         "displacement", "load_factor", "elastic", "dissipated", "external_work"
     )
+    warnings = shear_reached(record)
+    peak = {}
+    if scenario.control == "load":  # the displacement is an answer
+        peak["peak_displacement"] = np.max(np.abs(columns["displacement"]))
+        warnings += _gone_far(watch, structure)
     brought = float(np.max(np.abs(record.column("pushed"))))
     force = columns["load_factor"] * scenario.magnitude
     response = build_response(
@@ -149,6 +155,7 @@ def run_static(
             **record.states(),
             "force": force,
             "resistance": np.max(np.abs(force)),
+            **peak,
             "balance_error": columns["external_work"] - record.gained() - columns["dissipated"],
             "input_energy": brought,
         },
@@ -156,7 +163,7 @@ def run_static(
         hinges=hinge_names(structure.frame),
         segments=member_names(structure.frame),
         members=member_names(structure.frame),
-        warnings=shear_reached(record),
+        warnings=warnings,
     )
     response.attrs.update(record.diagnostics())
     return response
@@ -222,6 +229,19 @@ def run_ground_motion(
     )
     response.attrs.update(record.diagnostics(), time_step=length)
     return response
+
+
+def _gone_far(watch: CollapseWatch, structure: FrameStructure) -> list[Finding]:
+    """Whether a load has been carried only by a frame that has changed its shape."""
+    share, worst = watch.sideways()
+    if share <= GONE_FAR:
+        return []
+    text = (
+        f"the ends of member {structure.frame.members[worst].name} have moved apart across its "
+        f"axis by {share:.2f} of its length: this load is carried by another shape of the frame, "
+        "beyond its plastic mechanism; displacement control shows the way there"
+    )
+    return [Finding("large-displacements", text)]
 
 
 def shear_reached(record: Record) -> list[Finding]:

@@ -77,6 +77,11 @@ def reached_findings(
                 f"{simplified / 1e3:.4g} kJ of work, the analytic one that it simplifies "
                 f"{exact / 1e3:.4g} kJ"
             )
+            if simplified > exact:
+                text += (
+                    ": unsafe, the displacement is larger and may be a collapse; take "
+                    "resistance = analytic, or a model that follows the column"
+                )
             findings.append(Finding("simplification", text))
     return findings
 
