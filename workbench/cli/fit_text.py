@@ -49,8 +49,10 @@ def strength(result: Content) -> None:
             )
             for fit in fits
         ],
-        ("formula", *names, "r_m", "r_k", "r_d", "gamma_M*"),
+        ("formula", *names, "g_rt(X_m)", "r_k", "r_d", "gamma_M*"),
     )
+    print("  g_rt(X_m) is the formula itself at mean values, r_k and r_d contain its correction b;")
+    print("  gamma_M* is the nominal value of the code over r_d.")
     _left_out(fits)
     _series(result["series"])
     _warnings([fit["warnings"] for fit in fits])
@@ -119,6 +121,8 @@ def residual(result: Content) -> None:
             cells.append(text)
         rows.append((fit["quantity"], f"{fit['predamage']}, {fit['measure']}", *cells))
     print_table(rows, ("left of", "after", *(f"level {level:g}" for level in _LEVELS)))
+    print("  In parentheses: a mechanical prediction over its unknown parameters, or 90 % of new")
+    print("  tests (of three campaigns or more). Level 1: what an undamaged stud bears.")
     for content in result["quantities"]:
         fit = content["fit"]
         if content["tests"]:

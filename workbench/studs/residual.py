@@ -284,8 +284,8 @@ def _why_none(table: pd.DataFrame, quantity: str) -> str:
     if not damaged:
         return "the table holds no test after pre-damage"
     return (
-        f"{damaged} tests after pre-damage cannot be used: give {QUANTITIES[quantity][1]}, or "
-        "undamaged tests of the same campaign and diameter"
+        f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
+        f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
     )
 
 

@@ -72,7 +72,7 @@ def _d8(found: list[Answered]) -> Iterator[Block]:
     columns = (
         Column("formula", width=2.2),
         *(Column(name, True, 0.75) for name in ("b", "V_δ", "V_rt", "V_r", "k_n", "k_d,n")),
-        *(Column(f"{name} (kN)", True, 0.95) for name in ("r_m", "r_k", "r_d")),
+        *(Column(f"{name} (kN)", True, 0.95) for name in ("g_rt(X_m)", "r_k", "r_d")),
         Column("γ_M", True, 0.75),
         Column("γ_M*", True, 0.75),
     )
