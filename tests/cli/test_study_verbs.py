@@ -258,3 +258,19 @@ def test_report_hands_the_store_to_the_builder(
     assert seen == [directory, ("html",), None]
     found = json.loads(capsys.readouterr().out)
     assert found["files"] == {"html": str(directory / "report.html")}
+
+
+def test_an_unknown_kind_of_figure_stops_the_run_before_it_begins(
+    study_file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(study_file.parent)
+    text = study_file.read_text().replace("Case, Gate, Study", "Case, Figure, Gate, Study")
+    study_file.write_text(text.replace('reference="fine",', 'reference="fine", figures=(PIE,),'))
+    study_file.write_text(
+        study_file.read_text().replace(
+            "study = Study(", 'PIE = Figure("pie", "pie", "Pie", "Of nothing.")\nstudy = Study('
+        )
+    )
+    assert run(["run", str(study_file), "--jobs", "0"]) == 2
+    assert "figure.kind" in capsys.readouterr().err
+    assert not (study_file.parent / "reports").exists()

@@ -51,10 +51,13 @@ def run(
     on. Exit status 1 if a cell that should have an answer has none (a refusal, out-of-domain, is
     an answer); a gate that fails makes the status of `workbench validate`.
     """
+    from workbench.report.kinds import check_kind
     from workbench.study import assess, load_study, run_study
     from workbench.study.progress import Silent, progress_for
 
     loaded = load_study(study)
+    for figure in loaded.study.figures:  # before the work, not after it
+        check_kind(figure.kind)
     progress = Silent() if as_json else progress_for(sys.stderr, os.environ)
     try:
         summary = run_study(
