@@ -65,3 +65,14 @@ def test_a_study_is_a_script_too() -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0
     assert "Usage" in done.stdout
+
+
+def test_the_quick_form_says_what_it_leaves_out() -> None:
+    study = load_study(str(STUDIES / "thesis_column.py")).study
+    quick = study.quickened()
+    assert quick.notes[:-1] == study.notes
+    assert quick.notes[-1].startswith(
+        f"Quick form, {len(quick.gates)} of {len(study.gates)} gates."
+    )
+    for label in set(study.models) - set(quick.models):
+        assert label in quick.notes[-1]

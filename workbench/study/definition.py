@@ -166,9 +166,18 @@ class Study:
             for figure in self.figures
             if not figure.models or kept(figure.models)
         )
+        left_out = (
+            ("models", [label for label in self.models if label not in keep]),
+            ("cases", [case.name for case in self.cases if case.name not in names]),
+        )
+        told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out if which)
+        note = (
+            f"Quick form, {len(gates)} of {len(self.gates)} gates. Left out: {told or 'nothing'}."
+        )
         return dataclasses.replace(
             self,
             name=f"{self.name}-quick",
+            notes=(*self.notes, note),
             cases=cases,
             models=models,
             reference=self.reference if self.reference in keep else ladder[-1],
