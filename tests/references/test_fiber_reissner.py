@@ -127,6 +127,26 @@ def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> No
     assert np.all(width / STATIC < 0.03)
 
 
+@pytest.mark.parametrize(
+    "column",
+    [
+        Column(find("IPE 300"), 2.0, 2.0),
+        Column(find("HEA 160"), 2.0, 2.5, base="pinned"),
+        Column(find("HEB 220"), 1.0, 3.0),
+    ],
+    ids=lambda column: column.section.name,
+)
+def test_elastic_pushes_hold_their_uncertainty(column) -> None:
+    """Bending between the hinges is a matter of the inner elements, which the levels coarsen."""
+    push, quantity = ColumnPushover("push", column, 0.002), "force at 0.002 m"
+    response = refine(FiberReissner(), push, [quantity], levels=4, localisation=False)
+    width = json.loads(response.attrs["numerical_uncertainty"])[quantity]
+    force = float(force_at(response, 0.002))
+    exact = float(force_at(FiberReissner(levels=1, refinement=3).simulate(push), 0.002))
+    assert abs(force - exact) <= 0.5 * width
+    assert width <= 0.03 * exact
+
+
 def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
     """Independent solution on the same meshes; its extrapolates are 0.0915, 0.195, 0.3245 m."""
     table = {

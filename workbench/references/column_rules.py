@@ -14,7 +14,8 @@ from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScen
 from workbench.structures.meshing import graded_lengths, halved
 
 Array = NDArray[np.float64]
-LARGEST_SHARE = {ColumnImpact.KIND: 1.0 / 40.0, ColumnPushover.KIND: 1.0 / 8.0}  # of the length
+LARGEST_SHARE = 1.0 / 40.0  # of the length; travelling hinges pass through inner elements
+CUBIC_STATIC_SHARE = 1.0 / 8.0  # of the length, for elements that bend: no hinge travels in statics
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
 LARGEST_IN_IMPACT = 0.06  # of the length
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
@@ -37,17 +38,19 @@ def column_mesh(
     share: float,
     depth: float,
     growth: float = 1.5,
+    static_share: float = LARGEST_SHARE,
 ) -> tuple[Array, Array]:
     """Element lengths (m) below and above the hit point.
 
     Arguments: lengths of the `smallest` and `largest` element in m (None: a `share` of the shorter
     segment, but not below `depth` times the depth of the section; 1/40 of the length under
-    impact, 1/8 in statics); how often all are halved (negative: doubled); `growth`, ratio of
-    neighbouring elements between both.
+    impact, `static_share` of it in statics); how often all are halved (negative: doubled);
+    `growth`, ratio of neighbouring elements between both.
     """
     column = scenario.column
     shorter = min(column.length_below, column.length_above)
-    largest = largest or LARGEST_SHARE[scenario.KIND] * column.length
+    bound = static_share if isinstance(scenario, ColumnPushover) else LARGEST_SHARE
+    largest = largest or bound * column.length
     smallest = smallest or max(min(share * shorter, largest), depth * column.section.height)
     coarser = 2.0 ** max(-refinement, 0)
     smallest, largest = coarser * smallest, coarser * max(largest, smallest)

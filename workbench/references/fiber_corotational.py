@@ -21,6 +21,7 @@ from workbench.models.domain import member_findings
 from workbench.models.frames.structure import FrameStructure
 from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
 from workbench.references.column_rules import (
+    CUBIC_STATIC_SHARE,
     check_layers,
     column_mesh,
     mesh_findings,
@@ -144,6 +145,7 @@ class FiberCorotational:
             self.largest_element,
             self.refinement,
             *SMALLEST[self.element, isinstance(scenario, ColumnPushover)],
+            static_share=CUBIC_STATIC_SHARE,
         )
 
     def frame_mesh(self, scenario: FrameScenario) -> list[Array]:
@@ -154,6 +156,7 @@ class FiberCorotational:
             self.largest_element,
             self.refinement,
             *SMALLEST[self.element, isinstance(scenario, FrameStatic)],
+            static_share=CUBIC_STATIC_SHARE,
         )
 
     def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:

@@ -75,7 +75,7 @@ class FiberReissner:
 
     Mesh and steps: `smallest_element` in m, at both ends of both segments (None: 1/256 of the
     shorter segment, but not below 1/100 of the depth); `largest_element` in m (None: 1/40 of the
-    length under impact, 1/8 in statics); `layers` over the depth of the section; `time_step` in s
+    length); `layers` over the depth of the section; `time_step` in s
     (None: 1/15 of the time of an axial wave along the column, and at first at most 1/200 of the
     expected time to the peak; a bound and the interval of records if explicit); `refinement`, how
     often all elements and steps are halved (negative: doubled); `step_refinement`, how often the
@@ -121,7 +121,7 @@ class FiberReissner:
     )
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (
         ColumnImpact.KIND,
         ColumnPushover.KIND,

@@ -67,7 +67,7 @@ class FiberShear:
     )
 
     name: ClassVar[str] = "fiber-shear"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount; one shear strain per "

@@ -19,7 +19,6 @@ from workbench.structures.meshing import graded_lengths, halved
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 LARGEST_SHARE = 1.0 / 40.0  # of the longest member; travelling hinges pass through inner elements
-LARGEST_SHARE_STATIC = 1.0 / 8.0
 LARGEST_IN_DYNAMICS = 0.06  # of the longest member
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
@@ -94,18 +93,20 @@ def member_lengths(
     share: float,
     depth: float,
     growth: float = 1.5,
+    static_share: float = LARGEST_SHARE,
 ) -> list[Array]:
     """Element lengths (m) of every member.
 
     Arguments: lengths of the `smallest` element, at both ends of every member, and of the
     `largest` in m (None: a `share` of the shorter member at the struck or driven node, but not
-    below `depth` times the depth of the section; 1/40 of the longest member in dynamics, 1/8 in
-    statics); how often all are halved (negative: doubled); `growth` of neighbouring elements.
+    below `depth` times the depth of the section; 1/40 of the longest member in dynamics,
+    `static_share` of it in statics); how often all are halved (negative: doubled); `growth` of
+    neighbouring elements.
     Where both lengths are equal the mesh is uniform.
     """
     frame = scenario.frame
     spans = [frame.length(member) for member in frame.members]
-    bound = LARGEST_SHARE_STATIC if isinstance(scenario, FrameStatic) else LARGEST_SHARE
+    bound = static_share if isinstance(scenario, FrameStatic) else LARGEST_SHARE
     largest = largest or bound * max(spans)
     uniform = smallest == largest
     wanted = smallest or min(share * _shorter(scenario), largest)
