@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from workbench.errors import OutOfDomainError
+from workbench.models.accuracy import impact_accuracy
 from workbench.references.column_beams import SEGMENTS, WATCHED, ColumnBeams
 from workbench.references.history import History
 from workbench.responses import (
@@ -26,8 +27,6 @@ from workbench.structures.statics import push
 
 Array = NDArray[np.float64]
 LEAST_YIELD_RATIO = 0.995
-LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
-LEAST_STEPS_TO_PEAK = 30
 LARGEST_SHEAR_STRAIN = 0.3  # mean of a segment
 COLLAPSE_SIDEWAYS = 0.9  # displacement of the hit point over the shorter segment
 COLLAPSE_SHORTENING = 0.55  # of the length: the same geometry for a hit at mid-height
@@ -182,32 +181,23 @@ def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Re
 
 def _impact_findings(history: History, scenario: ColumnImpact, peaked: bool) -> list[Finding]:
     """What a finished impact run tells about its own accuracy."""
-    findings = []
-    if not peaked:
-        text = (
-            f"the displacement still grows at the end of the record, {scenario.duration:g} s: "
-            "extend time.duration to find the peak"
-        )
-        findings.append(Finding("no-peak", text))
     ratio = history.yield_ratio()
+    softened = []
     if ratio is not None and ratio < LEAST_YIELD_RATIO:
         text = (
             f"yield ratio {ratio:.4f} is below {LEAST_YIELD_RATIO}: averaging over the step "
             "softens yielding fibers; take a smaller time_step or a larger weight"
         )
-        findings.append(Finding("yield-ratio", text))
-    top = int(np.argmax(history.column("displacement")))
-    if peaked and top < LEAST_STEPS_TO_PEAK:
-        text = f"the peak comes after {top} time steps only: reduce time_step"
-        findings.append(Finding("time-step", text))
-    damped = history.column("algorithmic")[top] / scenario.input_energy
-    if damped > LARGEST_DAMPING:
-        text = (
-            f"time stepping has dissipated {100 * damped:.1f} % of the impact energy before the "
-            "peak, as waves matter more than the motion of the whole column: raise refinement"
-        )
-        findings.append(Finding("damping", text))
-    return findings
+        softened.append(Finding("yield-ratio", text))
+    return impact_accuracy(
+        history.column("displacement"),
+        history.column("algorithmic"),
+        scenario.input_energy,
+        scenario.duration,
+        softened,
+        peaked=peaked,
+        body="the whole column",
+    )
 
 
 def _watched(history: History) -> dict[str, Array]:

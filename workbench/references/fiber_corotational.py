@@ -9,6 +9,7 @@ zero length, strains do not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import sqrt
 from typing import ClassVar
 
@@ -191,10 +192,7 @@ class FiberCorotational:
     def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
         weight = self.weight if self.integrator == "implicit" else None
         if isinstance(scenario, FRAMES):
-
-            def build() -> FrameStructure:
-                return self.frame(scenario)
-
+            build = partial(self.frame, scenario)
             return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
         return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
 

@@ -10,6 +10,7 @@ that the hardening spreads over millimetres is resolved.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -258,10 +259,7 @@ class FiberReissner:
     def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
         weight = self.weight if self.integrator == "implicit" else None
         if isinstance(scenario, FRAMES):
-
-            def build() -> FrameStructure:
-                return self.frame(scenario)
-
+            build = partial(self.frame, scenario)
             return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
         return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
 

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.references.column_beams import ColumnBeams
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.ledger import StepEnergies, Tally
 
 Array = NDArray[np.float64]
-LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
 
 
 class History:
@@ -28,16 +27,11 @@ class History:
             "shear": [],
             "shear_strain": [],
         }
-        self._plastic = self._algorithmic = self._ideal = 0.0
-        self._evaluations = self._cuts = 0
+        self._tally = Tally()
 
     def add(self, energies: StepEnergies, evaluations: int, cuts: int) -> None:
         """Add the dissipation and the solver cost of a step."""
-        self._plastic += energies.plastic
-        self._algorithmic += energies.algorithmic
-        self._ideal += energies.ideal
-        self._evaluations += evaluations
-        self._cuts += cuts
+        self._tally.add(energies, evaluations, cuts)
 
     def record(self, **values: float) -> None:
         """Append the committed state, with further `values` of the driver by name."""
@@ -45,8 +39,8 @@ class History:
         values.update(
             shortening=beams.shortening(),
             elastic=beams.assembly.stored,
-            dissipated=self._plastic + self._algorithmic,
-            algorithmic=self._algorithmic,
+            dissipated=self._tally.dissipated,
+            algorithmic=self._tally.algorithmic,
         )
         for name, value in values.items():
             self._rows.setdefault(name, []).append(value)
@@ -80,21 +74,13 @@ class History:
 
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""
-        if self._ideal <= LEAST_FLOW * max(self.column("elastic").max(), 1e-300):
-            return None
-        return self._plastic / self._ideal
+        return self._tally.yield_ratio(self.column("elastic").max())
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
-        numbers: dict[str, float | int] = {
+        return {
             "largest_shear_strain": float(self.shear_strain().max()),
             "elements": len(self._beams.beams.lengths),
             "smallest_element": float(self._beams.beams.lengths.min()),
-            "newton_iterations": self._evaluations,
-            "cut_steps": self._cuts,
-            "algorithmic_dissipation": self._algorithmic,
+            **self._tally.diagnostics(self.column("elastic").max()),
         }
-        ratio = self.yield_ratio()
-        if ratio is not None:
-            numbers["yield_ratio"] = ratio
-        return numbers

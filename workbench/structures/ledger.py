@@ -1,8 +1,11 @@
-"""Energies that element groups report for a step."""
+"""Energies that element groups report for a step, and what a run has added up."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
+
+LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
 
 
 class StepEnergies(NamedTuple):
@@ -23,3 +26,48 @@ class StepEnergies(NamedTuple):
         if not isinstance(other, StepEnergies):
             return NotImplemented
         return StepEnergies(*(a + b for a, b in zip(self, other, strict=True)))
+
+
+@dataclass
+class Tally:
+    """Dissipation (J) and solver cost of the steps of a run so far."""
+
+    plastic: float = 0.0
+    algorithmic: float = 0.0
+    ideal: float = 0.0
+    evaluations: int = 0
+    cuts: int = 0
+
+    def add(self, energies: StepEnergies, evaluations: int, cuts: int) -> None:
+        """Add a step."""
+        self.plastic += energies.plastic
+        self.algorithmic += energies.algorithmic
+        self.ideal += energies.ideal
+        self.evaluations += evaluations
+        self.cuts += cuts
+
+    @property
+    def dissipated(self) -> float:
+        """Plastic and algorithmic dissipation, in J."""
+        return self.plastic + self.algorithmic
+
+    def yield_ratio(self, most_stored: float) -> float | None:
+        """Plastic work over that of stresses at yield; None without plastic flow.
+
+        Argument: the largest energy (J) that was stored, against which flow is judged.
+        """
+        if self.ideal <= LEAST_FLOW * max(most_stored, 1e-300):
+            return None
+        return self.plastic / self.ideal
+
+    def diagnostics(self, most_stored: float) -> dict[str, float | int]:
+        """Numbers about the solution, for the attributes of a response."""
+        numbers: dict[str, float | int] = {
+            "newton_iterations": self.evaluations,
+            "cut_steps": self.cuts,
+            "algorithmic_dissipation": self.algorithmic,
+        }
+        ratio = self.yield_ratio(most_stored)
+        if ratio is not None:
+            numbers["yield_ratio"] = ratio
+        return numbers

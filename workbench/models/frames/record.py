@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from workbench.models.frames.snapshots import Snapshots
 from workbench.models.frames.structure import FrameStructure
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.ledger import StepEnergies, Tally
 
 Array = NDArray[np.float64]
-LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
 
 
 class Record:
@@ -34,8 +33,7 @@ class Record:
         self._shear = np.zeros(len(structure.frame.members))
         self._snapshots = Snapshots(structure, end)
         self._start_stored = structure.assembly.stored
-        self._plastic = self._algorithmic = self._ideal = 0.0
-        self._evaluations = self._cuts = 0
+        self._tally = Tally()
 
     @property
     def displacement(self) -> float:
@@ -51,11 +49,7 @@ class Record:
 
     def add(self, energies: StepEnergies, evaluations: int, cuts: int) -> None:
         """Add the dissipation and the solver cost of a step."""
-        self._plastic += energies.plastic
-        self._algorithmic += energies.algorithmic
-        self._ideal += energies.ideal
-        self._evaluations += evaluations
-        self._cuts += cuts
+        self._tally.add(energies, evaluations, cuts)
 
     def record(self, at: float, *, turns: bool = False, **values: float) -> None:
         """Append the committed state at a time (s) or step, with further `values` by name.
@@ -69,8 +63,8 @@ class Record:
             at=at,
             displacement=self.displacement,
             elastic=assembly.stored,
-            dissipated=self._plastic + self._algorithmic,
-            algorithmic=self._algorithmic,
+            dissipated=self._tally.dissipated,
+            algorithmic=self._tally.algorithmic,
         )
         for name, value in values.items():
             self._rows.setdefault(name, []).append(value)
@@ -109,20 +103,12 @@ class Record:
 
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""
-        if self._ideal <= LEAST_FLOW * max(self.column("elastic").max(), 1e-300):
-            return None
-        return self._plastic / self._ideal
+        return self._tally.yield_ratio(self.column("elastic").max())
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
-        numbers: dict[str, float | int] = {
+        return {
             "elements": self.structure.elements,
             "smallest_element": self.structure.smallest,
-            "newton_iterations": self._evaluations,
-            "cut_steps": self._cuts,
-            "algorithmic_dissipation": self._algorithmic,
+            **self._tally.diagnostics(self.column("elastic").max()),
         }
-        ratio = self.yield_ratio()
-        if ratio is not None:
-            numbers["yield_ratio"] = ratio
-        return numbers

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
+from workbench.models.accuracy import impact_accuracy
 from workbench.models.frames.collapse import CollapseWatch
 from workbench.models.frames.findings import named
 from workbench.models.frames.record import Record
@@ -27,8 +28,6 @@ from workbench.structures.impact import TimeStep
 from workbench.structures.paths import PathStep
 
 Array = NDArray[np.float64]
-LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
-LEAST_STEPS_TO_PEAK = 30
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a result
 
@@ -87,7 +86,15 @@ def run_impact(
     time = record.column("at")
     peak = peak_of(time, columns["displacement"])
     warnings = shear_reached(record)
-    warnings += _accuracy(record, brought, time, bool(peak), least_yield_ratio)
+    warnings += impact_accuracy(
+        columns["displacement"],
+        record.column("algorithmic"),
+        brought,
+        float(time[-1]),
+        _softened(record, least_yield_ratio),
+        peaked=bool(peak),
+        body="the frame",
+    )
     response = build_response(
         {
             **columns,
@@ -262,32 +269,6 @@ def _check_ledger(balance: Array, brought: float, largest_error: float | None) -
     error = float(np.max(np.abs(balance))) / brought
     if largest_error is not None and error > largest_error:
         raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
-
-
-def _accuracy(
-    record: Record, brought: float, time: Array, peaked: bool, least_yield_ratio: float
-) -> list[Finding]:
-    """What a finished run tells about its own accuracy."""
-    findings = []
-    if not peaked:
-        text = (
-            f"the displacement still grows at the end of the record, {time[-1]:g} s: "
-            "extend time.duration to find the peak"
-        )
-        findings.append(Finding("no-peak", text))
-    findings += _softened(record, least_yield_ratio)
-    top = int(np.argmax(record.column("displacement")))
-    if peaked and top < LEAST_STEPS_TO_PEAK:
-        text = f"the peak comes after {top} time steps only: reduce time_step"
-        findings.append(Finding("time-step", text))
-    damped = record.column("algorithmic")[top] / brought
-    if damped > LARGEST_DAMPING:
-        text = (
-            f"time stepping has dissipated {100 * damped:.1f} % of the impact energy before the "
-            "peak, as waves matter more than the motion of the frame: raise refinement"
-        )
-        findings.append(Finding("damping", text))
-    return findings
 
 
 def _softened(record: Record, least_yield_ratio: float) -> list[Finding]:
