@@ -11,10 +11,10 @@ import workbench
 
 ROOT = Path(workbench.__file__).parent
 FLOORS = (
-    "errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios", "responses",
-    "impact", "structures", "models", "references", "evidence", "studs", "assessment", "registry",
-    "testing", "study", "report", "cli",
-)  # fmt: skip
+    *("errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios", "responses"),
+    *("impact", "structures", "frames", "models", "references", "evidence", "studs", "assessment"),
+    *("registry", "testing", "study", "report", "cli"),
+)
 MODULES = sorted(ROOT.rglob("*.py"))
 
 

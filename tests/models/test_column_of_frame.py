@@ -16,12 +16,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.frames.column_estimate import HEAD_MASSES, SAME
+from workbench.frames.elastic import ElasticFrame
+from workbench.frames.limit import collapse_factor
+from workbench.frames.stability import dead_load_state
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
 from workbench.models.four_dof import FourDof
-from workbench.models.frames.column_estimate import HEAD_MASSES, SAME
-from workbench.models.frames.elastic import ElasticFrame
-from workbench.models.frames.limit import collapse_factor
-from workbench.models.frames.stability import dead_load_state
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (

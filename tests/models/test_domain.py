@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.models.domain import member_findings, shear_bound, shear_demand
+from workbench.frames.shear import shear_bound
+from workbench.models.domain import member_findings, shear_demand
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import Column, ColumnPushover

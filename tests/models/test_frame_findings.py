@@ -8,13 +8,14 @@ from math import pi
 import numpy as np
 import pytest
 
+from workbench.frames.chains import chains
+from workbench.frames.findings import frame_findings
+from workbench.frames.shear import shear_demand
+from workbench.frames.stability import dead_load_state
+from workbench.frames.structure import free_to_spin
+from workbench.frames.timing import time_to_peak
 from workbench.models.domain import euler_load
 from workbench.models.domain import shear_demand as column_demand
-from workbench.models.frames.chains import chains
-from workbench.models.frames.findings import frame_findings, shear_demand
-from workbench.models.frames.stability import dead_load_state
-from workbench.models.frames.structure import free_to_spin
-from workbench.models.frames.timing import time_to_peak
 from workbench.models.superelements import RigidSuperelement
 from workbench.references.column_rules import time_to_peak as column_time
 from workbench.responses import Outcome, outcome_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.datafiles import data_directory
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.column_runs import run_impact
 from workbench.references.fiber_corotational import FiberCorotational

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import pi
 
+from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact, ColumnPushover
-from workbench.sections import CircularTube, Rectangle, Section
 
-SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
-SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -33,23 +31,6 @@ def shear_demand(scenario: ColumnImpact | ColumnPushover) -> dict[str, float]:
     above = (1.0 if column.head == "pinned" else 2.0) / column.length_above
     ratio = properties.plastic_moment / properties.shear_resistance
     return {"below": below * ratio, "above": above * ratio}
-
-
-def shear_bound(section: Section) -> float:
-    """V/Vpl from which shear yielding takes more than 5 % of a member's resistance.
-
-    Sections with webs: the strength of the webs falls by (2 V/Vpl - 1)^2 (EN 1993-1-1, 6.2.8),
-    so that the bound depends on their share in the plastic modulus: 0.85 for HEB 220, 0.73 for
-    IPE 300. Beams and solids in the study `shear_domain` reach 5 % there or up to 8 % later.
-    Sections without flanges yield in shear at mid-height long before that rule says so: the bound
-    is what the study found for a square, also for circular tubes, which it does not hold.
-    """
-    shape = section.shape
-    if isinstance(shape, (Rectangle, CircularTube)):
-        return SOLID_BOUND
-    web = shape.bands[0]
-    share = web.width * web.top**2 / section.plastic_section_modulus
-    return min(0.5 * (1.0 + sqrt(SHEAR_LOSS / share)), 1.0)
 
 
 def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:

@@ -25,19 +25,19 @@ from typing import ClassVar
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Number, check_fields, checked
-from workbench.hinges import YieldSurface
-from workbench.models.base import respond
-from workbench.models.domain import member_findings
-from workbench.models.frames.answers import answer
-from workbench.models.frames.findings import frame_findings
-from workbench.models.frames.structure import FrameStructure
-from workbench.models.frames.superelements import (
+from workbench.frames.answers import answer
+from workbench.frames.findings import frame_findings
+from workbench.frames.structure import FrameStructure
+from workbench.frames.superelements import (
     HingeSurfaces,
     Piece,
     hinge_ends,
     series,
     stand_superelements,
 )
+from workbench.hinges import YieldSurface
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import (
     ColumnImpact,

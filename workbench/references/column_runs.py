@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from workbench.errors import OutOfDomainError
-from workbench.models.accuracy import impact_accuracy
+from workbench.frames.accuracy import impact_accuracy
 from workbench.references.column_beams import SEGMENTS, WATCHED, ColumnBeams
 from workbench.references.history import History
 from workbench.responses import (

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.frames.structure import FrameStructure
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.models.frames.structure import FrameStructure
 from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
 from workbench.references.column_rules import (
     CUBIC_STATIC_SHARE,

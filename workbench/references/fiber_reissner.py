@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.frames.structure import FrameStructure
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.models.frames.structure import FrameStructure
 from workbench.references.column_beams import ColumnBeams
 from workbench.references.column_rules import (
     check_layers,

@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.models.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
+from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
 from workbench.references.column_beams import ColumnElements
 from workbench.references.frame_mesh import FrameMesh
 from workbench.scenarios import Frame

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from workbench.errors import OutOfDomainError
-from workbench.models.frames.drives import (
+from workbench.frames.chains import named
+from workbench.frames.drives import (
     explicit_steps,
     ground_steps,
     impact_steps,
     static_steps,
 )
-from workbench.models.frames.findings import frame_findings, named
-from workbench.models.frames.runs import run_ground_motion, run_impact, run_static
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.findings import frame_findings
+from workbench.frames.runs import run_ground_motion, run_impact, run_static
+from workbench.frames.structure import FrameStructure
 from workbench.references.column_beams import fiber_section
 from workbench.references.fiber_reissner_column import reissner_section
 from workbench.references.frame_beams import fiber_frame

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.models.frames.chains import chains
-from workbench.models.frames.findings import named
-from workbench.models.frames.timing import time_to_peak, wave_times
+from workbench.frames.chains import chains, named
+from workbench.frames.timing import time_to_peak, wave_times
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
 from workbench.structures.meshing import graded_lengths, halved

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.models.frames.snapshots import Snapshots
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.snapshots import Snapshots
+from workbench.frames.structure import FrameStructure
 from workbench.structures.ledger import StepEnergies, Tally
 
 Array = NDArray[np.float64]

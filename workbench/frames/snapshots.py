@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure
 
 Array = NDArray[np.float64]
 Picture = tuple[Array, Array]  # shapes and utilisation

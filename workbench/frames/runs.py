@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
-from workbench.models.accuracy import impact_accuracy
-from workbench.models.frames.collapse import CollapseWatch
-from workbench.models.frames.findings import named
-from workbench.models.frames.record import Record
-from workbench.models.frames.structure import FrameStructure, hinge_names, member_names
+from workbench.frames.accuracy import impact_accuracy
+from workbench.frames.chains import named
+from workbench.frames.collapse import CollapseWatch
+from workbench.frames.record import Record
+from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.responses import (
     Finding,
     Response,

@@ -8,15 +8,15 @@ from time import perf_counter
 
 from threadpoolctl import threadpool_limits
 
-from workbench.models.frames.drives import ground_steps, impact_steps, static_steps
-from workbench.models.frames.runs import (
+from workbench.frames.drives import ground_steps, impact_steps, static_steps
+from workbench.frames.runs import (
     OPEN_LEDGER,
     run_ground_motion,
     run_impact,
     run_static,
 )
-from workbench.models.frames.structure import FrameStructure
-from workbench.models.frames.timing import time_to_peak, wave_times
+from workbench.frames.structure import FrameStructure
+from workbench.frames.timing import time_to_peak, wave_times
 from workbench.responses import Response
 from workbench.scenarios import (
     ColumnImpact,

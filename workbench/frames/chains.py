@@ -9,6 +9,7 @@ import numpy as np
 from workbench.scenarios import Frame
 
 STRAIGHT = 1e-6  # sine of the largest kink
+NAMED = 4  # members that a sentence names
 
 
 def chains(frame: Frame, kept: Collection[str] = ()) -> list[list[str]]:
@@ -58,3 +59,9 @@ def _straight_on(frame: Frame, node: str, pair: list[tuple[str, bool]]) -> bool:
         directions.append(direction / np.hypot(*direction))
     (ax, ay), (bx, by) = directions
     return bool(ax * bx + ay * by < 0.0 and abs(ax * by - ay * bx) < STRAIGHT)
+
+
+def named(members: list[str]) -> str:
+    """Names of members for a sentence, the first few of many."""
+    more = f" and {len(members) - NAMED} more" if len(members) > NAMED else ""
+    return ("member " if len(members) == 1 else "members ") + ", ".join(members[:NAMED]) + more

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.models.frames.elastic import ElasticFrame
+from workbench.frames.elastic import ElasticFrame
 from workbench.scenarios import Frame
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
 from workbench.hinges import YieldSurface
-from workbench.models.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
 from workbench.scenarios import Frame, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.superelements import HingeEnd, Superelement, Superelements

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from workbench.models.frames.structure import COMPONENT
+from workbench.frames.structure import COMPONENT
 from workbench.scenarios import Frame, Joint, Load, Member
 
 Array = NDArray[np.float64]

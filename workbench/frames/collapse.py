@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError
-from workbench.models.frames.chains import chains
-from workbench.models.frames.findings import named
-from workbench.models.frames.structure import FrameStructure
+from workbench.frames.chains import chains, named
+from workbench.frames.structure import FrameStructure
 
 Array = NDArray[np.float64]
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError
-from workbench.models.frames.chains import chains
+from workbench.frames.chains import chains
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.frame_forms import OVERRIDES
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from workbench.models.frames.structure import COMPONENT, hinge_names
+from workbench.frames.structure import COMPONENT, hinge_names
 from workbench.scenarios import Frame, Load, Member
 
 Array = NDArray[np.float64]

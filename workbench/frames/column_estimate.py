@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.models.frames.column_line import ColumnLine, column_line
-from workbench.models.frames.elastic import ElasticFrame
-from workbench.models.frames.limit import collapse_factor
+from workbench.frames.column_line import ColumnLine, column_line
+from workbench.frames.elastic import ElasticFrame
+from workbench.frames.limit import collapse_factor
 from workbench.responses import Finding
 from workbench.scenarios import (
     Column,

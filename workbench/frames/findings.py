@@ -1,0 +1,76 @@
+"""Where models of frames stop applying: dead loads, buckling, plastic shear demand."""
+
+from __future__ import annotations
+
+from workbench.frames.elastic import ElasticFrame
+from workbench.frames.shear import shear_findings
+from workbench.frames.stability import dead_load_state
+from workbench.frames.structure import free_to_spin
+from workbench.responses import Finding
+from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
+
+BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
+
+
+def frame_findings(scenario: FrameScenario) -> list[Finding]:
+    """Domain findings that all models of frames without shear deformation share.
+
+    Refusals: dead loads that the frame cannot carry (squash, buckling, mechanism), a moment on a
+    node where only pins meet. Warnings: dead loads above half the buckling load; a mechanism that
+    no dead load meets; members whose bending mechanism needs more shear force than models without
+    shear yielding allow.
+    """
+    frame = scenario.frame
+    findings = []
+    spinning = {frame.nodes[number].name for number in free_to_spin(frame)}
+    pattern = scenario.loads if isinstance(scenario, FrameStatic) else ()
+    twisted = [p.node for p in (*frame.loads, *pattern) if p.moment and p.node in spinning]
+    if twisted:
+        text = f"a moment acts on node {twisted[0]}, where only pins meet: nothing resists it"
+        findings.append(Finding("mechanism", text, refusal=True))
+    elif frame.loads:
+        findings += _dead_load_findings(frame)
+    elif isinstance(scenario, FrameStatic) and ElasticFrame(frame).is_mechanism:
+        text = (
+            "for small displacements the frame is a mechanism: something moves without resistance "
+            "until its shape has changed"
+        )
+        findings.append(Finding("mechanism", text))
+    return findings + shear_findings(scenario)
+
+
+def _dead_load_findings(frame: Frame) -> list[Finding]:
+    """What the dead loads do to the elastic frame, springs and locks left out."""
+    state = dead_load_state(frame)
+    if state.factor is None:
+        text = "under its dead loads the frame is a mechanism: it moves without resistance"
+        return [Finding("mechanism", text, refusal=True)]
+    findings = []
+    for member, force in zip(frame.members, state.axial, strict=True):
+        squash = axial_resistance(frame, member, compression=bool(force < 0.0))
+        if abs(force) >= squash:
+            text = (
+                f"dead loads bring {force / 1e3:.4g} kN (tension positive) into member "
+                f"{member.name}, which resists {squash / 1e3:.4g} kN"
+            )
+            findings.append(Finding("squash", text, refusal=True))
+    if state.factor <= 1.0:
+        text = f"the frame buckles elastically under {state.factor:.3g} of its dead loads"
+        findings.append(Finding("buckling", text, refusal=True))
+    elif state.factor < BUCKLING_WARNING:
+        text = (
+            f"dead loads are {1.0 / state.factor:.2f} of those under which the elastic frame "
+            "buckles: second-order bending between the hinges, which rigid bars lack, matters"
+        )
+        findings.append(Finding("buckling", text))
+    return findings
+
+
+def axial_resistance(frame: Frame, member: Member, *, compression: bool) -> float:
+    """Plastic axial resistance of a member and its joints, in N."""
+    least = frame.properties(member).squash_load
+    for name in (member.joint_start, member.joint_end):
+        joint = frame.joint(name)
+        given = joint.compression_resistance if compression else joint.tension_resistance
+        least = min(least, least if given is None else given)
+    return least

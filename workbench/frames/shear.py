@@ -1,0 +1,105 @@
+"""Plastic shear demand of members, and from where on shear yielding weakens them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import sqrt
+
+from workbench.frames.chains import chains, named
+from workbench.responses import Finding
+from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Member
+from workbench.sections import CircularTube, Rectangle, Section
+
+SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
+SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
+
+
+def shear_bound(section: Section) -> float:
+    """V/Vpl from which shear yielding takes more than 5 % of a member's resistance.
+
+    Sections with webs: the strength of the webs falls by (2 V/Vpl - 1)^2 (EN 1993-1-1, 6.2.8),
+    so that the bound depends on their share in the plastic modulus: 0.85 for HEB 220, 0.73 for
+    IPE 300. Beams and solids in the study `shear_domain` reach 5 % there or up to 8 % later.
+    Sections without flanges yield in shear at mid-height long before that rule says so: the bound
+    is what the study found for a square, also for circular tubes, which it does not hold.
+    """
+    shape = section.shape
+    if isinstance(shape, (Rectangle, CircularTube)):
+        return SOLID_BOUND
+    web = shape.bands[0]
+    share = web.width * web.top**2 / section.plastic_section_modulus
+    return min(0.5 * (1.0 + sqrt(SHEAR_LOSS / share)), 1.0)
+
+
+def shear_demand(scenario: FrameScenario) -> dict[str, float]:
+    """Shear force of a bending mechanism over the plastic shear resistance, per member.
+
+    An upper bound for members without loads between their ends: plastic moments (without axial
+    force) at both ends over the length, zero at pins. Members that continue each other without a
+    load or striker between them count as one.
+    """
+    frame = scenario.frame
+    kept = {load.node for load in frame.loads}
+    kept |= {node.name for node in frame.nodes if node.mass > 0.0}
+    if isinstance(scenario, FrameStatic):
+        kept |= {scenario.node} | {load.node for load in scenario.loads}
+    elif isinstance(scenario, FrameImpact):
+        kept.add(scenario.striker.node)
+    demand = {}
+    for names in chains(frame, kept):
+        members = [frame.member(name) for name in names]
+        length = sum(frame.length(member) for member in members)
+        outer = [*_outer(frame, members)]
+        moment = sum(_end_moment(frame, member, at_start) for member, at_start in outer)
+        for member in members:
+            demand[member.name] = moment / length / frame.properties(member).shear_resistance
+    return demand
+
+
+def _outer(frame: Frame, members: list[Member]) -> Iterable[tuple[Member, bool]]:
+    """The two ends of a chain: member, and whether it is its start."""
+    first, last = members[0], members[-1]
+    if first is last:
+        return ((first, True), (first, False))
+    inner = {members[1].start, members[1].end}
+    before = {members[-2].start, members[-2].end}
+    return ((first, first.start not in inner), (last, last.start not in before))
+
+
+def _end_moment(frame: Frame, member: Member, at_start: bool) -> float:
+    """Largest moment that the end of a member can carry, in N m."""
+    joint = frame.joint(member.joint_start if at_start else member.joint_end)
+    node = frame.node(member.start if at_start else member.end)
+    others = [m for m in frame.members if m is not member and node.name in (m.start, m.end)]
+    free = not others and "rotation" not in node.held and node.spring_rotation == 0.0
+    if joint.rotational_stiffness == 0.0 or free:
+        return 0.0
+    own = frame.properties(member).plastic_moment
+    given = [joint.plastic_moment, joint.plastic_moment_negative]
+    return min(own, max((m for m in given if m is not None), default=own))
+
+
+def shear_findings(scenario: FrameScenario) -> list[Finding]:
+    """Members in which models without shear yielding may overestimate the resistance."""
+    frame, demand = scenario.frame, shear_demand(scenario)
+    bounds = {name: shear_bound(frame.strength_section(name)) for name in demand}
+    worst = sorted(demand, key=lambda name: -demand[name])
+    findings = []
+    above = [name for name in worst if demand[name] > 1.0]
+    if above:
+        text = (
+            f"a plastic mechanism needs up to V/Vpl = {demand[above[0]]:.2f} in {named(above)}: "
+            "webs yield in shear before, so that every model without shear yielding overestimates "
+            "the plastic resistance"
+        )
+        findings.append(Finding("shear", text))
+    near = [name for name in worst if bounds[name] < demand[name] <= 1.0]
+    if near:
+        least = min(bounds[name] for name in near)
+        text = (
+            f"a plastic mechanism needs up to V/Vpl = {demand[near[0]]:.2f} in {named(near)}: "
+            f"above {least:.2f} shear yielding takes more than {100 * SHEAR_LOSS:g} % of the "
+            "resistance, which models without it leave out"
+        )
+        findings.append(Finding("shear", text))
+    return findings
