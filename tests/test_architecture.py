@@ -13,7 +13,7 @@ ROOT = Path(workbench.__file__).parent
 FLOORS = (
     *("errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios", "responses"),
     *("impact", "structures", "frames", "models", "references", "evidence", "studs", "assessment"),
-    *("registry", "testing", "study", "report", "cli"),
+    *("registry", "testing", "study", "content", "report", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from workbench.content.bibliography import bibliography
 from workbench.evidence.published import Published
 from workbench.models.base import Model
 from workbench.registry import make_model, model_kind, model_names
-from workbench.report.bibliography import BIBLIOGRAPHY
 from workbench.scenarios import ColumnPushover, StudTests, frame_scenario
 from workbench.testing import check_model
 
@@ -84,7 +84,7 @@ def test_every_model_has_a_theory_page_and_known_sources(name: str) -> None:
     assert f"`{name}`" in page.read_text(encoding="utf-8")
     assert len(model.assumptions) >= 1
     for key in model.sources:
-        assert key in BIBLIOGRAPHY
+        assert key in bibliography()
 
 
 def test_published_series_are_all_readable() -> None:

@@ -21,12 +21,12 @@ def test_every_dataset_is_described_and_present() -> None:
 
 
 def test_every_table_of_tests_names_its_works() -> None:
-    from workbench.report.bibliography import BIBLIOGRAPHY
+    from workbench.content.bibliography import bibliography
 
     for entry in datasets():
         if entry.file.startswith("studs/"):
             assert entry.keys
-            assert set(entry.keys) <= set(BIBLIOGRAPHY)
+            assert set(entry.keys) <= set(bibliography())
 
 
 def test_unknown_names_suggest_the_nearest() -> None:

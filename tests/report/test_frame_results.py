@@ -13,15 +13,15 @@ from synthetic_study import store_of
 from test_report_figures import request
 
 from workbench.assessment import Gate
+from workbench.content.tree import Document, Listing, Picture, Section, Table, walk
+from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report import build_report
 from workbench.report.chapters import configuration, limits
 from workbench.report.chapters.verdicts import verdict_rows
-from workbench.report.content import Document, Listing, Picture, Section, Table, walk
 from workbench.report.figures import draw
 from workbench.report.figures.drawing import thinned, to_svg
-from workbench.report.pdf import render_pdf
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
 from workbench.sections import find
 from workbench.study import Case
@@ -224,7 +224,7 @@ def pages_of(pictures: int, height: float) -> int:
             for i in range(pictures)
         ),
     )
-    pdf = render_pdf(Document("Report", "", ("fact",), (chapter,), ()))
+    pdf = render_pdf(Document("Report", "", ("fact",), (chapter,)))
     return len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
 
 

@@ -28,7 +28,7 @@ def test_it_holds_verdicts_pictures_and_warnings(page, small):
     text = page.read_text(encoding="utf-8")
     rows = [line for line in text.splitlines() if line.startswith("| ")]
     assert len(rows) == len(small.study.gates) + 1
-    assert all(row.count(" | ") == 4 for row in rows)
+    assert all(row.count(" | ") == 5 for row in rows)
     assert "V/Vpl = 1.80" in text
     links = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
     assert len(links) == 8

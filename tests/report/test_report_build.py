@@ -182,8 +182,8 @@ def test_cells_that_never_ran_are_told(small, tmp_path):
 
     from synthetic_study import Synthetic
 
+    from workbench.content.tree import Table
     from workbench.report.chapters.limits import missing
-    from workbench.report.content import Table
 
     peaks = tuple(figure for figure in small.study.figures if figure.kind == "peaks")
     models = {**small.study.models, "late": Synthetic(gain=2.0)}

@@ -10,10 +10,10 @@ import pytest
 from synthetic_study import store_of
 
 from workbench.assessment import Gate
+from workbench.content.bibliography import bibliography
+from workbench.content.tree import Bullets, Callout, Table, walk
 from workbench.report import build_report
-from workbench.report.bibliography import BIBLIOGRAPHY
 from workbench.report.chapters import stud_design, stud_evidence
-from workbench.report.content import Bullets, Callout, Table, walk
 from workbench.report.figures import Request, draw
 from workbench.report.figures.drawing import to_svg
 from workbench.report.figures.style import looks
@@ -129,7 +129,7 @@ def test_the_whole_report(studs, tmp_path):
     assert order == sorted(order)
     for key in ("provines2019", "culver1960", "mcgarraugh1971", "en1990", "hanswille2007"):
         assert f'id="ref-{key}"' in html
-        assert BIBLIOGRAPHY[key].title.split(":")[0] in html
+        assert bibliography()[key].title.split(":")[0] in html
 
 
 def damaged(path: Path) -> Path:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from workbench.report.bibliography import BIBLIOGRAPHY, Reference, reference_of
+from workbench.content.bibliography import bibliography
+from workbench.content.formatting import count
+from workbench.content.tree import Document, Picture, Section
 from workbench.report.chapters import (
     configuration,
     cost,
@@ -15,20 +15,6 @@ from workbench.report.chapters import (
     stud_evidence,
     verdicts,
 )
-from workbench.report.content import (
-    Block,
-    Bullets,
-    Callout,
-    Definitions,
-    Document,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
-    runs_of,
-    walk,
-)
-from workbench.report.formatting import count
 from workbench.report.stored import Stored
 from workbench.study.definition import Figure, Study
 
@@ -66,36 +52,10 @@ def document(
         f"reference: {study.reference}",
         f"study: {study.name}",
     )
-    return Document(study.title, "Validation report", facts, sections, tuple(_references(sections)))
-
-
-def _references(sections: tuple[Section, ...]) -> Iterator[Reference]:
-    """Works in the order in which the text cites them."""
-    seen: set[str] = set()
-    for text in _texts(sections):
-        for run in runs_of(text):
-            if run.kind == "cite" and run.text not in seen:
-                seen.add(run.text)
-                yield reference_of(run.text)
-
-
-def _texts(sections: tuple[Block, ...]) -> Iterator[str]:
-    for block in walk(sections):
-        if isinstance(block, (Paragraph, Callout)):
-            yield block.text
-        elif isinstance(block, Bullets):
-            yield from block.items
-        elif isinstance(block, Definitions):
-            yield from (text for _, text in block.pairs)
-        elif isinstance(block, Table):
-            yield block.caption
-            yield from (cell.text for row in block.rows for cell in row)
-        elif isinstance(block, Picture):
-            yield block.caption
-            yield from block.statements
+    return Document(study.title, "Validation report", facts, sections)
 
 
 def unknown_sources(study: Study) -> list[str]:
     """Keys that models cite and the bibliography does not have."""
     keys = dict.fromkeys(key for model in study.models.values() for key in model.sources)
-    return [key for key in keys if key not in BIBLIOGRAPHY]
+    return [key for key in keys if key not in bibliography()]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from workbench.content.html import render_html
+from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.assemble import document
 from workbench.report.gallery import draw_all, save_all
-from workbench.report.html import render_html
-from workbench.report.pdf import render_pdf
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.files import write_atomically

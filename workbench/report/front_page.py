@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from workbench.report.bibliography import BIBLIOGRAPHY
-from workbench.report.chapters import limits
-from workbench.report.chapters.verdicts import question_of, verdict_rows
-from workbench.report.content import Callout, runs_of, walk
+from workbench.content.formatting import count
+from workbench.content.markdown import render_markdown
+from workbench.content.tree import Block, Bullets, Callout, Document, Paragraph, Section, walk
+from workbench.report.chapters import limits, verdicts
 from workbench.report.figures.drawing import save_png
-from workbench.report.formatting import count, interval, metric_value
 from workbench.report.gallery import Plate, draw_all
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.files import write_atomically
 
-_MARKS = {"pass": "✅ pass", "fail": "❌ fail", "inconclusive": "❔ inconclusive"}
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
 
@@ -32,60 +31,37 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
     stored = Stored(Path(directory), study)
     target = Path(target)
     (target / "figures").mkdir(parents=True, exist_ok=True)
-    lines = [f"# {_escaped(study.title)}", "", _escaped(study.question), ""]
-    lines += _verdicts(stored)
-    shear = limits.shear_demand(study, stored)
-    for section in (limits.missing(study, stored), limits.domain(stored, shear)):
-        for block in walk((section,)):
-            if isinstance(block, Callout):
-                lines += [f"> {_escaped(block.text)}", ""]
+    sections = [Section("short", "", tuple(_short(study, stored)))]
     for plate in _chosen(draw_all(study, stored)):
         name = f"figures/{study.name}-{plate.figure.key}.png"
         assert plate.drawing.canvas is not None
         save_png(plate.drawing.canvas, target / name)
-        lines += [f"## {_escaped(plate.figure.title)}", ""]
-        lines += [f"![{_escaped(plate.drawing.alt)}]({name})", ""]
-        lines += [_escaped(plate.figure.caption), ""]
-        lines += [f"- {_escaped(statement)}" for statement in plate.drawing.statements]
-        if plate.drawing.statements:
-            lines.append("")
+        picture = replace(plate.picture(), image=name)
+        sections.append(Section(plate.figure.key, plate.figure.title, (picture,)))
     if study.notes:
-        lines += ["## How to read this", ""]
-        lines += [f"- {_escaped(note)}" for note in study.notes]
-        lines.append("")
-    lines += [
-        "---",
-        "",
+        sections.append(Section("notes", "How to read this", (Bullets(tuple(study.notes)),)))
+    facts = (
         f"Made by `workbench report {study.name}` from {count(len(stored.cells), 'cell')}; the "
         "full report adds tables, costs, configuration, provenance and sources.",
         *(f"{_made_with(record)}." for record in stored.provenance),
-    ]
+    )
     page = target / "README.md"
-    write_atomically(page, ("\n".join(lines) + "\n").encode())
+    content = Document(study.title, "", facts, tuple(sections))
+    write_atomically(page, render_markdown(content).encode())
     return page
 
 
-def _verdicts(stored: Stored) -> list[str]:
-    rows = verdict_rows(stored)
-    if not rows:
-        return ["The study sets no acceptance gates.", ""]
-    lines = [
-        "| verdict | what is judged | critical value ± uncertainty | bound | why this bound |",
-        "|---|---|---|---|---|",
-    ]
-    for row in rows:
-        value = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
-        if row["value"] is None:
-            value = "; ".join(row["unjudged"]) or "not judged"
-        elif row["cases"] > 1:
-            value += f" ({row['case']}; {row['passed']} of {row['cases']} cases pass)"
-        bound = "±" + metric_value(row["metric"], row["quantity"], row["bound"], bound=True)
-        source = BIBLIOGRAPHY.get(row["source"])
-        cited = f"{source.authors} {source.year}" if source else row["source"]
-        why = f"{row['rationale']} ({cited})" if cited else row["rationale"]
-        cells = (_MARKS[row["verdict"]], question_of(row), value, bound, why)
-        lines.append("| " + " | ".join(_escaped(cell) for cell in cells) + " |")
-    return [*lines, ""]
+def _short(study: Study, stored: Stored) -> Iterator[Block]:
+    """The question, the table of verdicts, and what must not be overlooked."""
+    yield Paragraph(study.question)
+    rows = verdicts.verdict_rows(stored)
+    if rows:
+        yield replace(verdicts.summary_table(rows), caption="")
+    else:
+        yield Paragraph("The study sets no acceptance gates.")
+    shear = limits.shear_demand(study, stored)
+    told = walk((limits.missing(study, stored), limits.domain(stored, shear)))
+    yield from (block for block in told if isinstance(block, Callout))
 
 
 def _chosen(plates: tuple[Plate, ...]) -> list[Plate]:
@@ -93,20 +69,6 @@ def _chosen(plates: tuple[Plate, ...]) -> list[Plate]:
     marked = [plate for plate in drawn if plate.figure.options.get("summary")]
     steady = [plate for plate in drawn if plate.figure.kind not in _VARYING]
     return marked or steady[:_MOST_PICTURES]
-
-
-def _escaped(text: str) -> str:
-    """Text as Markdown; citations become author and year, table bars and tags are escaped."""
-    parts = []
-    for kind, content in runs_of(text):
-        if kind == "code":
-            parts.append(f"`{content}`")
-        elif kind == "cite":
-            work = BIBLIOGRAPHY.get(content)
-            parts.append(f"({work.authors} {work.year})" if work else f"({content})")
-        else:
-            parts.append(content.replace("<", "&lt;").replace("|", "\\|").replace("\n", " "))
-    return "".join(parts)
 
 
 def _made_with(record: Mapping[str, str]) -> str:

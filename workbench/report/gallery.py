@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from workbench.content.tree import Picture
 from workbench.errors import InputError
-from workbench.report.content import Picture
 from workbench.report.figures import Drawing, Request, draw
 from workbench.report.figures.drawing import save_png, to_csv, to_svg
 from workbench.report.figures.style import looks

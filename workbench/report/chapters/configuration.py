@@ -8,9 +8,8 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.models.base import options_of
-from workbench.report.chapters.verdicts import source_text
-from workbench.report.content import (
+from workbench.content.bibliography import cited
+from workbench.content.tree import (
     Block,
     Bullets,
     Cell,
@@ -21,6 +20,7 @@ from workbench.report.content import (
     Section,
     Table,
 )
+from workbench.models.base import options_of
 from workbench.report.stored import Stored
 from workbench.scenarios import to_toml
 from workbench.study.definition import Case, Study
@@ -56,7 +56,7 @@ def _models(study: Study) -> Section:
         if role:
             pairs.append(("role", ", ".join(role)))
         if model.sources:
-            pairs.append(("sources", " ".join(source_text(key) for key in model.sources)))
+            pairs.append(("sources", " ".join(cited(key) for key in model.sources)))
         first = said.setdefault(tuple(model.assumptions), label)
         if first == label:
             blocks: tuple[Block, ...] = (Definitions(tuple(pairs)), Bullets(model.assumptions))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.report.content import Block, Cell, Column, Paragraph, Section, Table
-from workbench.report.formatting import count, duration
+from workbench.content.formatting import count, duration
+from workbench.content.tree import Block, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 

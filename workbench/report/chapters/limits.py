@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from workbench.report.content import (
+from workbench.content.formatting import count, number
+from workbench.content.tree import (
     Block,
     Bullets,
     Callout,
@@ -15,7 +16,6 @@ from workbench.report.content import (
     Section,
     Table,
 )
-from workbench.report.formatting import count, number
 from workbench.report.stored import NOT_RUN, CellState, Stored
 from workbench.responses import Outcome
 from workbench.study.definition import Study

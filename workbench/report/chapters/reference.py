@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.report.content import Block, Callout, Cell, Column, Paragraph, Section, Table
-from workbench.report.formatting import number, percent, title_of, unit_of
+from workbench.content.formatting import number, percent, title_of, unit_of
+from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from workbench.assessment import METRICS, Scope
-from workbench.report.content import Block, Cell, Column, Paragraph, Picture, Section, Table
-from workbench.report.formatting import (
+from workbench.content.formatting import (
     interval,
     metric_title,
     number,
@@ -12,6 +11,7 @@ from workbench.report.formatting import (
     title_of,
     unit_of,
 )
+from workbench.content.tree import Block, Cell, Column, Paragraph, Picture, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from textwrap import wrap
 from typing import Any
 
+from workbench.content.formatting import number, percent
+from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.chapters.stud_evidence import Answered, answers
-from workbench.report.content import Block, Callout, Cell, Column, Paragraph, Section, Table
-from workbench.report.formatting import number, percent
 from workbench.report.stored import Stored
 from workbench.studs.strength import LEAST_FOR_DESIGN
 from workbench.study.definition import Study

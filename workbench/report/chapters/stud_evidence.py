@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from workbench.report.content import Block, Bullets, Callout, Section
-from workbench.report.formatting import count, number, percent
+from workbench.content.formatting import count, number, percent
+from workbench.content.tree import Block, Bullets, Callout, Section
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.studs.answers.common import content_of

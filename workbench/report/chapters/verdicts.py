@@ -8,8 +8,15 @@ from typing import Any
 import pandas as pd
 
 from workbench.assessment import Verdict
-from workbench.report.bibliography import BIBLIOGRAPHY
-from workbench.report.content import (
+from workbench.content.bibliography import cited
+from workbench.content.formatting import (
+    count,
+    interval,
+    metric_title,
+    metric_value,
+    title_of,
+)
+from workbench.content.tree import (
     Block,
     Callout,
     Cell,
@@ -17,13 +24,6 @@ from workbench.report.content import (
     Paragraph,
     Section,
     Table,
-)
-from workbench.report.formatting import (
-    count,
-    interval,
-    metric_title,
-    metric_value,
-    title_of,
 )
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
@@ -50,11 +50,6 @@ def asked(study: Study, stored: Stored) -> Section:
     return Section(
         "question", "What was asked", (Paragraph(study.question), Paragraph(f"{done} {reference}."))
     )
-
-
-def source_text(source: str) -> str:
-    """A source as a citation if it is a key of the bibliography, else as written."""
-    return f"[@{source}]" if source in BIBLIOGRAPHY else source
 
 
 def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
@@ -98,7 +93,7 @@ def verdicts(stored: Stored, warning: str = "") -> Section:
         return Section("verdicts", "Verdicts", (Callout("note", text),))
     blocks: list[Block] = [_headline(rows)]
     blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
-    blocks.append(_summary_table(rows))
+    blocks.append(summary_table(rows))
     if len(stored.tables["gates"]) > len(rows):
         blocks.append(_every_case(stored.tables["gates"]))
     blocks.append(
@@ -151,7 +146,8 @@ def question_of(row: dict[str, Any]) -> str:
     return f"{row['model']} against {row['against']}: {metric_title(row['metric'])} of {quantity}"
 
 
-def _summary_table(rows: list[dict[str, Any]]) -> Table:
+def summary_table(rows: list[dict[str, Any]]) -> Table:
+    """Verdict, critical value and bound of every gate."""
     body = []
     for row in rows:
         value = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
@@ -160,7 +156,7 @@ def _summary_table(rows: list[dict[str, Any]]) -> Table:
         if row["value"] is None:
             value = "not judged"
         passed = f"{row['passed']} of {row['cases']}"
-        why = f"{row['rationale']} {source_text(row['source'])}".strip()
+        why = f"{row['rationale']} {cited(row['source'])}".strip()
         if row["verdict"] == Verdict.INCONCLUSIVE and row["unjudged"]:
             why += "\nNot judged: " + "; ".join(row["unjudged"][:_NOTES])
         body.append(

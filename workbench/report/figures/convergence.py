@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.panels import chosen_cases, name_axes, panel_grid
 from workbench.report.figures.style import INK, MUTED, legend_below
-from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.study.definition import Case
 
 _BAND = "#56b4e9"

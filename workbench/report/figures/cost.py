@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from workbench.content.formatting import duration, title_of
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.panels import handle
 from workbench.report.figures.style import legend_below, new_figure
-from workbench.report.formatting import duration, title_of
 
 _FLOOR = 1e-4  # smaller deviations are drawn here: they are below what matters
 

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from workbench.content.formatting import TIMES, in_unit
 from workbench.fields import Choice
 from workbench.report.figures.drawing import (
     Absences,
@@ -35,7 +36,6 @@ from workbench.report.figures.style import (
     legend_below,
     new_figure,
 )
-from workbench.report.formatting import TIMES, in_unit
 from workbench.study.definition import Case
 
 _LAYOUT = Choice(("instants", "overlaid"))

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from workbench.content.formatting import axis_label, number, unit_of
 from workbench.report.figures.drawing import (
     Array,
     Drawing,
@@ -21,7 +22,6 @@ from workbench.report.figures.drawing import (
 )
 from workbench.report.figures.panels import first_answered, name_axes, panel_grid
 from workbench.report.figures.style import INK, legend_below
-from workbench.report.formatting import axis_label, number, unit_of
 from workbench.responses import Response
 
 # bottom to top; fixed colours that no label uses as a fill

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from markupsafe import escape
 
+from workbench.content.formatting import TIMES, number
 from workbench.report.figures.drawing import Array
 from workbench.report.figures.frame_actions import DIRECTIONS
 from workbench.report.figures.hinge_states import YIELDS, colour_of, hinge_places
@@ -24,7 +25,6 @@ from workbench.report.figures.shapes import (
 )
 from workbench.report.figures.small_multiples import REST
 from workbench.report.figures.style import INK, MUTED, PALETTE
-from workbench.report.formatting import TIMES, number
 from workbench.scenarios import FrameImpact
 
 LARGEST = 290_000  # bytes of one film

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import Unit, title_of, unit_of
 from workbench.fields import Choice
 from workbench.report.figures.drawing import (
     Absences,
@@ -31,7 +32,6 @@ from workbench.report.figures.panels import (
     panel_grid,
 )
 from workbench.report.figures.style import MUTED, legend_below
-from workbench.report.formatting import Unit, title_of, unit_of
 from workbench.study.definition import Case
 
 _QUANTITY = Choice(("force", "load_factor"))

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
+from workbench.content.formatting import MINUS, NO_BREAK, Unit, brief, count
 from workbench.report.figures.frame_layout import Layout, Point
 from workbench.report.figures.frame_picture import ARROW, load_arrows
 from workbench.report.figures.frames import FrameScenario, displacement_unit
 from workbench.report.figures.pieces import LIGHT, arrow, note
 from workbench.report.figures.style import INK, PALETTE
-from workbench.report.formatting import MINUS, NO_BREAK, Unit, brief, count
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 
 ACTION = PALETTE[0]

@@ -9,11 +9,11 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import TIMES, brief
 from workbench.report.figures.frame_layout import Layout, Point
 from workbench.report.figures.frame_picture import TINTS, joint_mark, sections_of
 from workbench.report.figures.pieces import SMALL, cross_section, dimension
 from workbench.report.figures.style import MUTED
-from workbench.report.formatting import TIMES, brief
 from workbench.scenarios import Frame
 
 _TICK, _ROW = 0.03, 0.38

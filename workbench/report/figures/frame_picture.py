@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 
+from workbench.content.formatting import brief
 from workbench.report.figures.frame_layout import Layout, Point
 from workbench.report.figures.pieces import (
     DOWN,
@@ -25,7 +26,6 @@ from workbench.report.figures.pieces import (
     turning,
 )
 from workbench.report.figures.style import INK, MUTED, PALETTE
-from workbench.report.formatting import brief
 from workbench.scenarios import Frame, Load, Member, Node
 from workbench.sections import Section
 

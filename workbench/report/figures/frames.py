@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from workbench.report.formatting import Unit, unit_of
+from workbench.content.formatting import Unit, unit_of
 from workbench.scenarios import (
     ColumnImpact,
     ColumnPushover,

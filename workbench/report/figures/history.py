@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.figures.drawing import (
     Absences,
     Array,
@@ -30,7 +31,6 @@ from workbench.report.figures.panels import (
     panel_grid,
 )
 from workbench.report.figures.style import MUTED, legend_below
-from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.responses import Response
 from workbench.study.definition import Case
 

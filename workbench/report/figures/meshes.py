@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.style import INK, MUTED, legend_below, new_figure
-from workbench.report.formatting import axis_label, title_of, unit_of
 
 _BAND = "#56b4e9"
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.figures.drawing import Absences, Drawing, Request, nothing, rows
 from workbench.report.figures.drawing import joined as joined_rows
 from workbench.report.figures.panels import handle
 from workbench.report.figures.style import GRID, INK, MUTED, legend_below, new_figure
-from workbench.report.formatting import axis_label, title_of, unit_of
 from workbench.study.definition import Case
 
 MOST_CASES = 8

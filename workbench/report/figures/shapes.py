@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from workbench.content.formatting import NO_BREAK, THIN, number
 from workbench.errors import InputError
 from workbench.report.figures.drawing import Array
 from workbench.report.figures.frames import FrameScenario, displacement_unit, frame_scenario_of
-from workbench.report.formatting import NO_BREAK, THIN, number
 from workbench.responses import Response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Frame
 from workbench.study.definition import Case

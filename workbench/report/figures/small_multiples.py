@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
+from workbench.content.formatting import TIMES
 from workbench.report.figures.drawing import Array, Drawing, Request, joined, rows
 from workbench.report.figures.hinge_states import (
     WORDS,
@@ -25,7 +26,6 @@ from workbench.report.figures.shapes import (
     magnification,
 )
 from workbench.report.figures.style import INK, MUTED, TEXT_WIDTH, legend_below, new_figure
-from workbench.report.formatting import TIMES
 from workbench.study.definition import Case
 
 _MOST_ROWS = 5

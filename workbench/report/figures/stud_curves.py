@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from workbench.content.formatting import number, percent
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.panels import name_axes, panel_grid
 from workbench.report.figures.studs import (
@@ -22,7 +23,6 @@ from workbench.report.figures.studs import (
     reference_rows,
 )
 from workbench.report.figures.style import legend_below
-from workbench.report.formatting import number, percent
 
 _LARGEST_SLIP = 10.0  # mm
 _BAND = "#0072b2"

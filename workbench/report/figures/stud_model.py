@@ -8,11 +8,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
+from workbench.content.formatting import number
 from workbench.report.figures.drawing import Drawing, Request, nothing
 from workbench.report.figures.pieces import LIGHT, arrow, spring
 from workbench.report.figures.studs import contents
 from workbench.report.figures.style import INK, MUTED, PALETTE, new_figure
-from workbench.report.formatting import number
 
 STEEL = "#b9c4cf"
 # proportions of the picture, in diameters

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import number
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.panels import name_axes, panel_grid
 from workbench.report.figures.studs import KILO, campaign_looks, column, contents, handle, points
 from workbench.report.figures.style import INK, MUTED, legend_below
-from workbench.report.formatting import number
 
 _SPREAD = 0.2
 _NAMED_BELOW = 0.85  # of the prediction: such a test is named

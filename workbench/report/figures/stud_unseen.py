@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import number
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.studs import (
     KILO,
@@ -22,7 +23,6 @@ from workbench.report.figures.studs import (
     reference_rows,
 )
 from workbench.report.figures.style import INK, MUTED, legend_below, new_figure
-from workbench.report.formatting import number
 
 _MOST = 3  # studs with a curve
 

@@ -17,9 +17,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
 
+from workbench.content.formatting import metric_title, title_of
 from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
 from workbench.report.figures.style import INK, legend_below, new_figure
-from workbench.report.formatting import metric_title, title_of
 from workbench.study.definition import Case
 
 _MOST_FACETS = 6

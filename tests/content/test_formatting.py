@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from workbench.report.formatting import (
+from workbench.content.formatting import (
     axis_label,
     count,
     duration,

@@ -1,4 +1,4 @@
-"""The report as PDF, set by Typst."""
+"""A content tree as PDF, set by Typst."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import re
 import tempfile
 from pathlib import Path
 
-from workbench.errors import WorkbenchError
-from workbench.report.content import (
+from workbench.content.tree import (
     Block,
     Bullets,
     Callout,
@@ -23,6 +22,7 @@ from workbench.report.content import (
     runs_of,
     walk,
 )
+from workbench.errors import WorkbenchError
 
 _TEMPLATE = Path(__file__).with_name("templates") / "report.typ"
 _SOFT = re.compile(r"(?<=[A-Za-z0-9])([-_/.])(?=[A-Za-z0-9])")
@@ -64,10 +64,7 @@ def to_typst(document: Document) -> str:
     if document.references:
         lines.append("= References")
         for number, work in enumerate(document.references, start=1):
-            who = f"{work.authors} ({work.year}): " if work.authors else ""
-            where = f". {work.where}" if work.where else ""
-            doi = f" doi:{work.doi}" if work.doi else ""
-            parts = f"{quoted(who)}, {quoted(work.title)}, {quoted(where + '.' + doi)}"
+            parts = f"{quoted(work.who)}, {quoted(work.title)}, {quoted(work.place)}"
             lines.append(f"#reference({number}, {parts})")
     return "\n\n".join(lines) + "\n"
 
@@ -86,9 +83,7 @@ def _rich(document: Document, text: str) -> str:
         if kind == "code":
             parts.append(f"code({quoted(_soft(content))})")
         elif kind == "cite":
-            number = document.number_of(content)
-            shown = f"plain({quoted(f'[{content}]')})" if number is None else f"cited({number})"
-            parts.append(shown)
+            parts.append(f"cited({document.number_of(content)})")
         else:
             lines = [f"plain({quoted(_soft(line))})" for line in content.split("\n")]
             parts.append(" + linebreak() + ".join(lines))

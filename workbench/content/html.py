@@ -1,4 +1,4 @@
-"""The report as one self-contained HTML file."""
+"""A content tree as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from workbench.report.content import Document, runs_of
+from workbench.content.tree import Document, runs_of
 
 _TEMPLATES = Path(__file__).with_name("templates")
 
@@ -46,12 +46,8 @@ def _rich(document: Document, text: str) -> Markup:
         if kind == "code":
             parts.append(Markup("<code>{}</code>").format(content))
         elif kind == "cite":
-            number = document.number_of(content)
-            if number is None:
-                parts.append(escape(f"[{content}]"))
-                continue
             link = Markup('<a class="cite" href="#ref-{}">[{}]</a>')
-            parts.append(link.format(anchor(content), number))
+            parts.append(link.format(anchor(content), document.number_of(content)))
         else:
             parts.append(Markup("<br>").join(escape(line) for line in content.split("\n")))
     return Markup("").join(parts)

@@ -1,0 +1,99 @@
+"""One tree on a terminal and in Markdown; HTML and Typst are looked at in `tests/report`."""
+
+from __future__ import annotations
+
+import pytest
+
+from workbench.content.markdown import render_markdown
+from workbench.content.terminal import render_text
+from workbench.content.tree import (
+    ABSENT,
+    Bullets,
+    Callout,
+    Cell,
+    Column,
+    Definitions,
+    Document,
+    Listing,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+)
+
+RECORDS = [{"name": "a | b", "value": 1.5, "count": 3}, {"name": "c", "value": None, "count": 40}]
+TABLE = Table.of(
+    "numbers",
+    "Values [@heng2017].",
+    (
+        Column("name", of="name"),
+        Column(
+            "value",
+            True,
+            of=lambda r: (
+                None if r["value"] is None else Cell(f"{r['value']:.2f}", r["value"], "bad")
+            ),
+        ),
+        Column("count", True, of="count"),
+    ),
+    RECORDS,
+)
+
+
+def test_a_table_of_records():
+    assert TABLE.rows[0] == (Cell("a | b"), Cell("1.50", 1.5, "bad"), Cell("3", 3))
+    assert TABLE.rows[1] == (Cell("c"), ABSENT, Cell("40", 40))
+    assert Table.of("k", "", (Column("x", of="text"),), [Paragraph("t")]).rows == ((Cell("t"),),)
+
+
+def test_the_terminal_gets_aligned_columns_and_no_line_of_a_pipe_is_broken():
+    long = "word " * 100
+    text = render_text(Paragraph(long), TABLE, Callout("bad", "careful"))
+    lines = text.splitlines()
+    assert lines[:3] == [long.strip(), "", "Values (Heng, P. 2017)."]
+    head, _, first, second = lines[3:7]
+    assert head.index("count") + len("count") == len(first) == len(second)
+    assert first.index("1.50") + 3 == second.index("–")
+    assert lines[7:] == ["", "careful"]
+    assert "\x1b" not in text
+
+
+def test_the_terminal_is_fitted_and_coloured_on_demand():
+    text = render_text(TABLE, Paragraph("word " * 30), width=40, colour=True)
+    assert "\x1b[31m" in text
+    assert max(map(len, render_text(TABLE, Paragraph("word " * 30), width=40).splitlines())) <= 40
+
+
+def test_sections_and_lists_on_the_terminal():
+    blocks = (
+        Paragraph("before"),
+        Section("s", "Title", (Bullets(("one", "two")), Definitions((("term", "`code`"),)))),
+        Listing("file", "a = 1"),
+    )
+    assert render_text(*blocks).splitlines() == [
+        "before",
+        "",
+        "Title",
+        "  -  one",
+        "  -  two",
+        "  term  `code`",
+        "file",
+        "  a = 1",
+    ]
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    picture = Picture("p", "t", "caption", "", "alt", statements=("said",), image="figures/p.png")
+    sections = (
+        Section("a", "", (Paragraph("asked <b>"), TABLE, Callout("doubt", "two\nlines"))),
+        Section("b", "Part", (picture, Definitions((("term", "text"),)), Listing("l", "x = 1"))),
+    )
+    return render_markdown(Document("Name", "", ("made by `x`",), sections))
+
+
+def test_markdown(page):
+    assert page.startswith("# Name\n\nasked &lt;b>\n\nValues (Heng, P. 2017).\n\n")
+    assert "\n| name | value | count |\n|---|---:|---:|\n| a \\| b | ❌ 1.50 | 3 |\n" in page
+    assert "\n> two lines\n\n## Part\n\n![alt](figures/p.png)\n\ncaption\n\n- said\n\n" in page
+    assert "\n- term: text\n\nl\n\n```\nx = 1\n```\n\n---\n\nmade by `x`\n" in page

@@ -1,0 +1,241 @@
+"""The content tree: what is said, in which order, without any layout.
+
+Texts carry a light markup that every renderer knows: ``[@key]`` cites the bibliography and
+backticks mark code. All else is plain text, which the renderers escape.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+from workbench.content.bibliography import Reference, reference_of
+
+_MARKUP = re.compile(r"\[@(?P<cite>[A-Za-z0-9._-]+)\]|`(?P<code>[^`]+)`")
+
+
+class Run(NamedTuple):
+    """A piece of text: `kind` is plain, code or cite; for cite, `text` is the key."""
+
+    kind: str
+    text: str
+
+
+def runs_of(text: str) -> Iterator[Run]:
+    """Split a text into its plain, code and cite runs."""
+    done = 0
+    for match in _MARKUP.finditer(text):
+        if match.start() > done:
+            yield Run("plain", text[done : match.start()])
+        kind = str(match.lastgroup)
+        yield Run(kind, match.group(kind))
+        done = match.end()
+    if done < len(text):
+        yield Run("plain", text[done:])
+
+
+def spoken(text: str) -> str:
+    """A text for renderers without links: citations become author and year."""
+    shown = {"plain": "{}", "code": "`{}`", "cite": "({})"}
+    return "".join(
+        shown[kind].format(reference_of(content).short if kind == "cite" else content)
+        for kind, content in runs_of(text)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Paragraph:
+    """A paragraph of text."""
+
+    text: str
+    kind: ClassVar[str] = "paragraph"
+
+
+@dataclass(frozen=True, slots=True)
+class Bullets:
+    """A list of short texts."""
+
+    items: tuple[str, ...]
+    kind: ClassVar[str] = "bullets"
+
+
+@dataclass(frozen=True, slots=True)
+class Callout:
+    """A text that must not be overlooked; `tone` is good, bad, doubt or note."""
+
+    tone: str
+    text: str
+    kind: ClassVar[str] = "callout"
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A table cell: its `text`, the value it sorts by (None: its text), and its `tone`.
+
+    Tones: empty, good, bad, doubt, muted.
+    """
+
+    text: str
+    sort: float | None = None
+    tone: str = ""
+
+
+ABSENT = Cell("–", tone="muted")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A table column: its `title`, whether it holds numbers, and its share of the `width`.
+
+    `of` says where `Table.of` finds its cells: the name of an entry or attribute of a record, or
+    a function of the record. It may give a `Cell`, a text, a whole number, or None for a dash.
+    """
+
+    title: str
+    numeric: bool = False
+    width: float = 1.0
+    of: str | Callable[[Any], Cell | str | int | None] = field(default="", compare=False)
+
+    def cell(self, record: Any) -> Cell:
+        """The cell of this column in the row of a record."""
+        if callable(self.of):
+            found = self.of(record)
+        elif isinstance(record, Mapping):
+            found = record[self.of]
+        else:
+            found = getattr(record, self.of)
+        if isinstance(found, Cell):
+            return found
+        if found is None:
+            return ABSENT
+        return Cell(str(found), found if isinstance(found, int) else None)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table with a caption; `print_limit` rows at most appear on paper (None: all)."""
+
+    key: str
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    print_limit: int | None = None
+    kind: ClassVar[str] = "table"
+
+    @classmethod
+    def of(
+        cls,
+        key: str,
+        caption: str,
+        columns: Iterable[Column],
+        records: Iterable[Any],
+        print_limit: int | None = None,
+    ) -> Table:
+        """A table with one row for each record, its cells as the columns find them."""
+        columns = tuple(columns)
+        rows = tuple(tuple(column.cell(record) for column in columns) for record in records)
+        return cls(key, caption, columns, rows, print_limit)
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure: `svg` text (empty if nothing could be drawn), caption, statements below it.
+
+    `width` is its share of the text width; `files` are the names of data files beside it;
+    `moving` is HTML that a screen shows instead of the SVG (empty: the SVG); `image` is the path
+    of an image file for renderers that hold no SVG.
+    """
+
+    key: str
+    title: str
+    caption: str
+    svg: str
+    alt: str
+    width: float = 1.0
+    statements: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
+    moving: str = ""
+    image: str = ""
+    kind: ClassVar[str] = "picture"
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """Verbatim text under a title; collapsed on screen; `printed`, whether paper shows it."""
+
+    title: str
+    text: str
+    printed: bool = True
+    kind: ClassVar[str] = "listing"
+
+
+@dataclass(frozen=True, slots=True)
+class Definitions:
+    """Terms with short texts, such as provenance or a model's options."""
+
+    pairs: tuple[tuple[str, str], ...]
+    kind: ClassVar[str] = "definitions"
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A titled part of the report; sections may hold sections."""
+
+    key: str
+    title: str
+    blocks: tuple[Block, ...]
+    kind: ClassVar[str] = "section"
+
+
+Block = Paragraph | Bullets | Callout | Table | Picture | Listing | Definitions | Section
+
+
+@dataclass(frozen=True)
+class Document:
+    """A whole report: `facts` are short lines on what it holds and what it is made of."""
+
+    title: str
+    subtitle: str
+    facts: tuple[str, ...]
+    sections: tuple[Section, ...]
+
+    @cached_property
+    def references(self) -> tuple[Reference, ...]:
+        """The works that the texts cite, in that order; they are numbered from one."""
+        runs = (run for text in _texts(self.sections) for run in runs_of(text))
+        keys = dict.fromkeys(run.text for run in runs if run.kind == "cite")
+        return tuple(reference_of(key) for key in keys)
+
+    def number_of(self, key: str) -> int:
+        """Number of a work that a text of this document cites."""
+        return 1 + [reference.key for reference in self.references].index(key)
+
+
+def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:
+    """All blocks of a tree, parents before children."""
+    for block in blocks:
+        yield block
+        if isinstance(block, Section):
+            yield from walk(block.blocks)
+
+
+def _texts(blocks: tuple[Block, ...]) -> Iterator[str]:
+    """All texts with markup, in the order of the tree."""
+    for block in walk(blocks):
+        match block:
+            case Paragraph(text=text) | Callout(text=text):
+                yield text
+            case Bullets():
+                yield from block.items
+            case Definitions():
+                yield from (text for _, text in block.pairs)
+            case Table():
+                yield block.caption
+                yield from (column.title for column in block.columns)
+                yield from (cell.text for row in block.rows for cell in row)
+            case Picture():
+                yield block.caption
+                yield from block.statements
