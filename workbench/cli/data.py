@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Json, print_json, print_table
+from workbench.cli.output import Answer, verb
 
 if TYPE_CHECKING:
-    from workbench.evidence import Dataset
+    from workbench.content.tree import Block
 
 app = typer.Typer(
     help="Show and check the data catalogue.",
@@ -20,56 +22,54 @@ app = typer.Typer(
 
 
 @app.command("list")
-def list_datasets(as_json: Json = False) -> None:
+@verb
+def list_datasets() -> Answer:
     """List the datasets."""
+    from workbench.content.tree import Column, Table
     from workbench.evidence import datasets
 
-    entries = datasets()
-    if as_json:
-        print_json({"datasets": [_entry(entry) for entry in entries]})
-        return
-    print_table(
-        [(entry.name, entry.role, entry.licence, entry.title) for entry in entries],
-        ("dataset", "role", "licence", "title"),
-    )
+    entries = [dataclasses.asdict(entry) for entry in datasets()]
+    listed = ("role", "licence", "title")
+    columns = (Column("dataset", of="name"), *(Column(key, of=key) for key in listed))
+    return Answer({"datasets": entries}, [Table.of("datasets", "", columns, entries)])
 
 
 @app.command("show")
+@verb
 def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the dataset.")],
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """Show where a dataset is from, and its rows."""
     from workbench.evidence import dataset, load
 
-    entry = dataset(name)
-    table = load(name)
+    entry = dataclasses.asdict(dataset(name))
     rows = [
         {str(column): _plain(value) for column, value in row.items()}
-        for row in table.to_dict("records")
+        for row in load(name).to_dict("records")
     ]
-    if as_json:
-        print_json({**_entry(entry), "rows": rows})
-        return
-    print_table([(key, value) for key, value in _entry(entry).items() if isinstance(value, str)])
-    print("\nColumns:")
-    print_table([(f"  {column}", meaning) for column, meaning in entry.columns.items()])
-    print()
-    texts = [["" if value is None else str(value) for value in row.values()] for row in rows]
-    print_table(texts, [str(column) for column in table.columns])
+    return Answer({**entry, "rows": rows}, _shown(entry, rows))
+
+
+def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
+    from workbench.content.tree import Column, Definitions, Section, Table
+
+    yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
+    yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
+    yield Table.of("rows", "", (Column(name, of=name) for name in rows[0]), rows)
 
 
 @app.command("check")
+@verb
 def check(
     files: Annotated[
         list[str] | None, typer.Argument(metavar="[FILE.csv]...", help="Check these files alone.")
     ] = None,
-    as_json: Json = False,
-) -> int:
+) -> Answer:
     """Check the catalogue: files, columns and sources, and every row of the tables of studs.
 
     With files of your own, only those: tests on studs, or points of load-slip curves.
     """
+    from workbench.content.tree import Paragraph
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
     from workbench.studs import check_tables
@@ -77,27 +77,16 @@ def check(
 
     if files:
         found = {str(file): check_file(file) for file in files}
-        if as_json:
-            print_json({"files": found})
-        else:
-            for file, sentences in found.items():
-                print(*sentences, f"{file}: {len(sentences)} problems.", sep="\n")
-        return 1 if any(found.values()) else 0
-    problems = [*problems_of(), *check_tables()]
-    count = len(datasets())
-    if as_json:
-        print_json({"datasets": count, "problems": problems})
+        content: dict[str, Any] = {"files": found}
+        sums = {file: f"{file}: {len(sentences)} problems." for file, sentences in found.items()}
+        texts = [text for file, sentences in found.items() for text in (*sentences, sums[file])]
+        failed = any(found.values())
     else:
-        for problem in problems:
-            print(problem)
-        print(f"{count} datasets, {len(problems)} problems.")
-    return 1 if problems else 0
-
-
-def _entry(entry: Dataset) -> dict[str, Any]:
-    import dataclasses
-
-    return {f.name: getattr(entry, f.name) for f in dataclasses.fields(entry)}
+        problems = [*problems_of(), *check_tables()]
+        content = {"datasets": len(datasets()), "problems": problems}
+        texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
+        failed = bool(problems)
+    return Answer(content, [Paragraph(text) for text in texts], int(failed))
 
 
 def _plain(value: Any) -> Any:

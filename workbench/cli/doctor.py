@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from workbench.cli.output import Json, print_json, print_table
+from workbench.cli.output import Answer, verb
+
+if TYPE_CHECKING:
+    from workbench.content.tree import Block
+    from workbench.responses import Response
 
 
 class Check(NamedTuple):
@@ -21,88 +27,98 @@ class Check(NamedTuple):
     remedy: str = ""
 
 
+@verb
 def doctor(
     store: Annotated[
         str, typer.Option("--store", metavar="DIR", help="Directory of the result stores.")
     ] = "reports",
-    as_json: Json = False,
-) -> int:
+) -> Answer:
     """Check environment and science, with remedies.
 
     Exit status 1 if a check fails; warnings leave it at 0.
     """
-    checks = [
-        *_guarded("Python", _python),
-        *_guarded("libraries", _libraries),
-        *_guarded("kernel cache", _kernel_cache),
-        *_guarded("threads", _threads),
-        *_guarded("store", lambda: _store(Path(store))),
-        *_guarded("data catalogue", _data),
-        *_guarded("models", _models),
-        *_guarded("physics", _physics),
-        *_guarded("physics of references", _references),
-    ]
+    named: dict[str, Callable[[], Iterator[Check]]] = {
+        "Python": _python,
+        "libraries": _libraries,
+        "kernel cache": _kernel_cache,
+        "threads": _threads,
+        "store": partial(_store, Path(store)),
+        "data catalogue": _data,
+        "models": _models,
+        "physics": _physics,
+        "physics of references": _references,
+    }
+    checks = [found for name, check in named.items() for found in _guarded(name, check)]
     failed = any(check.state == "fail" for check in checks)
-    if as_json:
-        print_json({"failed": failed, "checks": [check._asdict() for check in checks]})
-    else:
-        print_table([(check.state, check.name, check.detail) for check in checks])
-        for check in checks:
-            if check.remedy:
-                print(f"{check.name}: {check.remedy}")
-    return 1 if failed else 0
+    content = {"failed": failed, "checks": [check._asdict() for check in checks]}
+    return Answer(content, _blocks(checks), int(failed))
 
 
-def _guarded(name: str, check: Callable[[], list[Check]]) -> list[Check]:
+def _blocks(checks: list[Check]) -> Iterator[Block]:
+    from workbench.content.tree import Cell, Column, Paragraph, Table
+
+    tones = {"ok": "good", "warn": "doubt", "fail": "bad"}
+    columns = (
+        Column("state", of=lambda check: Cell(check.state, tone=tones[check.state])),
+        Column("check", of="name"),
+        Column("what was found", of="detail"),
+    )
+    yield Table.of("checks", "", columns, checks)
+    yield from (Paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
+
+
+def _guarded(name: str, check: Callable[[], Iterator[Check]]) -> list[Check]:
     """A check that itself breaks is a finding, not a traceback."""
     try:
-        return check()
+        return list(check())
     except Exception as error:
         detail = f"{type(error).__name__}: {error}"
         return [Check(name, "fail", detail, "install the workbench again from its lock file")]
 
 
-def _python() -> list[Check]:
+def _python() -> Iterator[Check]:
     version = ".".join(map(str, sys.version_info[:3]))
     if sys.maxsize < 2**32:
-        return [Check("Python", "fail", f"{version}, 32 bits", "use a 64-bit Python")]
-    return [Check("Python", "ok", version)]
+        yield Check("Python", "fail", f"{version}, 32 bits", "use a 64-bit Python")
+    else:
+        yield Check("Python", "ok", version)
 
 
-def _libraries() -> list[Check]:
+def _libraries() -> Iterator[Check]:
     import re
     from importlib import metadata
 
     lock = Path(__file__).resolve().parents[2] / "requirements.lock"
     if not lock.is_file():
         detail = "no lock file beside this installation: versions are not pinned"
-        return [Check("libraries", "warn", detail, "work from the source tree: make .venv")]
+        yield Check("libraries", "warn", detail, "work from the source tree: make .venv")
+        return
     wanted = dict(re.findall(r"(?m)^([A-Za-z0-9._-]+)==([^\s;\\]+)", lock.read_text()))
-    differing, missing = [], []
-    for name, version in wanted.items():
-        try:
-            found = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            missing.append(name)
-            continue
-        if found != version:
-            differing.append(f"{name} {found} (locked {version})")
+    found: dict[str, str] = {}
+    for name in wanted:
+        with suppress(metadata.PackageNotFoundError):
+            found[name] = metadata.version(name)
     needed = {
         re.split(r"[^A-Za-z0-9._-]", text)[0].lower()
         for text in metadata.requires("workbench") or ()
         if "extra ==" not in text
     }
-    absent = [name for name in missing if name.lower() in needed]
+    absent = [name for name in wanted if name not in found and name.lower() in needed]
+    differing = [
+        f"{name} {version} (locked {wanted[name]})"
+        for name, version in found.items()
+        if version != wanted[name]
+    ]
     remedy = "pip install -r requirements.lock"
     if absent:
-        return [Check("libraries", "fail", "not installed: " + ", ".join(absent), remedy)]
-    if differing:
-        return [Check("libraries", "warn", "; ".join(differing), remedy)]
-    present = len(wanted) - len(missing)
-    return [Check("libraries", "ok", f"{present} libraries as locked")]
+        yield Check("libraries", "fail", "not installed: " + ", ".join(absent), remedy)
+    elif differing:
+        yield Check("libraries", "warn", "; ".join(differing), remedy)
+    else:
+        yield Check("libraries", "ok", f"{len(found)} libraries as locked")
 
 
-def _kernel_cache() -> list[Check]:
+def _kernel_cache() -> Iterator[Check]:
     import os
     import tempfile
 
@@ -112,15 +128,14 @@ def _kernel_cache() -> list[Check]:
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory):
-            pass
+            yield Check("kernel cache", "ok", "can be written")
     except OSError:
         remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
         detail = "cannot be written: every process compiles all kernels anew"
-        return [Check("kernel cache", "warn", detail, remedy)]
-    return [Check("kernel cache", "ok", "can be written")]
+        yield Check("kernel cache", "warn", detail, remedy)
 
 
-def _threads() -> list[Check]:
+def _threads() -> Iterator[Check]:
     import numpy as np
     from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -130,61 +145,55 @@ def _threads() -> list[Check]:
         stuck = [pool["internal_api"] for pool in threadpool_info() if pool["num_threads"] > 1]
     if stuck:
         remedy = "set OMP_NUM_THREADS=1 before a run"
-        return [Check("threads", "warn", f"{', '.join(stuck)} cannot be limited", remedy)]
-    shown = ", ".join(f"{pool['internal_api']} {pool['num_threads']}" for pool in pools)
-    return [Check("threads", "ok", f"{shown or 'no thread pools'}; one each in workers")]
+        yield Check("threads", "warn", f"{', '.join(stuck)} cannot be limited", remedy)
+    else:
+        shown = ", ".join(f"{pool['internal_api']} {pool['num_threads']}" for pool in pools)
+        yield Check("threads", "ok", f"{shown or 'no thread pools'}; one each in workers")
 
 
-def _store(root: Path) -> list[Check]:
+def _store(root: Path) -> Iterator[Check]:
     import shutil
     import tempfile
 
     nearest = next(p for p in (root.resolve(), *root.resolve().parents) if p.exists())
-    remedy = "choose another directory with --store"
     try:
         with tempfile.TemporaryFile(dir=nearest):
-            pass
+            yield Check("store", "ok", f"{root} can be written")
     except OSError:
-        return [Check("store", "fail", f"{root} cannot be written", remedy)]
+        remedy = "choose another directory with --store"
+        yield Check("store", "fail", f"{root} cannot be written", remedy)
+        return
     free = shutil.disk_usage(nearest).free / 1e9
     state = "fail" if free < 0.1 else "warn" if free < 1.0 else "ok"
     advice = "free some disk space" if state != "ok" else ""
-    return [
-        Check("store", "ok", f"{root} can be written"),
-        Check("disk", state, f"{free:.3g} GB free", advice),
-    ]
+    yield Check("disk", state, f"{free:.3g} GB free", advice)
 
 
-def _data() -> list[Check]:
+def _data() -> Iterator[Check]:
     from workbench.evidence import check, datasets
 
     problems = check()
     if problems:
         remedy = "restore the data directory; `workbench data check` lists all problems"
         detail = f"{len(problems)} problems, first: {problems[0]}"
-        return [Check("data catalogue", "fail", detail, remedy)]
-    return [Check("data catalogue", "ok", f"{len(datasets())} datasets in order")]
+        yield Check("data catalogue", "fail", detail, remedy)
+    else:
+        yield Check("data catalogue", "ok", f"{len(datasets())} datasets in order")
 
 
-def _models() -> list[Check]:
+def _models() -> Iterator[Check]:
     from workbench.registry import offers
 
-    found = offers()
-    checks = [
-        Check(
-            f"model {offer.name}",
-            "fail" if offer.distribution == "workbench" else "warn",
-            offer.problem,
-            f"install {offer.distribution} again, or remove it",
-        )
-        for offer in found
-        if offer.kind is None
-    ]
-    usable = len(found) - len(checks)
-    return [Check("models", "ok" if usable else "fail", f"{usable} can be used"), *checks]
+    broken = [offer for offer in offers() if offer.kind is None]
+    usable = len(offers()) - len(broken)
+    yield Check("models", "ok" if usable else "fail", f"{usable} can be used")
+    for offer in broken:
+        state = "fail" if offer.distribution == "workbench" else "warn"
+        remedy = f"install {offer.distribution} again, or remove it"
+        yield Check(f"model {offer.name}", state, offer.problem, remedy)
 
 
-def _physics() -> list[Check]:
+def _physics() -> Iterator[Check]:
     """Soft elastic impact at mid-height: momentum, 192 EI / L^3 and energy give the peak."""
     from math import sqrt
 
@@ -199,23 +208,13 @@ def _physics() -> list[Check]:
     stiffness = 192.0 * column.steel.elastic_modulus * properties.second_moment / column.length**3
     mass = striker.mass + properties.impact_mass
     peak = striker.mass * striker.velocity / sqrt(mass * stiffness)
-    checks = []
     for name in ("single-dof", "four-dof"):
         response = make_model(name).simulate(scenario)
         found = float(response["peak_displacement"])
-        error = abs(found / peak - 1.0)
-        energy = float(abs(response["balance_error"]).max()) / scenario.input_energy
-        fine = error < 2e-3 and energy < 1e-6
-        detail = (
-            f"elastic peak {found * 1e3:.4g} mm, closed form {peak * 1e3:.4g} mm; "
-            f"energy error {energy:.1e}"
-        )
-        remedy = "" if fine else "run make test; compare the libraries with the lock file"
-        checks.append(Check(f"physics {name}", "ok" if fine else "fail", detail, remedy))
-    return checks
+        yield _compared(name, "elastic peak", (1e3 * found, 1e3 * peak, "mm"), 2e-3, response)
 
 
-def _references() -> list[Check]:
+def _references() -> Iterator[Check]:
     """Small push at mid-height: 192 EI / L^3 in series with the shear stiffness, and energy."""
     from workbench.references.column_beams import shear_stiffness
     from workbench.registry import make_model
@@ -228,17 +227,21 @@ def _references() -> list[Check]:
     flexibility = column.length**3 / (192.0 * bending)
     flexibility += column.length / (4.0 * shear_stiffness(column))
     force = scenario.displacement / flexibility
-    checks = []
+    mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
     for name in ("fiber-reissner", "fiber-corotational"):
-        mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
         response = make_model(name, mesh).simulate(scenario)
         found = float(response["force"][-1])
-        energy = float(abs(response["balance_error"]).max() / response["input_energy"])
-        fine = abs(found / force - 1.0) < 5e-3 and energy < 1e-6
-        detail = (
-            f"elastic force {found / 1e3:.4g} kN, closed form {force / 1e3:.4g} kN; "
-            f"energy error {energy:.1e}"
-        )
-        remedy = "" if fine else "run make test; compare the libraries with the lock file"
-        checks.append(Check(f"physics {name}", "ok" if fine else "fail", detail, remedy))
-    return checks
+        yield _compared(name, "elastic force", (found / 1e3, force / 1e3, "kN"), 5e-3, response)
+
+
+def _compared(
+    name: str, what: str, pair: tuple[float, float, str], tolerance: float, response: Response
+) -> Check:
+    """A value of a model beside its closed form and their unit, and the energy of the run."""
+    found, expected, unit = pair
+    energy = float(abs(response["balance_error"]).max() / response["input_energy"])
+    fine = abs(found / expected - 1.0) < tolerance and energy < 1e-6
+    detail = f"{what} {found:.4g} {unit}, closed form {expected:.4g} {unit}; "
+    remedy = "" if fine else "run make test; compare the libraries with the lock file"
+    state = "ok" if fine else "fail"
+    return Check(f"physics {name}", state, f"{detail}energy error {energy:.1e}", remedy)

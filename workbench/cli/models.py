@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import inspect
-import textwrap
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Json, print_json, print_table
+from workbench.cli.output import Answer, verb
 
 if TYPE_CHECKING:
+    from workbench.content.tree import Block
     from workbench.registry import Offer
 
 
+@verb
 def models(
     name: Annotated[str, typer.Argument(help="Show one model only, in full.")] = "",
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """List the models and what they assume.
 
     With a NAME: its assumptions, domain, options and sources.
@@ -27,19 +28,8 @@ def models(
     if name:
         model_kind(name)  # an unknown name is refused with the nearest one
     entries = [_entry(offer) for offer in offers() if name in ("", offer.name)]
-    if as_json:
-        print_json({"models": entries})
-        return
-    if not name:
-        rows = [
-            (e["name"], e.get("version", "-"), ", ".join(e.get("answers", ())), e["title"])
-            for e in entries
-        ]
-        print_table(rows, ("model", "version", "answers", "what it is"))
-        print("\n`workbench models NAME` shows assumptions, options and sources of one model.")
-        return
-    for entry in entries:
-        _show(entry)
+    shown = _described(entries[0]) if name else _listed(entries)
+    return Answer({"models": entries}, shown)
 
 
 def _entry(offer: Offer) -> dict[str, Any]:
@@ -74,17 +64,28 @@ def _entry(offer: Offer) -> dict[str, Any]:
     }
 
 
-def _show(entry: dict[str, Any]) -> None:
-    print(f"{entry['name']}, version {entry.get('version', '-')} ({entry['distribution']})")
-    if "problem" in entry:
-        print(entry["title"])
-        return
-    print(f"\n{entry['description']}\n")
-    print(f"Answers: {', '.join(entry['answers'])}")
-    print("Assumptions and domain:")
-    for text in entry["assumptions"]:
-        print(textwrap.fill(text, 96, initial_indent="  - ", subsequent_indent="    "))
-    print("Options (--option name=value):")
-    print_table([(f"  {name}", f"default {value}") for name, value in entry["options"].items()])
+def _listed(entries: list[dict[str, Any]]) -> Iterator[Block]:
+    from workbench.content.tree import Column, Paragraph, Table
+
+    columns = (
+        Column("model", of="name"),
+        Column("version", True, of=lambda entry: entry.get("version")),
+        Column("answers", of=lambda entry: ", ".join(entry.get("answers", ()))),
+        Column("what it is", of="title"),
+    )
+    yield Table.of("models", "", columns, entries)
+    yield Paragraph("`workbench models NAME` shows assumptions, options and sources of one model.")
+
+
+def _described(entry: dict[str, Any]) -> Iterator[Block]:
+    from workbench.content.bibliography import cited
+    from workbench.content.tree import Bullets, Definitions, Paragraph, Section
+
+    yield Paragraph(f"{entry['name']}, version {entry['version']} ({entry['distribution']})")
+    yield Section("description", "", (Paragraph(entry["description"]),))
+    yield Section("answers", "Answers:", (Bullets(tuple(entry["answers"])),))
+    yield Section("domain", "Assumptions and domain:", (Bullets(tuple(entry["assumptions"])),))
+    options = tuple((name, f"default {value}") for name, value in entry["options"].items())
+    yield Section("options", "Options (--option name=value):", (Definitions(options),))
     if entry["sources"]:
-        print(f"Sources: {', '.join(entry['sources'])}")
+        yield Section("sources", "Sources:", (Bullets(tuple(map(cited, entry["sources"]))),))

@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Json, print_json, print_table, quantity
+from workbench.cli.output import Answer, quantity, verb
 
 if TYPE_CHECKING:
+    from workbench.content.tree import Block
     from workbench.responses import Response
     from workbench.scenarios import Scenario
 
 _HEADLINES = (
     *("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse"),
 )
-_STATIC = ("column-pushover", "frame-static")  # kinds whose answer is a curve over load steps
 
 
+@verb
 def simulate(
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")],
     model: Annotated[str, typer.Option(help="Name of the model, see `workbench models`.")],
@@ -35,8 +36,7 @@ def simulate(
     out: Annotated[
         str | None, typer.Option(metavar="RUN.nc", help="Write the whole response as netCDF.")
     ] = None,
-    as_json: Json = False,
-) -> int:
+) -> Answer:
     """Answer one scenario with one model.
 
     Exit status 0 if the model answered, 1 if it did not (it says why), 2 for bad input.
@@ -58,40 +58,25 @@ def simulate(
         from workbench.study.netcdf import to_netcdf_bytes
 
         write_atomically(target, to_netcdf_bytes(response))
-    if as_json:
-        print_json(as_object(response, given))
-    else:
-        _print(response, given)
-        if target is not None:
-            print(f"\nThe response is in {target}.")
-    return 0 if outcome is Outcome.OK else 1
+    content = as_object(response, given)
+    return Answer(content, _blocks(response, given, target), int(outcome is not Outcome.OK))
 
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
     from workbench.responses import ENERGIES, outcome_of, warnings_of
     from workbench.responses.stud_tests import STUD_TESTS
-
-    def scalar(name: str) -> float | None:
-        return float(response[name]) if name in response else None
+    from workbench.study.answers import STATIC
 
     def last(name: str) -> float | None:
-        return float(response[name].values[-1]) if name in response else None
-
-    def curve(name: str) -> list[float] | None:
-        return [float(v) for v in response[name].values] if name in response else None
+        return float(response[name].values.flat[-1]) if name in response else None
 
     error, given = _energy_error(response)
-    shear = None
-    if "shear_utilisation" in response:
-        values = response["shear_utilisation"]
-        names = [str(name) for name in values["segment"].values]
-        shear = dict(zip(names, map(float, values.values), strict=True))
     result: dict[str, Any] = {
         "model": response.attrs["model"],
         "outcome": outcome_of(response).value,
         "message": response.attrs["message"],
-        **{name: scalar(name) for name in _HEADLINES},
+        **{name: last(name) for name in _HEADLINES},
         "numerical_uncertainty": _attribute(response, "numerical_uncertainty"),
         "refinement": _attribute(response, "refinement"),
         "energies": {
@@ -99,7 +84,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
             "input_energy": given,
             "relative_balance_error": error,
         },
-        "shear_utilisation": shear,
+        "shear_utilisation": _shear_utilisation(response),
         "warnings": [f"{finding.subject}: {finding.text}" for finding in warnings_of(response)],
         "wall_time": float(response.attrs["wall_time"]),
         "provenance": {
@@ -111,12 +96,20 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         },
     }
     if scenario.KIND == "stud-tests":
-        result |= {name: scalar(name) for name in STUD_TESTS}
+        result |= {name: last(name) for name in STUD_TESTS}
         result["answer"] = _attribute(response, "answer")
-    if scenario.KIND in _STATIC:
-        result["displacement"] = curve("displacement")
-        result["force"] = curve("force")
+    if scenario.KIND in STATIC:
+        for name in ("displacement", "force"):
+            result[name] = response[name].values.tolist() if name in response else None
     return result
+
+
+def _shear_utilisation(response: Response) -> dict[str, float] | None:
+    """V/Vpl by segment, None for models that do not state it."""
+    if "shear_utilisation" not in response:
+        return None
+    values = response["shear_utilisation"].to_series()
+    return {str(segment): float(value) for segment, value in values.items()}
 
 
 def _attribute(response: Response, name: str) -> dict[str, Any] | None:
@@ -145,46 +138,46 @@ def _energy_error(response: Response) -> tuple[float | None, float | None]:
     return float(abs(response["balance_error"]).max()) / given, given
 
 
-def _print(response: Response, scenario: Scenario) -> None:
-    from workbench.responses import ENERGIES, VARIABLES, outcome_of, warnings_of
+def _blocks(response: Response, scenario: Scenario, target: Path | None) -> Iterator[Block]:
+    from workbench.content.tree import Callout, Definitions, Paragraph
+    from workbench.responses import outcome_of, warnings_of
+
+    yield Paragraph(f"{scenario.name}: {response.attrs['model']}, {outcome_of(response)}")
+    if response.attrs["message"]:
+        yield Paragraph(response.attrs["message"])
+    yield Definitions(tuple(_lines(response, scenario)))
+    for finding in warnings_of(response):
+        yield Callout("doubt", f"warning ({finding.subject}): {finding.text}")
+    if target is not None:
+        yield Paragraph(f"The response is in {target}.")
+
+
+def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """The numbers of a response with their names."""
+    from workbench.responses import ENERGIES, VARIABLES
     from workbench.responses.stud_tests import STUD_TESTS
+    from workbench.study.answers import STATIC
 
     widths = _attribute(response, "numerical_uncertainty") or {}
-    print(f"{scenario.name}: {response.attrs['model']}, {outcome_of(response)}")
-    if response.attrs["message"]:
-        print(response.attrs["message"])
-    rows = [
-        (
-            VARIABLES[name].long_name,
-            quantity(float(response[name]), VARIABLES[name].units, widths.get(name, 0.0)),
-        )
-        for name in (*_HEADLINES, "input_energy", *STUD_TESTS)
-        if name in response
-    ]
-    rows += [
-        (
-            f"{VARIABLES[name].long_name.removesuffix(' so far')}, at the end",
-            quantity(float(response[name][-1]), "J"),
-        )
-        for name in ENERGIES
-        if name in response
-    ]
+    for name in (*_HEADLINES, "input_energy", *STUD_TESTS):
+        if name in response:
+            known = VARIABLES[name]
+            text = quantity(float(response[name]), known.units, widths.get(name, 0.0))
+            yield known.long_name, text
+    for name in ENERGIES:
+        if name in response:
+            title = VARIABLES[name].long_name.removesuffix(" so far")
+            yield f"{title}, at the end", quantity(float(response[name][-1]), "J")
     error, _ = _energy_error(response)
     if error is not None:
-        rows.append(("largest energy error over the input energy", f"{error:.1e}"))
-    if scenario.KIND in _STATIC and "force" in response:
-        largest = float(response["force"].max())
-        rows.append(("largest force", quantity(largest, "N")))
-        rows.extend(_curve_points(response))
-        rows.append(("points of the curve", str(response.sizes["step"])))
-    if "shear_utilisation" in response:
-        for segment in response["shear_utilisation"]["segment"].values:
-            value = float(response["shear_utilisation"].sel(segment=segment))
-            rows.append((f"largest V/V_pl, segment {segment}", f"{value:.3g}"))
-    rows.append(("wall time", quantity(float(response.attrs["wall_time"]), "s")))
-    print_table([(f"  {name}", value) for name, value in rows])
-    for finding in warnings_of(response):
-        print(f"warning ({finding.subject}): {finding.text}")
+        yield "largest energy error over the input energy", f"{error:.1e}"
+    if scenario.KIND in STATIC and "force" in response:
+        yield "largest force", quantity(float(response["force"].max()), "N")
+        yield from _curve_points(response)
+        yield "points of the curve", str(response.sizes["step"])
+    for segment, value in (_shear_utilisation(response) or {}).items():
+        yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
+    yield "wall time", quantity(float(response.attrs["wall_time"]), "s")
 
 
 def _options(texts: list[str]) -> dict[str, Any]:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import InterruptedByUserError, Json, print_json, print_table
+from workbench.cli.output import Answer, InterruptedByUserError, Json, verb
 
 if TYPE_CHECKING:
-    from workbench.study import Assessment, LoadedStudy, Study
+    from workbench.content.tree import Block
+    from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
     from workbench.study.assess import GateResult
 
 StudyName = Annotated[
@@ -24,6 +26,7 @@ StoreRoot = Annotated[
 ]
 
 
+@verb
 def run(
     study: StudyName,
     quick: Quick = False,
@@ -44,7 +47,7 @@ def run(
     ] = None,
     store: StoreRoot = "reports",
     as_json: Json = False,
-) -> int:
+) -> Answer:
     """Answer the cells that are not stored yet.
 
     Then the gates are judged. Interrupting loses at most the cells in flight; run again to go
@@ -75,79 +78,75 @@ def run(
     except KeyboardInterrupt:
         raise InterruptedByUserError(_interrupted(loaded, quick, store)) from None
     result = assess(summary.study, Path(store))
-    if as_json:
-        print_json(
-            {
-                "study": summary.study.name,
-                "store": str(summary.directory),
-                "answered": summary.answered,
-                "stored": summary.stored,
-                "outcomes": summary.outcomes,
-                "gates": gate_objects(result),
-            }
-        )
-    else:
-        _print_gates(result)
-        for row in result.cells:
-            if row["outcome"] not in ("ok", "out-of-domain", "not run"):
-                print(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
-        counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
-        print(f"Cells: {counts}.")
-        for (label, kind), names in summary.study.unasked().items():
-            print(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
-        again = f"{study} --quick" if quick else study
-        print(f"The results are in {summary.directory}; `workbench report {again}` shows them.")
-    return 1 if summary.failed else 0
+    content = {
+        "study": summary.study.name,
+        "store": str(summary.directory),
+        "answered": summary.answered,
+        "stored": summary.stored,
+        "outcomes": summary.outcomes,
+        "gates": gate_objects(result),
+    }
+    again = f"{study} --quick" if quick else study
+    return Answer(content, _ran(summary, result, again), int(bool(summary.failed)))
 
 
-def status(
-    study: StudyName, quick: Quick = False, store: StoreRoot = "reports", as_json: Json = False
-) -> None:
+def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
+    from workbench.content.tree import Paragraph
+
+    yield _gates(result)
+    for row in result.cells:
+        if row["outcome"] not in ("ok", "out-of-domain", "not run"):
+            yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
+    counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
+    yield Paragraph(f"Cells: {counts}.")
+    for (label, kind), names in summary.study.unasked().items():
+        yield Paragraph(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
+    text = f"The results are in {summary.directory}; `workbench report {again}` shows them."
+    yield Paragraph(text)
+
+
+@verb
+def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports") -> Answer:
     """Show what is done and what would run again.
 
     Every cell to do comes with the reason why it would run.
     """
     from collections import Counter
 
-    from workbench.study import State, Store, cells_of, survey
+    from workbench.content.tree import Bullets, Paragraph
+    from workbench.study import State
 
     chosen = _chosen(study, quick)
-    directory = Path(store) / chosen.name
-    entries = survey(chosen, cells_of(chosen), Store(directory))
+    directory, entries = _surveyed(chosen, store)
     counts = Counter(entry.state for entry in entries)
-    if as_json:
-        print_json(
+    content = {
+        "study": chosen.name,
+        "store": str(directory),
+        "counts": {state.value: counts[state] for state in State},
+        "cells": [
             {
-                "study": chosen.name,
-                "store": str(directory),
-                "counts": {state.value: counts[state] for state in State},
-                "cells": [
-                    {
-                        "case": entry.cell.case,
-                        "label": entry.cell.label,
-                        "state": entry.state.value,
-                        "outcome": entry.outcome or None,
-                        "reason": entry.reason or None,
-                        "key": entry.cell.key,
-                    }
-                    for entry in entries
-                ],
+                "case": entry.cell.case,
+                "label": entry.cell.label,
+                "state": entry.state.value,
+                "outcome": entry.outcome or None,
+                "reason": entry.reason or None,
+                "key": entry.cell.key,
             }
-        )
-        return
-    print(f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State))
-    failed = Counter(entry.outcome for entry in entries if entry.state is State.FAILED)
-    for outcome, count in sorted(failed.items()):
-        names = [entry.cell.name for entry in entries if entry.outcome == outcome]
-        print(f"  {outcome} ({count}): {_few(names)}")
-    reasons: dict[str, list[str]] = {}
+            for entry in entries
+        ],
+    }
+    told: dict[str, list[str]] = {}
     for entry in entries:
-        if entry.state is State.TO_DO:
-            reasons.setdefault(entry.reason, []).append(entry.cell.name)
-    for reason, names in reasons.items():
-        print(f"  to do ({len(names)}), {reason}: {_few(names)}")
+        if entry.state is not State.DONE:
+            failed = entry.state is State.FAILED
+            said = f"{entry.outcome} ({{}})" if failed else f"to do ({{}}), {entry.reason}"
+            told.setdefault(said, []).append(entry.cell.name)
+    items = tuple(f"{said.format(len(names))}: {_few(names)}" for said, names in told.items())
+    line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
+    return Answer(content, (Paragraph(line), Bullets(items)))
 
 
+@verb
 def report(
     study: StudyName,
     quick: Quick = False,
@@ -162,12 +161,12 @@ def report(
         typer.Option(metavar="DIR", help="Also write README.md and figures there, to keep in git."),
     ] = None,
     store: StoreRoot = "reports",
-    as_json: Json = False,
-) -> None:
+) -> Answer:
     """Build the report of what is stored.
 
     Nothing is simulated: cells that have not been run are shown as missing.
     """
+    from workbench.content.tree import Bullets
     from workbench.errors import InputError
 
     wanted = tuple(part.strip() for part in formats.split(","))
@@ -184,39 +183,33 @@ def report(
     files = build_report(result.directory, chosen, formats=wanted, out=target)
     if summary is not None:
         files["summary"] = write_summary(result.directory, chosen, Path(summary))
-    if as_json:
-        print_json(
-            {
-                "study": chosen.name,
-                "files": {name: str(path) for name, path in files.items()},
-                "gates": gate_objects(result),
-            }
-        )
-        return
-    _print_gates(result)
-    for name, path in files.items():
-        print(f"{name}: {path}")
+    content = {
+        "study": chosen.name,
+        "files": {name: str(path) for name, path in files.items()},
+        "gates": gate_objects(result),
+    }
+    lines = Bullets(tuple(f"{name}: {path}" for name, path in files.items()))
+    return Answer(content, (_gates(result), lines))
 
 
-def validate(
-    study: StudyName, quick: Quick = False, store: StoreRoot = "reports", as_json: Json = False
-) -> int:
+@verb
+def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports") -> Answer:
     """Judge the gates; exit status 1 if one fails.
 
     Only what is stored counts; a gate that cannot be judged is inconclusive.
     """
+    from workbench.content.tree import Bullets
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
-    if as_json:
-        print_json({"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)})
-    else:
-        _print_gates(result)
-        for row in result.gates:
-            if row["verdict"] != "pass":
-                print(f"{row['verdict']}: {row['gate']}, case {row['case'] or '-'}: {row['note']}")
-    return 1 if result.failed else 0
+    content = {"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)}
+    reasons = tuple(
+        f"{row['verdict']}: {row['gate']}, case {row['case'] or '-'}: {row['note']}"
+        for row in result.gates
+        if row["verdict"] != "pass"
+    )
+    return Answer(content, (_gates(result), Bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
@@ -235,23 +228,29 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     ]
 
 
-def _print_gates(result: Assessment) -> None:
+def _gates(result: Assessment) -> Block:
+    from workbench.content.tree import Column, Paragraph, Table
+
     if not result.results:
-        print("The study has no gates.")
-        return
-    rows = [
-        (
-            entry.verdict.value,
-            entry.gate,
-            _interval(entry),
-            f"{100.0 * entry.bound:g} %" if _relative(entry) else f"{entry.bound:g}",
-            entry.case or "-",
-            "{pass} / {inconclusive} / {fail}".format(**entry.counts),
-        )
-        for entry in result.results
-    ]
-    header = ("verdict", "gate", "worst", "bound", "in case", "pass / inconclusive / fail")
-    print_table(rows, header)
+        return Paragraph("The study has no gates.")
+    columns = (
+        Column("verdict", of=lambda entry: entry.verdict.value),
+        Column("gate", of="gate"),
+        Column("worst", True, of=_interval),
+        Column(
+            "bound",
+            True,
+            of=lambda entry: (
+                f"{100.0 * entry.bound:g} %" if _relative(entry) else f"{entry.bound:g}"
+            ),
+        ),
+        Column("in case", of="case"),
+        Column(
+            "pass / inconclusive / fail",
+            of=lambda entry: "{pass} / {inconclusive} / {fail}".format(**entry.counts),
+        ),
+    )
+    return Table.of("gates", "", columns, result.results)
 
 
 def _chosen(name: str, quick: bool) -> Study:
@@ -261,17 +260,22 @@ def _chosen(name: str, quick: bool) -> Study:
     return study.quickened() if quick else study
 
 
+def _surveyed(study: Study, store: str) -> tuple[Path, list[CellStatus]]:
+    """The store of a study and where each of its cells stands."""
+    from workbench.study import Store, cells_of, survey
+
+    directory = Path(store) / study.name
+    return directory, survey(study, cells_of(study), Store(directory))
+
+
 def _interrupted(loaded: LoadedStudy, quick: bool, store: str) -> str:
-    from workbench.study import State, Store, cells_of, survey
+    from workbench.study import State
 
     study = loaded.study.quickened() if quick else loaded.study
-    cells = cells_of(study)
-    directory = Path(store) / study.name
-    entries = survey(study, cells, Store(directory))
+    directory, entries = _surveyed(study, store)
     stored = sum(entry.state is not State.TO_DO for entry in entries)
-    return (
-        f"interrupted: {stored} of {len(cells)} cells are stored in {directory}; run again to go on"
-    )
+    many = f"{stored} of {len(entries)} cells"
+    return f"interrupted: {many} are stored in {directory}; run again to go on"
 
 
 def _few(names: list[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rich import box
 from rich.console import Console, RenderableType
@@ -80,9 +80,9 @@ def _block(block: Block) -> Iterator[RenderableType]:
         case Callout():
             yield Text(spoken(block.text), style=_STYLES.get(block.tone, ""))
         case Bullets():
-            yield _pairs(("-", item) for item in block.items)
+            yield _pairs((("-", item) for item in block.items), gap=1)
         case Definitions():
-            yield _pairs(block.pairs)
+            yield _pairs(block.pairs, gap=2)
         case Listing():
             yield Text(spoken(block.title))
             yield Padding(Text(block.text), (0, 0, 0, 2), expand=False)
@@ -92,8 +92,8 @@ def _block(block: Block) -> Iterator[RenderableType]:
             yield from _table(block)
 
 
-def _pairs(pairs: Iterator[tuple[str, str]] | tuple[tuple[str, str], ...]) -> RenderableType:
-    grid = Grid.grid(padding=(0, 2, 0, 0))
+def _pairs(pairs: Iterable[tuple[str, str]], gap: int) -> RenderableType:
+    grid = Grid.grid(padding=(0, gap, 0, 0))
     grid.add_column(no_wrap=True)
     grid.add_column()
     for first, second in pairs:
