@@ -17,14 +17,26 @@ class InputError(WorkbenchError, ValueError):
 
     def __init__(self, field: str, value: object, allowed: str, advice: str = "") -> None:
         self.field, self.value, self.allowed, self.advice = field, value, allowed, advice
-        shown = repr(value)
-        if len(shown) > 80:
-            shown = shown[:77] + "..."
-        text = f"{field}: {allowed}" if value is None else f"{field} = {shown}: {allowed}"
-        super().__init__(text + (f"; {advice}" if advice else ""))
+        given = "" if value is None else f" = {shown(value)}"
+        said = f"{allowed}; {advice}" if advice else allowed
+        super().__init__(one_line(f"{one_line(field, 200)}{given}: {said}"))
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         return type(self), (self.field, self.value, self.allowed, self.advice)
+
+
+def one_line(text: str, longest: int = 4000) -> str:
+    """A text that fits into a line of a message: characters without a picture as their codes."""
+    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:longest])
+    return line if len(text) <= longest else line[: longest - 3] + "..."
+
+
+def shown(value: object) -> str:
+    """A value as messages show it: short, and never an error of its own."""
+    try:
+        return one_line(repr(value), 80)
+    except (ValueError, RecursionError):  # more digits than Python prints; lists without end
+        return f"({type(value).__name__} too large to show)"
 
 
 class SolverError(WorkbenchError):

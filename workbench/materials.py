@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+from typing import ClassVar
 
 from workbench.fields import Number, check_fields, checked
 
@@ -26,8 +27,10 @@ class Steel:
         Number(1e3, 3e4, "kg/m3", advice="densities are in kg/m3: steel has 7850"), 7850.0
     )
 
+    TABLE: ClassVar[str] = "steel"
+
     def __post_init__(self) -> None:
-        check_fields(self, "steel")
+        check_fields(self, self.TABLE)
 
     @property
     def shear_yield_stress(self) -> float:

@@ -27,7 +27,7 @@ from workbench.scenarios import (
     Striker,
     frame_of,
 )
-from workbench.scenarios.frame_forms import OVERRIDES
+from workbench.scenarios.members import OVERRIDES
 
 Array = NDArray[np.float64]
 HEADS = ("joined", "pinned")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from workbench.errors import OutOfDomainError
 from workbench.frames.chains import chains
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
-from workbench.scenarios.frame_forms import OVERRIDES
+from workbench.scenarios.members import OVERRIDES
 
 Array = NDArray[np.float64]
 OBLIQUE = 0.02  # sine of the largest angle between the strike and the normal of the column

@@ -1,8 +1,10 @@
 """What happens, independent of any model: frozen value objects, TOML in and out."""
 
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.scenarios.column_as_frame import frame_of, frame_scenario
 from workbench.scenarios.files import (
     ColumnScenario,
+    FrameScenario,
     Scenario,
     apply_override,
     canonical,
@@ -21,8 +23,7 @@ from workbench.scenarios.frame_events import (
     FrameStriker,
     cyclic_path,
 )
-from workbench.scenarios.frame_files import FrameScenario
-from workbench.scenarios.frame_forms import frame_of, frame_scenario, regular_frame
+from workbench.scenarios.frame_forms import regular_frame
 from workbench.scenarios.frame_parts import Joint, Load, Member, Node
 from workbench.scenarios.members import MemberProperties
 from workbench.scenarios.stud import StudTests

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Instance, Number, Text, check_fields, checked
@@ -18,8 +18,9 @@ from workbench.scenarios.members import (
     SQUASH_LOAD,
     MemberProperties,
     member_properties,
+    strength_section,
 )
-from workbench.sections import Section
+from workbench.sections import SECTION, Section
 
 MASS = Number(0.0, 1e7, "kg", low_included=False)
 VELOCITY = Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
@@ -42,7 +43,7 @@ class Column:
     Raises `InputError`.
     """
 
-    section: Section = checked(Instance(Section, "use sections.find(name)"))
+    section: Section = checked(SECTION)
     length_below: float = checked(LENGTH)
     length_above: float = checked(LENGTH)
     steel: Steel = checked(Instance(Steel), Steel())
@@ -90,23 +91,12 @@ class Column:
     @cached_property
     def strength_section(self) -> Section:
         """The section whose fibers and envelope give the strength (`fillets` applied)."""
-        return self.section if self.fillets else self.section.without_fillets()
+        return strength_section(self.section, self.fillets)
 
     @cached_property
     def properties(self) -> MemberProperties:
         """Section values with the overrides of this column applied."""
-        given = member_properties(
-            self.section,
-            self.steel,
-            self.length,
-            fillets=self.fillets,
-            area=self.area,
-            second_moment=self.second_moment,
-            plastic_moment=self.plastic_moment,
-            squash_load=self.squash_load,
-            mass_per_length=self.mass_per_length,
-        )
-        return given if self.impact_mass is None else replace(given, impact_mass=self.impact_mass)
+        return member_properties(self, self.steel, self.length, self.fillets)
 
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
@@ -128,55 +118,59 @@ class Striker:
         check_fields(self, self.TABLE)
 
 
-@dataclass(frozen=True)
-class ColumnPushover:
-    """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
+class Impact:
+    """What every impact of a rigid striker on a structure has."""
 
-    name: str = checked(Text())
-    column: Column = checked(Instance(Column))
-    displacement: float = checked(
-        Number(0.0, 50.0, "m", low_included=False, advice="lengths are in metres"),
-        0.1,
-        path="pushover.displacement",
-    )
-
-    KIND: ClassVar[str] = "column-pushover"
-
-    def __post_init__(self) -> None:
-        check_fields(self, "")
-        _displacement_fits(self)
-
-
-def _displacement_fits(scenario: ColumnPushover) -> None:
-    shorter = min(scenario.column.length_below, scenario.column.length_above)
-    if scenario.displacement > 2.0 * shorter:
-        raise InputError(
-            "pushover.displacement",
-            scenario.displacement,
-            f"must be at most twice the shorter segment, {2 * shorter:g} m",
-            "reduce the displacement",
-        )
-
-
-@dataclass(frozen=True)
-class ColumnImpact:
-    """A rigid striker hits the column at rest; followed for `duration` (s)."""
-
-    name: str = checked(Text())
-    column: Column = checked(Instance(Column))
-    striker: Striker = checked(Instance(Striker))
-    duration: float = checked(DURATION, 0.1, path="time.duration")
-
-    KIND: ClassVar[str] = "column-impact"
-
-    def __post_init__(self) -> None:
-        check_fields(self, "")
+    striker: Any
 
     @property
     def input_energy(self) -> float:
         """Kinetic energy of the striker before the impact, in J."""
-        return 0.5 * self.striker.mass * self.striker.velocity**2
+        return float(0.5 * self.striker.mass * self.striker.velocity**2)
 
-    def at_velocity(self, velocity: float) -> ColumnImpact:
+    def at_velocity(self, velocity: float) -> Self:
         """The same impact at another velocity (m/s)."""
-        return replace(self, striker=replace(self.striker, velocity=velocity))
+        return replace(self, striker=replace(self.striker, velocity=velocity))  # type: ignore[type-var]
+
+
+@dataclass(frozen=True)
+class ColumnPushover:
+    """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
+
+    name: str = checked(Text(), path="name")
+    column: Column = checked(Instance(Column))
+    displacement: float = checked(
+        Number(0.0, 50.0, "m", low_included=False, advice="lengths are in metres"), 0.1
+    )
+
+    KIND: ClassVar[str] = "column-pushover"
+    STATIC: ClassVar[bool] = True
+    TABLE: ClassVar[str] = "pushover"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+        shorter = min(self.column.length_below, self.column.length_above)
+        if self.displacement > 2.0 * shorter:
+            raise InputError(
+                "pushover.displacement",
+                self.displacement,
+                f"must be at most twice the shorter segment, {2 * shorter:g} m",
+                "reduce the displacement",
+            )
+
+
+@dataclass(frozen=True)
+class ColumnImpact(Impact):
+    """A rigid striker hits the column at rest; followed for `duration` (s)."""
+
+    name: str = checked(Text(), path="name")
+    column: Column = checked(Instance(Column))
+    striker: Striker = checked(Instance(Striker))
+    duration: float = checked(DURATION, 0.1)
+
+    KIND: ClassVar[str] = "column-impact"
+    STATIC: ClassVar[bool] = False
+    TABLE: ClassVar[str] = "time"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)

@@ -11,28 +11,23 @@ from typing import Any
 import tomli_w
 
 from workbench.errors import InputError
-from workbench.fields import Choice, check_keys
-from workbench.materials import Steel
-from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.scenarios.frame_files import (
-    FRAME_TABLES,
-    FrameScenario,
-    frame_scenario_from,
-    frame_tables,
-)
-from workbench.scenarios.stud import StudTests, stud_tests_from
-from workbench.scenarios.tables import build, fields_of, label_of, table_in
-from workbench.sections import section_from
+from workbench.fields import Choice
+from workbench.scenarios.codec import label_of, read, write
+from workbench.scenarios.column import ColumnImpact, ColumnPushover
+from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FrameStatic
+from workbench.scenarios.stud import StudTests
 
 ColumnScenario = ColumnPushover | ColumnImpact
+FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion
 Scenario = ColumnScenario | FrameScenario | StudTests
 
-_TABLES: dict[str, tuple[str, ...]] = {
-    ColumnPushover.KIND: ("column", "steel", "pushover"),
-    ColumnImpact.KIND: ("column", "steel", "striker", "time"),
-    **FRAME_TABLES,
-    StudTests.KIND: (StudTests.TABLE,),
+KINDS: dict[str, type[Any]] = {
+    kind.KIND: kind
+    for kind in (
+        *(ColumnPushover, ColumnImpact, FrameStatic, FrameImpact, FrameGroundMotion, StudTests),
+    )
 }
+_UNREADABLE = (ValueError, RecursionError)  # too many digits for Python, brackets too deep
 
 
 def load_scenario(path: Path | str, overrides: Iterable[str] = ()) -> Scenario:
@@ -40,18 +35,19 @@ def load_scenario(path: Path | str, overrides: Iterable[str] = ()) -> Scenario:
 
     Raises `InputError` naming the key, its value and what is allowed.
     """
-    file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not a UTF-8 text file"
         raise InputError("scenario file", str(path), f"cannot be read: {reason}") from error
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            "scenario file", str(path), f"is not valid TOML: {error}", "correct that line"
-        ) from error
+        allowed = f"is not valid TOML: {error}"
+        raise InputError("scenario file", str(path), allowed, "correct that line") from error
+    except _UNREADABLE as error:
+        allowed = "holds a number of thousands of digits or brackets nested too deep"
+        raise InputError("scenario file", str(path), allowed) from error
     for override in overrides:
         apply_override(tables, override)
     return scenario_from(tables)
@@ -82,8 +78,7 @@ def _entry(entries: list[Any], key: str, override: str) -> Any:
     """The entry that a key of an override names."""
     tables = [entry for entry in entries if isinstance(entry, dict)]
     found = [entry for number, entry in enumerate(tables) if label_of(entry, number) == key]
-    if not found and key.isdecimal():
-        found = tables[int(key) : int(key) + 1]
+    found = found or [entry for number, entry in enumerate(tables) if str(number) == key]
     if len(found) == 1:
         return found[0]
     how = "several entries are" if found else "no entry is"
@@ -94,7 +89,7 @@ def parse_value(text: str) -> Any:
     """A TOML value, or the text itself if it is not one (so that quotes may be left out)."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+    except _UNREADABLE:
         pass
     try:
         return float(text)  # .5 and 1. are not TOML, but are meant as numbers
@@ -105,42 +100,19 @@ def parse_value(text: str) -> Any:
 def scenario_from(tables: Mapping[str, Any]) -> Scenario:
     """Build a scenario from nested tables as TOML gives them. Raises `InputError`."""
     if "kind" not in tables:
-        raise InputError("kind", None, "is missing", "write one of " + ", ".join(_TABLES))
-    kind = Choice(tuple(_TABLES)).check("kind", tables["kind"])
-    check_keys(list(tables), ("kind", "name", *_TABLES[kind]), "")
-    if kind == StudTests.KIND:
-        return stud_tests_from(tables)
-    name = tables.get("name", kind)
-    if kind in FRAME_TABLES:
-        return frame_scenario_from(kind, name, tables)
-    column = _column_from(table_in(tables, "column"), table_in(tables, "steel", optional=True))
-    if kind == ColumnPushover.KIND:
-        push = table_in(tables, "pushover", optional=True)
-        check_keys(list(push), ("displacement",), "pushover")
-        return ColumnPushover(name, column=column, **push)
-    time = table_in(tables, "time", optional=True)
-    check_keys(list(time), ("duration",), "time")
-    striker = build(Striker, table_in(tables, "striker"), "striker")
-    return ColumnImpact(name, column=column, striker=striker, **time)
+        raise InputError("kind", None, "is missing", "write one of " + ", ".join(KINDS))
+    kind = Choice(tuple(KINDS)).check("kind", tables["kind"])
+    given = {key: table for key, table in tables.items() if key != "kind"}
+    scenario: Scenario = read(KINDS[kind], {"name": kind, **given})
+    return scenario
 
 
 def to_tables(scenario: Scenario) -> dict[str, Any]:
-    """The scenario as nested tables in canonical order, defaults written out."""
-    if isinstance(scenario, StudTests):
-        return scenario.to_tables()
-    if isinstance(scenario, FrameScenario):
-        return frame_tables(scenario)
-    column = fields_of(scenario.column)
-    column["section"] = scenario.column.section.to_toml()
-    tables: dict[str, Any] = {"kind": scenario.KIND, "name": scenario.name}
-    tables["column"] = column
-    tables["steel"] = fields_of(scenario.column.steel)
-    if isinstance(scenario, ColumnImpact):
-        tables["striker"] = fields_of(scenario.striker)
-        tables["time"] = {"duration": scenario.duration}
-    else:
-        tables["pushover"] = {"displacement": scenario.displacement}
-    return tables
+    """The scenario as nested tables in canonical order.
+
+    Defaults are written out, except in entries of arrays of tables.
+    """
+    return {"kind": scenario.KIND, **write(scenario)}
 
 
 def to_toml(scenario: Scenario) -> str:
@@ -160,13 +132,3 @@ def canonical(scenario: Scenario) -> tuple[str, str]:
     body = tomli_w.dumps(tables)
     digest = hashlib.sha256(f"{head['kind']}\n{body}".encode()).hexdigest()[:16]
     return f"{tomli_w.dumps(head)}\n{body}", digest
-
-
-def _column_from(table: dict[str, Any], steel: dict[str, Any]) -> Column:
-    if "steel" in table:
-        raise InputError("column.steel", table["steel"], "is a table of its own", "use [steel]")
-    if "section" in table:
-        table["section"] = section_from(table["section"], "column.section")
-    table["steel"] = build(Steel, steel, "steel")
-    column: Column = build(Column, table, "column")
-    return column

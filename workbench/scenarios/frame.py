@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
 from typing import ClassVar, TypeVar
 
 from workbench.errors import InputError
-from workbench.fields import Flag, Instance, Instances, check_fields, checked
+from workbench.fields import Flag, Instance, Many, check_fields, checked, did_you_mean
 from workbench.materials import Steel
 from workbench.scenarios.frame_parts import PREDEFINED, RIGID, Joint, Load, Member, Node
-from workbench.scenarios.members import LENGTH, MemberProperties, member_properties
+from workbench.scenarios.members import (
+    LENGTH,
+    MemberProperties,
+    member_properties,
+    strength_section,
+)
 from workbench.scenarios.topology import check_connected, check_places, check_supported, extent
 from workbench.sections import Section
 
@@ -31,10 +35,10 @@ class Frame:
     length, parts that are not connected, and supports that leave the whole free to move.
     """
 
-    nodes: tuple[Node, ...] = checked(Instances(Node, 2))
-    members: tuple[Member, ...] = checked(Instances(Member, 1))
-    loads: tuple[Load, ...] = checked(Instances(Load), ())
-    joints: tuple[Joint, ...] = checked(Instances(Joint), ())
+    nodes: tuple[Node, ...] = checked(Many(Instance(Node), 2))
+    members: tuple[Member, ...] = checked(Many(Instance(Member), 1))
+    loads: tuple[Load, ...] = checked(Many(Instance(Load)), ())
+    joints: tuple[Joint, ...] = checked(Many(Instance(Joint)), ())
     steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(Flag(), True)
 
@@ -46,7 +50,12 @@ class Frame:
             if joint.name in PREDEFINED:
                 raise InputError("joint.name", joint.name, "is predefined", "choose another name")
         for parts in (self.nodes, self.members, self.joints):
-            _unique(parts)
+            seen: set[str] = set()
+            for part in parts:
+                if part.name in seen:
+                    path = f"{type(part).__name__.lower()}.name"
+                    raise InputError(path, part.name, "is given twice", "names must be unique")
+                seen.add(part.name)
         for member in self.members:
             self._check_member(member)
         for load in self.loads:
@@ -91,7 +100,10 @@ class Frame:
 
     @cached_property
     def _properties(self) -> dict[str, MemberProperties]:
-        return {member.name: self._properties_of(member) for member in self.members}
+        return {
+            member.name: member_properties(member, self.steel, self.length(member), self.fillets)
+            for member in self.members
+        }
 
     def node(self, name: str, path: str = "node") -> Node:
         """The node of this name. Raises `InputError` naming `path`."""
@@ -122,8 +134,7 @@ class Frame:
 
     def strength_section(self, member: Member | str) -> Section:
         """The section whose fibers and envelope give a member's strength (`fillets` applied)."""
-        section = self._own(member).section
-        return section if self.fillets else section.without_fillets()
+        return strength_section(self._own(member).section, self.fillets)
 
     def split(self, member: Member | str, at: float, node: str) -> Frame:
         """The frame with a new `node` on a member, `at` m from its start.
@@ -162,37 +173,13 @@ class Frame:
     def _own(self, member: Member | str) -> Member:
         return self.member(member.name if isinstance(member, Member) else member)
 
-    def _properties_of(self, member: Member) -> MemberProperties:
-        return member_properties(
-            member.section,
-            self.steel,
-            self.length(member),
-            fillets=self.fillets,
-            area=member.area,
-            second_moment=member.second_moment,
-            plastic_moment=member.plastic_moment,
-            squash_load=member.squash_load,
-            mass_per_length=member.mass_per_length,
-        )
-
 
 Part = TypeVar("Part", Node, Member, Joint)
-
-
-def _unique(parts: Iterable[Node | Member | Joint]) -> None:
-    seen: set[str] = set()
-    for part in parts:
-        if part.name in seen:
-            raise InputError(
-                f"{part.TABLE}.name", part.name, "is given twice", "names must be unique"
-            )
-        seen.add(part.name)
 
 
 def _named(parts: Mapping[str, Part], name: str, path: str, what: str) -> Part:
     if isinstance(name, str) and name in parts:
         return parts[name]
-    near = difflib.get_close_matches(name, parts, 1) if isinstance(name, str) else []
     shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
-    advice = f"did you mean {near[0]}?" if near else f"known are {shown}"
+    advice = did_you_mean(name, parts, f"known are {shown}")
     raise InputError(path, name, f"there is no {what} of this name", advice)

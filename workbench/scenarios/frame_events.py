@@ -8,50 +8,35 @@ from math import hypot
 from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import (
-    Choice,
-    Instance,
-    Instances,
-    Number,
-    Numbers,
-    Text,
-    check_fields,
-    checked,
-)
-from workbench.scenarios.column import DURATION, MASS, RESTITUTION, VELOCITY
+from workbench.fields import Choice, Instance, Many, Number, Text, check_fields, checked
+from workbench.scenarios.column import DURATION, Impact, Striker
 from workbench.scenarios.frame import Frame
+from workbench.scenarios.frame_forms import FrameForm
 from workbench.scenarios.frame_parts import COMPONENT, NAME, Load
 
 MOTIONS = ("x", "y", "rotation", "-x", "-y", "-rotation")
 STRIKES = ("+x", "-x", "+y", "-y")
 CONTROLS = ("displacement", "load", "arc-length")
 LARGEST_ROTATION = 20.0  # rad; three turns
-TARGETS = Numbers(Number(-1e9, 1e9), 1, 10_000)
-ACCELERATIONS = Numbers(
+TARGETS = Many(Number(-1e9, 1e9), 1, 10_000, single=True)
+ACCELERATIONS = Many(
     Number(-1e3, 1e3, "m/s2", advice="accelerations are in m/s2: 0.3 g is 2.94"), 2, 200_000
 )
+FRAME = Instance(Frame, form=FrameForm)
 RECORD = replace(DURATION, high=1e3)
 
 
 @dataclass(frozen=True)
-class FrameStriker:
+class FrameStriker(Striker):
     """A rigid mass that hits a node of a frame.
 
     Arguments: `mass` in kg; `velocity` in m/s; Newton `restitution`; name of the `node`;
     `direction` in which it flies, +x, -x, +y or -y. Raises `InputError`.
     """
 
-    mass: float = checked(MASS)
-    velocity: float = checked(VELOCITY)
-    restitution: float = checked(RESTITUTION, 0.0)
     _: KW_ONLY
     node: str = checked(NAME)
     direction: str = checked(Choice(STRIKES), "+x")
-
-    TABLE: ClassVar[str] = "striker"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
 
 
 @dataclass(frozen=True)
@@ -69,18 +54,20 @@ class FrameStatic:
     Raises `InputError`.
     """
 
-    name: str = checked(Text())
-    frame: Frame = checked(Instance(Frame))
-    loads: tuple[Load, ...] = checked(Instances(Load, 1), path="pattern")
-    node: str = checked(NAME, path="push.node")
-    direction: str = checked(Choice(MOTIONS), path="push.direction")
-    path: tuple[float, ...] = checked(TARGETS, path="push.path")
-    control: str = checked(Choice(CONTROLS), "displacement", path="push.control")
+    name: str = checked(Text(), path="name")
+    frame: Frame = checked(FRAME)
+    loads: tuple[Load, ...] = checked(Many(Instance(Load), 1), path="pattern")
+    node: str = checked(NAME)
+    direction: str = checked(Choice(MOTIONS))
+    path: tuple[float, ...] = checked(TARGETS)
+    control: str = checked(Choice(CONTROLS), "displacement")
 
     KIND: ClassVar[str] = "frame-static"
+    STATIC: ClassVar[bool] = True
+    TABLE: ClassVar[str] = "push"
 
     def __post_init__(self) -> None:
-        check_fields(self, "")
+        check_fields(self, self.TABLE)
         _check_pattern(self.frame, self.loads)
         _check_motion(self.frame, self.node, self.direction, "push")
         _check_path(self)
@@ -100,28 +87,21 @@ class FrameStatic:
 
 
 @dataclass(frozen=True)
-class FrameImpact:
+class FrameImpact(Impact):
     """A rigid striker hits a frame at rest under its dead loads; followed for `duration` (s)."""
 
-    name: str = checked(Text())
-    frame: Frame = checked(Instance(Frame))
+    name: str = checked(Text(), path="name")
+    frame: Frame = checked(FRAME)
     striker: FrameStriker = checked(Instance(FrameStriker))
-    duration: float = checked(DURATION, 0.1, path="time.duration")
+    duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "frame-impact"
+    STATIC: ClassVar[bool] = False
+    TABLE: ClassVar[str] = "time"
 
     def __post_init__(self) -> None:
-        check_fields(self, "")
+        check_fields(self, self.TABLE)
         _check_motion(self.frame, self.striker.node, self.striker.direction, "striker")
-
-    @property
-    def input_energy(self) -> float:
-        """Kinetic energy of the striker before the impact, in J."""
-        return 0.5 * self.striker.mass * self.striker.velocity**2
-
-    def at_velocity(self, velocity: float) -> FrameImpact:
-        """The same impact at another velocity (m/s)."""
-        return replace(self, striker=replace(self.striker, velocity=velocity))
 
 
 @dataclass(frozen=True)
@@ -134,21 +114,21 @@ class FrameGroundMotion:
     `damping` in 1/s, forces in proportion to mass and relative velocity. Raises `InputError`.
     """
 
-    name: str = checked(Text())
-    frame: Frame = checked(Instance(Frame))
-    acceleration: tuple[float, ...] = checked(ACCELERATIONS, path="ground.acceleration")
-    time_step: float = checked(
-        Number(1e-6, 1.0, "s", advice="time steps are in seconds"), path="ground.time_step"
-    )
-    node: str = checked(NAME, path="ground.node")
-    direction: str = checked(Choice(("x", "y")), "x", path="ground.direction")
+    name: str = checked(Text(), path="name")
+    frame: Frame = checked(FRAME)
+    acceleration: tuple[float, ...] = checked(ACCELERATIONS)
+    time_step: float = checked(Number(1e-6, 1.0, "s", advice="time steps are in seconds"))
+    node: str = checked(NAME)
+    direction: str = checked(Choice(("x", "y")), "x")
     duration: float = checked(RECORD, optional=True, path="time.duration")  # never None afterwards
-    damping: float = checked(Number(0.0, 1e4, "1/s"), 0.0, path="ground.damping")
+    damping: float = checked(Number(0.0, 1e4, "1/s"), 0.0)
 
     KIND: ClassVar[str] = "frame-ground-motion"
+    STATIC: ClassVar[bool] = False
+    TABLE: ClassVar[str] = "ground"
 
     def __post_init__(self) -> None:
-        check_fields(self, "")
+        check_fields(self, self.TABLE)
         if not any(self.acceleration):
             raise InputError("ground.acceleration", None, "must not be zero throughout")
         _check_motion(self.frame, self.node, self.direction, "ground")
@@ -164,7 +144,7 @@ def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ..
     `InputError`.
     """
     count = int(Number(1, 1000, integer=True).check("cycles", cycles))
-    rule = Numbers(Number(0.0, 1e9, low_included=False), 1, 1000)
+    rule = Many(Number(0.0, 1e9, low_included=False), 1, 1000)
     path = [(a, -a) for a in rule.check("amplitudes", amplitudes) for _ in range(count)]
     return (*(target for pair in path for target in pair), 0.0)
 

@@ -1,23 +1,118 @@
-"""Frames of regular form, and a column seen as a frame."""
+"""How files write frames: nodes and members, or axes and levels; splits refine both."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import ClassVar
 
-from workbench.fields import Choice, Instance, Numbers
+from workbench.errors import InputError
+from workbench.fields import Choice, Flag, Instance, Many, check_fields, checked
 from workbench.materials import Steel
-from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
 from workbench.scenarios.frame import Frame
-from workbench.scenarios.frame_events import FrameImpact, FrameStatic, FrameStriker
-from workbench.scenarios.frame_parts import RIGID, Joint, Load, Member, Node
+from workbench.scenarios.frame_parts import NAME, RIGID, Joint, Load, Member, Node
 from workbench.scenarios.members import LENGTH
-from workbench.sections import Section
+from workbench.sections import SECTION, Section
 
-SPANS = Numbers(LENGTH, 1, 100)
-BASES = Choice(("clamped", "pinned"))
-HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
-OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load", "mass_per_length")
+SPANS = Many(LENGTH, 1, 100)
+
+
+@dataclass(frozen=True)
+class RegularForm:
+    """A frame of columns on axes A, B, ... and of beams on every level; see `regular_frame`."""
+
+    bays: tuple[float, ...] = checked(SPANS)
+    storeys: tuple[float, ...] = checked(SPANS)
+    column: Section = checked(SECTION)
+    beam: Section = checked(SECTION)
+    base: str = checked(Choice(("clamped", "pinned")), "clamped")
+    beam_joint: str = checked(NAME, RIGID.name)
+
+    TABLE: ClassVar[str] = "frame"
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+
+    def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
+        """The frame, its beams joined by one of `joints`. Raises `InputError`."""
+        axes = [_letters(i) for i in range(len(self.bays) + 1)]
+        levels = range(len(self.storeys) + 1)
+        nodes = tuple(
+            Node(
+                f"{axis}{level}",
+                sum(self.bays[:i]),
+                sum(self.storeys[:level]),
+                support="free" if level else self.base,
+            )
+            for level in levels
+            for i, axis in enumerate(axes)
+        )
+
+        def member(start: str, end: str, section: Section, joint: str = RIGID.name) -> Member:
+            return Member(f"{start}-{end}", start, end, section, joint_start=joint, joint_end=joint)
+
+        columns = [
+            member(f"{axis}{level}", f"{axis}{level + 1}", self.column)
+            for axis in axes
+            for level in levels[:-1]
+        ]
+        beams = [
+            member(f"{left}{level}", f"{right}{level}", self.beam, self.beam_joint)
+            for level in levels[1:]
+            for left, right in pairwise(axes)
+        ]
+        return Frame(nodes, (*columns, *beams), (), tuple(joints), steel, fillets)
+
+
+@dataclass(frozen=True)
+class Split:
+    """A new `node` on a `member`, `at` m from its start."""
+
+    member: str = checked(NAME)
+    at: float = checked(LENGTH)
+    node: str = checked(NAME)
+
+
+@dataclass(frozen=True)
+class FrameForm:
+    """A frame as files show it; written with nodes and members, read in both forms."""
+
+    fillets: bool = checked(Flag(), True, path="frame.fillets")
+    steel: Steel = checked(Instance(Steel), Steel())
+    regular: RegularForm | None = checked(
+        Instance(RegularForm, instead_of=("node", "member")), optional=True
+    )
+    nodes: tuple[Node, ...] = checked(Many(Instance(Node)), (), path="node")
+    joints: tuple[Joint, ...] = checked(Many(Instance(Joint)), (), path="joint")
+    members: tuple[Member, ...] = checked(Many(Instance(Member)), (), path="member")
+    splits: tuple[Split, ...] = checked(Many(Instance(Split)), (), path="split")
+    loads: tuple[Load, ...] = checked(Many(Instance(Load)), (), path="load")
+
+    @classmethod
+    def of(cls, frame: Frame) -> FrameForm:
+        """The form of a frame that lists its parts."""
+        parts = frame.nodes, frame.joints, frame.members
+        return cls(frame.fillets, frame.steel, None, *parts, loads=frame.loads)
+
+    def build(self) -> Frame:
+        """The frame. Raises `InputError`."""
+        if self.regular is not None:
+            for joint in self.joints:
+                if joint.name != self.regular.beam_joint:
+                    path, text = f"joint.{joint.name}", "is no joint of this regular frame"
+                    advice = "name it as frame.beam_joint, or list nodes and members"
+                    raise InputError(path, None, text, advice)
+            frame = self.regular.frame(self.steel, self.fillets, self.joints)
+        else:
+            for name, parts in (("node", self.nodes), ("member", self.members)):
+                if not parts:
+                    advice = f"add [[{name}]], or bays and storeys in [frame]"
+                    raise InputError(name, None, f"the tables [[{name}]] are missing", advice)
+            frame = Frame(self.nodes, self.members, (), self.joints, self.steel, self.fillets)
+        for split in self.splits:
+            frame = frame.split(split.member, split.at, split.node)
+        return replace(frame, loads=self.loads)
 
 
 def regular_frame(
@@ -39,87 +134,10 @@ def regular_frame(
     columns A0-A1 (from the bottom to the top), beams A1-B1 (from the left to the right).
     Raises `InputError`.
     """
-    widths, heights = SPANS.check("frame.bays", bays), SPANS.check("frame.storeys", storeys)
-    support = BASES.check("frame.base", base)
-    for name, section in (("column", column), ("beam", beam)):
-        Instance(Section, "use sections.find(name)").check(f"frame.{name}", section)
-    axes = [_letters(i) for i in range(len(widths) + 1)]
-    levels = range(len(heights) + 1)
-    nodes = tuple(
-        Node(
-            f"{axis}{level}",
-            sum(widths[:i]),
-            sum(heights[:level]),
-            support="free" if level else support,
-        )
-        for level in levels
-        for i, axis in enumerate(axes)
-    )
-
     if isinstance(beam_joint, Joint):
         joints, beam_joint = (*joints, beam_joint), beam_joint.name
-
-    def member(start: str, end: str, section: Section, joint: str = RIGID.name) -> Member:
-        return Member(f"{start}-{end}", start, end, section, joint_start=joint, joint_end=joint)
-
-    columns = [
-        member(f"{axis}{level}", f"{axis}{level + 1}", column)
-        for axis in axes
-        for level in levels[:-1]
-    ]
-    beams = [
-        member(f"{left}{level}", f"{right}{level}", beam, beam_joint)
-        for level in levels[1:]
-        for left, right in pairwise(axes)
-    ]
-    given = Steel() if steel is None else steel
-    return Frame(nodes, (*columns, *beams), joints=tuple(joints), steel=given, fillets=fillets)
-
-
-def frame_of(column: Column) -> Frame:
-    """A column as a frame: nodes base, hit and head, members below and above the hit point.
-
-    Its axial load is a dead load on the head, its restraint a spring there. Members carry their
-    own mass: a column's `impact_mass`, meant for lumped models, has no place in a frame.
-    """
-    nodes = (
-        Node("base", 0.0, 0.0, support=column.base),
-        Node("hit", 0.0, column.length_below),
-        Node(
-            "head",
-            0.0,
-            column.length,
-            support=HEADS[column.head],
-            mass=column.head_mass,
-            spring_y=column.restraint_stiffness,
-            locked="y" if column.head == "fixed" else "none",
-        ),
-    )
-    own = {name: getattr(column, name) for name in OVERRIDES}
-    members = (
-        Member("below", "base", "hit", column.section, **own),
-        Member("above", "hit", "head", column.section, **own),
-    )
-    loads = (Load("head", y=-column.axial_load),) if column.axial_load else ()
-    return Frame(nodes, members, loads, steel=column.steel, fillets=column.fillets)
-
-
-def frame_scenario(scenario: ColumnPushover | ColumnImpact) -> FrameStatic | FrameImpact:
-    """What happens to a column as what happens to its frame; forces and strikes along +x."""
-    frame = frame_of(scenario.column)
-    if isinstance(scenario, ColumnPushover):
-        pattern = (Load("hit", x=1.0),)
-        return FrameStatic(
-            scenario.name, frame, pattern, "hit", "x", (scenario.displacement,), "displacement"
-        )
-    striker = FrameStriker(
-        scenario.striker.mass,
-        scenario.striker.velocity,
-        scenario.striker.restitution,
-        node="hit",
-        direction="+x",
-    )
-    return FrameImpact(scenario.name, frame, striker, scenario.duration)
+    form = RegularForm(tuple(bays), tuple(storeys), column, beam, base, beam_joint)
+    return form.frame(Steel() if steel is None else steel, fillets, joints)
 
 
 def _letters(number: int) -> str:

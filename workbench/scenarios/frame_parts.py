@@ -7,10 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot
-from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Instance, Number, Text, check_fields, checked
+from workbench.fields import Choice, Number, Text, check_fields, checked
 from workbench.scenarios.members import (
     AREA,
     MASS_PER_LENGTH,
@@ -18,9 +17,9 @@ from workbench.scenarios.members import (
     SECOND_MOMENT,
     SQUASH_LOAD,
 )
-from workbench.sections import Section
+from workbench.sections import SECTION, Section
 
-NAME = Text(60)
+NAME = Text(60, label=True)
 COORDINATE = Number(-1e4, 1e4, "m", advice="coordinates are in metres, not millimetres")
 SPRING = Number(0.0, 1e14, "N/m")
 ROTATIONAL_SPRING = Number(0.0, 1e14, "N m/rad")
@@ -34,17 +33,6 @@ HELD: dict[str, tuple[str, ...]] = {
     "guide-y": ("u", "rotation"),
 }
 COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
-
-
-def _checked_name(part: Node | Member | Joint) -> str:
-    """Check all fields of a named part; return its path for messages."""
-    name = NAME.check(f"{part.TABLE}.name", part.name)
-    if ":" in name or name != name.strip():
-        allowed = "must not hold a colon, nor start or end with a space"
-        raise InputError(f"{part.TABLE}.name", name, allowed)
-    path = f"{part.TABLE}.{name}"
-    check_fields(part, path)
-    return path
 
 
 @dataclass(frozen=True)
@@ -69,10 +57,8 @@ class Node:
     spring_rotation: float = checked(ROTATIONAL_SPRING, 0.0)
     locked: str = checked(Choice(("none", "x", "y")), "none")
 
-    TABLE: ClassVar[str] = "node"
-
     def __post_init__(self) -> None:
-        path = _checked_name(self)
+        path = check_fields(self, "node", "name")
         for direction, component in COMPONENT.items():
             name = f"spring_{direction}"
             if component in self.held and (stiffness := getattr(self, name)) > 0.0:
@@ -114,10 +100,8 @@ class Joint:
     tension_resistance: float | None = checked(SQUASH_LOAD, optional=True)
     compression_resistance: float | None = checked(SQUASH_LOAD, optional=True)
 
-    TABLE: ClassVar[str] = "joint"
-
     def __post_init__(self) -> None:
-        path = _checked_name(self)
+        path = check_fields(self, "joint", "name")
         if self.rotational_stiffness != 0.0:
             return
         for name in ("plastic_moment", "plastic_moment_negative"):
@@ -143,7 +127,7 @@ class Member:
     name: str = checked(NAME)
     start: str = checked(NAME)
     end: str = checked(NAME)
-    section: Section = checked(Instance(Section, "use sections.find(name)"))
+    section: Section = checked(SECTION)
     joint_start: str = checked(NAME, RIGID.name)
     joint_end: str = checked(NAME, RIGID.name)
     area: float | None = checked(AREA, optional=True)
@@ -152,10 +136,8 @@ class Member:
     squash_load: float | None = checked(SQUASH_LOAD, optional=True)
     mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
 
-    TABLE: ClassVar[str] = "member"
-
     def __post_init__(self) -> None:
-        path = _checked_name(self)
+        path = check_fields(self, "member", "name")
         if self.start == self.end:
             raise InputError(f"{path}.end", self.end, "must be another node than the start")
 
@@ -169,11 +151,8 @@ class Load:
     y: float = checked(Number(-1e9, 1e9, "N"), 0.0)
     moment: float = checked(Number(-1e9, 1e9, "N m"), 0.0)
 
-    TABLE: ClassVar[str] = "load"
-
     def __post_init__(self) -> None:
-        path = f"{self.TABLE}.node"
-        check_fields(self, f"{self.TABLE}.{NAME.check(path, self.node)}")
+        check_fields(self, "load", "node")
 
     @property
     def resultant(self) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from workbench.fields import Number
 from workbench.materials import Steel
@@ -14,6 +15,7 @@ SECOND_MOMENT = Number(1e-12, 1.0, "m4", advice="second moments are in m4: 8091 
 PLASTIC_MOMENT = Number(1.0, 1e9, "N m")
 SQUASH_LOAD = Number(1.0, 1e10, "N")
 MASS_PER_LENGTH = Number(0.01, 1e5, "kg/m")
+OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load", "mass_per_length")
 
 
 @dataclass(frozen=True)
@@ -33,36 +35,31 @@ class MemberProperties:
     impact_mass: float
 
 
-def member_properties(
-    section: Section,
-    steel: Steel,
-    length: float,
-    *,
-    fillets: bool = True,
-    area: float | None = None,
-    second_moment: float | None = None,
-    plastic_moment: float | None = None,
-    squash_load: float | None = None,
-    mass_per_length: float | None = None,
-) -> MemberProperties:
-    """Properties of a member of `length` (m); what is None follows from its section.
+def strength_section(section: Section, fillets: bool) -> Section:
+    """The section whose fibers and envelope give the strength: plates only unless `fillets`."""
+    return section if fillets else section.without_fillets()
+
+
+def member_properties(part: Any, steel: Steel, length: float, fillets: bool) -> MemberProperties:
+    """Properties of a column or member `part` of `length` (m), by its section and its overrides.
 
     Stiffness and mass are those of the whole profile, the strength leaves the root fillets out
     unless `fillets`; the impact mass is rho A L / 3 (Heng 2017, section 5.2).
     """
-    strength = section if fillets else section.without_fillets()
+    strength = strength_section(part.section, fillets)
 
-    def given(override: float | None, computed: float) -> float:
+    def given(name: str, computed: float) -> float:
+        override: float | None = getattr(part, name, None)
         return computed if override is None else override
 
-    area = given(area, section.area)
-    mass = given(mass_per_length, steel.density * area)
+    area = given("area", part.section.area)
+    mass = given("mass_per_length", steel.density * area)
     return MemberProperties(
         area=area,
-        second_moment=given(second_moment, section.second_moment),
-        plastic_moment=given(plastic_moment, strength.plastic_moment(steel)),
-        squash_load=given(squash_load, strength.squash_load(steel)),
+        second_moment=given("second_moment", part.section.second_moment),
+        plastic_moment=given("plastic_moment", strength.plastic_moment(steel)),
+        squash_load=given("squash_load", strength.squash_load(steel)),
         shear_resistance=strength.shear_resistance(steel),
         mass_per_length=mass,
-        impact_mass=mass * length / 3.0,
+        impact_mass=given("impact_mass", mass * length / 3.0),
     )

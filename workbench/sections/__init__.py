@@ -1,6 +1,7 @@
 """Cross sections: profile catalogue, fibers, exact plastic envelope of axial force and moment."""
 
 from workbench.sections.reading import (
+    SECTION,
     circular_tube,
     find,
     i_section,
@@ -16,6 +17,7 @@ from workbench.sections.section import Section
 from workbench.sections.shapes import CircularTube, ISection, Rectangle, RectangularTube, Shape
 
 __all__ = [
+    "SECTION",
     "CircularTube",
     "ISection",
     "Rectangle",

@@ -28,6 +28,10 @@ class Band:
     centre: float = 0.0
     radius: float = 0.0
 
+    def cut(self, count: int) -> Layers:
+        """The band alone, in `count` equal layers."""
+        return Layers((self,), tuple(np.linspace(self.bottom, self.top, count + 1).tolist()))
+
     def width_at(self, height: ArrayLike) -> Floats:
         """Width of the material at a height (m), zero outside the band."""
         y = np.asarray(height, float)
@@ -85,8 +89,3 @@ class Layers:
         area, first, _ = half_integrals(self.bands, np.asarray(self.edges))
         areas = np.diff(area)
         return np.diff(first) / areas, areas
-
-
-def equal_layers(bottom: float, top: float, count: int) -> tuple[float, ...]:
-    """Edges of `count` equal layers between two heights."""
-    return tuple(float(y) for y in np.linspace(bottom, top, count + 1))

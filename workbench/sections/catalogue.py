@@ -41,7 +41,7 @@ def nearest(name: str) -> list[str]:
     known = list(profiles())
     family, _, size = canonical(name).partition(" ")
     same = [candidate for candidate in known if candidate.split()[0] == family]
-    if same and size.isdecimal():
+    if same and size.isdecimal() and len(size) < 9:
         same.sort(key=lambda candidate: abs(int(candidate.split()[1]) - int(size)))
         return same[:2]
     return difflib.get_close_matches(canonical(name).upper(), known, 2, cutoff=0.7)

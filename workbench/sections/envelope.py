@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.sections.bands import Floats, half_integrals
@@ -18,21 +21,20 @@ def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
     stress resultants are closed forms of its height. The points lie at equal angles
     atan2(n, m), each found by bisection to machine precision.
     """
-    half = shape.height / 2.0
-    whole_area, whole_first, _ = half_integrals(shape.bands, half)
+    half, bands = shape.height / 2.0, shape.bands
+    whole_area, whole_first, _ = half_integrals(bands, half)
 
     def resultants(axis: Floats) -> tuple[Floats, Floats]:
-        area, first, _ = half_integrals(shape.bands, axis)
+        area, first, _ = half_integrals(bands, axis)
         return area / whole_area, 1.0 - first / whole_first
 
     angle = np.linspace(0.0, np.pi / 2.0, points)
-    below, above = np.zeros(points), np.full(points, half)
-    for _ in range(60):  # halves the height to the last bit
-        middle = (below + above) / 2.0
-        n, m = resultants(middle)
-        left = n * np.cos(angle) < m * np.sin(angle)
-        below, above = np.where(left, middle, below), np.where(left, above, middle)
-    n, m = resultants((below + above) / 2.0)
+
+    def too_low(axis: Floats) -> NDArray[np.bool_]:
+        n, m = resultants(axis)
+        return n * np.cos(angle) < m * np.sin(angle)
+
+    n, m = resultants(_bisect(too_low, np.full(points, half)))
     n[0], m[0], n[-1], m[-1] = 0.0, 1.0, 1.0, 0.0
     return n, m
 
@@ -40,11 +42,20 @@ def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
 def superellipse_radius(angle: Floats, alpha: float, beta: float) -> Floats:
     """Radius of |m|^alpha + |n|^beta = 1 at the angles atan2(n, m) in [0, pi/2]."""
     cosine, sine = np.cos(angle), np.sin(angle)
-    low, high = np.zeros_like(angle), np.full_like(angle, np.sqrt(2.0))
+
+    def inside(radius: Floats) -> NDArray[np.bool_]:
+        return np.asarray((radius * cosine) ** alpha + (radius * sine) ** beta < 1.0)
+
+    return _bisect(inside, np.full_like(angle, np.sqrt(2.0)))
+
+
+def _bisect(below: Callable[[Floats], NDArray[np.bool_]], high: Floats) -> Floats:
+    """Where `below` ends between 0 and `high`, to the last bit, for all places at once."""
+    low = np.zeros_like(high)
     for _ in range(60):
         middle = (low + high) / 2.0
-        inside = (middle * cosine) ** alpha + (middle * sine) ** beta < 1.0
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        left = below(middle)
+        low, high = np.where(left, middle, low), np.where(left, high, middle)
     return (low + high) / 2.0
 
 

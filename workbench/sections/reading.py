@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
+from itertools import chain
 
 from workbench.errors import InputError
-from workbench.fields import check_keys
+from workbench.fields import Instance, check_keys
 from workbench.sections.catalogue import canonical, families, nearest, profiles
 from workbench.sections.section import Section
 from workbench.sections.shapes import (
@@ -79,22 +81,11 @@ def _named(shape: Shape) -> Section:
     return Section(shape.describe(), shape)
 
 
-# Keys of a table decide what it describes; the fillet of an I section may be left out.
-_TABLES: dict[frozenset[str], Callable[..., Section]] = {
-    frozenset({"height", "width", "web", "flange", "fillet"}): i_section,
-    frozenset({"height", "width", "web", "flange"}): i_section,
-    frozenset({"side"}): square,
-    frozenset({"height", "width"}): rectangle,
-    frozenset({"width", "thickness"}): plate,
-    frozenset({"height", "width", "wall"}): rectangular_tube,
-    frozenset({"side", "wall"}): square_tube,
-    frozenset({"diameter", "wall"}): circular_tube,
+# The keys of a table in a file, the arguments of one of these, say what it describes.
+_FORMS: dict[tuple[str, ...], Callable[..., Section]] = {
+    tuple(inspect.signature(form).parameters): form
+    for form in (i_section, square, rectangle, plate, rectangular_tube, square_tube, circular_tube)
 }
-_KEYS = ("height", "width", "web", "flange", "fillet", "side", "wall", "diameter", "thickness")
-_CHOICES = (
-    "must have the keys {height, width, web, flange, fillet}, {side}, {height, width}, "
-    "{width, thickness}, {height, width, wall}, {side, wall} or {diameter, wall}"
-)
 
 
 def section_from(value: object, path: str = "section") -> Section:
@@ -110,15 +101,20 @@ def section_from(value: object, path: str = "section") -> Section:
     if not isinstance(value, Mapping):
         raise InputError(path, value, "must be a profile name or a table of dimensions in metres")
     table = {str(key): size for key, size in value.items()}
-    check_keys(list(table), _KEYS, path)
-    build = _TABLES.get(frozenset(table))
-    if build is None:
-        raise InputError(path, table, _CHOICES, "add or drop keys; lengths are in metres")
+    check_keys(list(table), list(dict.fromkeys(chain.from_iterable(_FORMS))), path)
+    meant = [keys for keys in _FORMS if {*keys} in ({*table}, {*table, "fillet"})]
+    if not meant:
+        *first, last = ["{" + ", ".join(keys) + "}" for keys in _FORMS]
+        choices = f"must have the keys {', '.join(first)} or {last}"
+        raise InputError(path, table, choices, "add or drop keys; lengths are in metres")
     # Checked here first, so that the message names the key that was written.
     for key, size in table.items():
         (FILLET if key == "fillet" else DIMENSION).check(f"{path}.{key}", size)
     try:
-        return build(**table)
+        return _FORMS[meant[0]](**table)
     except InputError as error:
         field = path + error.field.removeprefix("section")
         raise InputError(field, error.value, error.allowed, error.advice) from None
+
+
+SECTION = Instance(Section, "use sections.find(name)", section_from, Section.to_toml)

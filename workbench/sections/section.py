@@ -150,4 +150,4 @@ class Section:
         """Catalogue name, or the table of dimensions, that `section_from` turns back into this."""
         if profiles().get(self.name) == self.shape:
             return self.name
-        return {key: size for key, size in vars(self.shape).items() if size}
+        return self.shape.dimensions

@@ -1,24 +1,58 @@
 """Shapes of cross sections, bent about the strong axis; heights run from the centroid.
 
-All are doubly symmetric, so each states the bands of its upper half only.
+All are doubly symmetric, so each states the layers of its upper half only.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import pi, sin
+from typing import ClassVar
 
 from workbench.errors import InputError
 from workbench.fields import Number, check_fields, checked
-from workbench.sections.bands import Band, Layers, equal_layers
+from workbench.sections.bands import Band, Layers
 
 DIMENSION = Number(0.002, 5.0, "m", advice="lengths are in metres, not millimetres")
 FILLET = Number(0.0, 1.0, "m", advice="lengths are in metres, not millimetres")
 _SMALLEST_FILLET = 1e-4  # m; smaller ones only cost digits
 
 
+class Shape:
+    """What all shapes have: `height` and `width` in m, and the following."""
+
+    WORD: ClassVar[str]
+    height: float
+    width: float
+
+    @property
+    def shear_area(self) -> float:
+        """Area that carries plastic shear, in m2."""
+        raise NotImplementedError
+
+    def layers(self, half_count: int) -> tuple[Layers, ...]:
+        """The upper half in groups that are cut into fibers by themselves."""
+        raise NotImplementedError
+
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """The bands that the upper half is the sum of."""
+        return tuple(band for group in self.layers(2) for band in group.bands)
+
+    @property
+    def dimensions(self) -> dict[str, float]:
+        """The dimensions by name, in m; those that are zero are left out."""
+        sizes = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+        return {name: size for name, size in sizes.items() if size}
+
+    def describe(self) -> str:
+        """Name for sections outside the catalogue, dimensions in millimetres."""
+        sizes = " x ".join(f"{1e3 * size:g}" for size in self.dimensions.values())
+        return f"{self.WORD} {sizes} mm"
+
+
 @dataclass(frozen=True)
-class ISection:
+class ISection(Shape):
     """I or H section: `height`, `width`, `web` and `flange` thickness, root `fillet` (m).
 
     Raises `InputError` if the plates or fillets do not fit.
@@ -29,6 +63,8 @@ class ISection:
     web: float = checked(DIMENSION)
     flange: float = checked(DIMENSION)
     fillet: float = checked(FILLET, 0.0)
+
+    WORD: ClassVar[str] = "I"
 
     def __post_init__(self) -> None:
         check_fields(self, "section")
@@ -41,59 +77,32 @@ class ISection:
             raise InputError("section.fillet", self.fillet, allowed, "check the root radius")
 
     @property
-    def bands(self) -> tuple[Band, ...]:
-        """Web, flange and the two fillets of the upper half."""
-        clear = self.height / 2.0 - self.flange
-        plates = (Band(0.0, clear, self.web), Band(clear, self.height / 2.0, self.width))
-        return plates + self._fillets()
-
-    def _fillets(self) -> tuple[Band, ...]:
-        if self.fillet == 0.0:
-            return ()
-        clear = self.height / 2.0 - self.flange
-        r = self.fillet
-        # Width 2 (r - sqrt(r^2 - x^2)), x the distance from the web end of the fillet.
-        return (Band(clear - r, clear, 2.0 * r, arc=-2.0, centre=clear - r, radius=r),)
-
-    @property
     def shear_area(self) -> float:
         """Area of the web between the flange centre lines, in m2."""
         return self.web * (self.height - self.flange)
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Web and flange layered separately, fillet strips on top of the web's (upper half)."""
-        flange = max(1, round(0.4 * half_count))
-        clear, top = self.height / 2.0 - self.flange, self.height / 2.0
-        web_band, flange_band = self.bands[:2]
-        result = [
-            Layers((web_band,), equal_layers(0.0, clear, half_count - flange)),
-            Layers((flange_band,), equal_layers(clear, top, flange)),
-        ]
-        if fillets := self._fillets():
-            strips = max(1, round(0.2 * half_count))
-            result.append(Layers(fillets, equal_layers(clear - self.fillet, clear, strips)))
-        return tuple(result)
-
-    def describe(self) -> str:
-        """Name for sections outside the catalogue, dimensions in millimetres."""
-        sizes = [self.height, self.width, self.web, self.flange]
-        return "I " + _millimetres(*sizes, *([self.fillet] if self.fillet else []))
+        plates = _plates(self, self.web, self.flange, half_count)
+        if self.fillet == 0.0:
+            return plates
+        clear, r = self.height / 2.0 - self.flange, self.fillet
+        # Width 2 (r - sqrt(r^2 - x^2)), x the distance from the web end of the fillet.
+        fillets = Band(clear - r, clear, 2.0 * r, arc=-2.0, centre=clear - r, radius=r)
+        return (*plates, fillets.cut(max(1, round(0.2 * half_count))))
 
 
 @dataclass(frozen=True)
-class Rectangle:
+class Rectangle(Shape):
     """Solid rectangle, plate or square: `height` in the plane of bending and `width` (m)."""
 
     height: float = checked(DIMENSION)
     width: float = checked(DIMENSION)
 
+    WORD: ClassVar[str] = "rectangle"
+
     def __post_init__(self) -> None:
         check_fields(self, "section")
-
-    @property
-    def bands(self) -> tuple[Band, ...]:
-        """The upper half."""
-        return (Band(0.0, self.height / 2.0, self.width),)
 
     @property
     def shear_area(self) -> float:
@@ -102,15 +111,11 @@ class Rectangle:
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Equal layers."""
-        return (Layers(self.bands, equal_layers(0.0, self.height / 2.0, half_count)),)
-
-    def describe(self) -> str:
-        """Name for sections outside the catalogue, dimensions in millimetres."""
-        return "rectangle " + _millimetres(self.height, self.width)
+        return (Band(0.0, self.height / 2.0, self.width).cut(half_count),)
 
 
 @dataclass(frozen=True)
-class RectangularTube:
+class RectangularTube(Shape):
     """Rectangular hollow section with sharp corners: `height`, `width`, `wall` (m).
 
     Raises `InputError` if the walls fill the tube.
@@ -120,19 +125,12 @@ class RectangularTube:
     width: float = checked(DIMENSION)
     wall: float = checked(DIMENSION)
 
+    WORD: ClassVar[str] = "tube"
+
     def __post_init__(self) -> None:
         check_fields(self, "section")
         least = min(self.height, self.width)
         _below("wall", self.wall, least / 2.0, "half the smaller side")
-
-    @property
-    def bands(self) -> tuple[Band, ...]:
-        """The two side walls and the upper wall."""
-        clear = self.height / 2.0 - self.wall
-        return (
-            Band(0.0, clear, 2.0 * self.wall),
-            Band(clear, self.height / 2.0, self.width),
-        )
 
     @property
     def shear_area(self) -> float:
@@ -141,21 +139,11 @@ class RectangularTube:
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Side walls and upper wall layered separately (upper half)."""
-        across = max(1, round(0.4 * half_count))
-        clear, top = self.height / 2.0 - self.wall, self.height / 2.0
-        sides, upper = self.bands
-        return (
-            Layers((sides,), equal_layers(0.0, clear, half_count - across)),
-            Layers((upper,), equal_layers(clear, top, across)),
-        )
-
-    def describe(self) -> str:
-        """Name for sections outside the catalogue, dimensions in millimetres."""
-        return "tube " + _millimetres(self.height, self.width, self.wall)
+        return _plates(self, 2.0 * self.wall, self.wall, half_count)
 
 
 @dataclass(frozen=True)
-class CircularTube:
+class CircularTube(Shape):
     """Circular hollow section: outer `diameter` and `wall` thickness (m).
 
     Raises `InputError` if the wall fills the tube.
@@ -164,29 +152,18 @@ class CircularTube:
     diameter: float = checked(DIMENSION)
     wall: float = checked(DIMENSION)
 
+    WORD: ClassVar[str] = "tube, circular,"
+
     def __post_init__(self) -> None:
         check_fields(self, "section")
         _below("wall", self.wall, self.diameter / 2.0, "half the diameter")
 
     @property
-    def height(self) -> float:
+    def height(self) -> float:  # type: ignore[override]
         """The diameter, in m."""
         return self.diameter
 
-    @property
-    def width(self) -> float:
-        """The diameter, in m."""
-        return self.diameter
-
-    @property
-    def bands(self) -> tuple[Band, ...]:
-        """Outer disc less inner disc (upper half)."""
-        outer = self.diameter / 2.0
-        inner = outer - self.wall
-        return (
-            Band(0.0, outer, 0.0, arc=2.0, radius=outer),
-            Band(0.0, inner, 0.0, arc=-2.0, radius=inner),
-        )
+    width = height
 
     @property
     def shear_area(self) -> float:
@@ -194,24 +171,26 @@ class CircularTube:
         return 2.0 * self.wall * (self.diameter - self.wall)
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
-        """Horizontal layers that each subtend the same angle of the outer circle."""
+        """Outer disc less inner disc; each layer subtends the same angle of the outer circle."""
         outer = self.diameter / 2.0
+        inner = outer - self.wall
+        bands = (
+            Band(0.0, outer, 0.0, arc=2.0, radius=outer),
+            Band(0.0, inner, 0.0, arc=-2.0, radius=inner),
+        )
         angles = (pi / 2.0 * i / half_count for i in range(half_count + 1))
-        return (Layers(self.bands, tuple(outer * sin(angle) for angle in angles)),)
-
-    def describe(self) -> str:
-        """Name for sections outside the catalogue, dimensions in millimetres."""
-        return "tube, circular, " + _millimetres(self.diameter, self.wall)
+        return (Layers(bands, tuple(outer * sin(angle) for angle in angles)),)
 
 
-Shape = ISection | Rectangle | RectangularTube | CircularTube
+def _plates(shape: Shape, web: float, flange: float, half_count: int) -> tuple[Layers, Layers]:
+    """Layers of an upright and of a plate across its end, which gets 40 % of them."""
+    across = max(1, round(0.4 * half_count))
+    clear = shape.height / 2.0 - flange
+    upright, end = Band(0.0, clear, web), Band(clear, shape.height / 2.0, shape.width)
+    return upright.cut(half_count - across), end.cut(across)
 
 
 def _below(name: str, value: float, limit: float, words: str) -> None:
     if not value < limit:
         allowed = f"must be below {words}, {limit:.4g} m"
         raise InputError(f"section.{name}", value, allowed, "check the order of the dimensions")
-
-
-def _millimetres(*sizes: float) -> str:
-    return " x ".join(f"{1e3 * size:g}" for size in sizes) + " mm"

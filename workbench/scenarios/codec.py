@@ -1,0 +1,164 @@
+"""Value objects to and from nested tables, as TOML has them, by the declarations of their fields.
+
+A declared field stands in a file at ``TABLE.name``, `TABLE` that of its class, or at the path that
+it declares. A part within an object has keys of its own; a list of parts is an array of tables,
+whose entries hold the fields under their names.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from workbench.errors import InputError
+from workbench.fields import Instance, Many, check_keys, path_of
+
+
+class Place(NamedTuple):
+    """A declared field, its rule, and where files have it: `table` ("" for the top) and `key`.
+
+    `part` is the declared class whose own keys a file shows in place of this one, or None.
+    """
+
+    field: dataclasses.Field[Any]
+    rule: Any
+    table: str
+    key: str
+    part: type[Any] | None
+
+    def among(self, tables: Mapping[str, Any]) -> bool:
+        """Whether a file has this key."""
+        return self.key in (tables.get(self.table, {}) if self.table else tables)
+
+
+def read(kind: type[Any], tables: Mapping[str, Any]) -> Any:
+    """An object of this declared class from the tables of a file. Raises `InputError`."""
+    known: dict[str, list[str]] = {}
+    for place in _leaves(kind):
+        known.setdefault(place.table or place.key, []).extend([place.key] if place.table else [])
+    check_keys(list(tables), list(known), "")
+    for name in tables:
+        if known[name] and not isinstance(tables[name], Mapping):
+            raise InputError(name, tables[name], f"must be a table [{name}]")
+        for key in tables[name] if known[name] else ():
+            if key not in known[name] and known.get(key):
+                raise InputError(f"{name}.{key}", None, f"unknown key; [{key}] is a table itself")
+            check_keys([key], known[name], name)
+    return _build(kind, tables)
+
+
+def write(part: Any, *, entry: bool = False) -> dict[str, Any]:
+    """The nested tables of a declared object, or an `entry` of an array without its defaults."""
+    tables: dict[str, Any] = {}
+    _fill(tables, part, entry)
+    return tables
+
+
+def label_of(entry: Mapping[str, Any], number: int) -> str:
+    """What an entry of an array of tables is called: by its name, its node, or its number."""
+    label = entry.get("name", entry.get("node"))
+    return label if isinstance(label, str) and len(label) <= 60 else str(number)
+
+
+def _places(kind: type[Any], entry: bool = False) -> Iterator[Place]:
+    for field in dataclasses.fields(kind):
+        rule = field.metadata["rule"]
+        part = None
+        if isinstance(rule, Instance) and rule.read is None:
+            part = rule.form or rule.kind
+        path = field.name if entry else path_of(field, getattr(kind, "TABLE", ""))
+        table, _, key = path.rpartition(".")
+        yield Place(field, rule, table, key, part)
+
+
+def _leaves(kind: type[Any]) -> Iterator[Place]:
+    """Places of all keys that files may have for objects of this class."""
+    for place in _places(kind):
+        yield from (place,) if place.part is None else _leaves(place.part)
+
+
+def _build(kind: type[Any], tables: Mapping[str, Any], entry: str = "") -> Any:
+    """The object whose keys stand in `tables`, those of one entry if its path is given."""
+    values = {}
+    for place in _places(kind, bool(entry)):
+        name = place.field.name
+        if place.part is not None:
+            if _is_given(place, tables) or not place.field.metadata["optional"]:
+                part = _build(place.part, tables)
+                values[name] = part if place.rule.form is None else part.build()
+        elif place.among(tables):
+            holder = tables[place.table] if place.table else tables
+            path = ".".join(filter(None, (entry, place.table, place.key)))
+            values[name] = _value(place.rule, path, holder[place.key])
+        elif place.field.default is dataclasses.MISSING:
+            raise _missing(place, tables, entry)
+    return kind(**values)
+
+
+def _value(rule: Any, path: str, value: Any) -> Any:
+    """One value of a file as the rule of its field has it."""
+    if isinstance(rule, Instance) and rule.read is not None:
+        return rule.read(value, path)
+    if isinstance(rule, Many) and rule.single and isinstance(value, (int, float)):
+        value = [value]
+    if not _is_array(rule):
+        return rule.check(path, value)
+    if not isinstance(value, list) or not all(isinstance(entry, Mapping) for entry in value):
+        raise InputError(path, value, f"must be tables [[{path}]]")
+    parts = []
+    for number, entry in enumerate(value):
+        label = f"{path}.{label_of(entry, number)}"
+        check_keys(list(entry), [place.key for place in _places(rule.item.kind, True)], label)
+        parts.append(_build(rule.item.kind, entry, label))
+    return tuple(parts)
+
+
+def _fill(tables: dict[str, Any], part: Any, entry: bool) -> None:
+    # What has a written form of its own, a section, may be a table: TOML wants it last.
+    for place in sorted(_places(type(part), entry), key=lambda place: _writes(place.rule)):
+        value = getattr(part, place.field.name)
+        if value is None or (entry and value == place.field.default):
+            continue
+        if place.part is not None:
+            _fill(tables, value if place.rule.form is None else place.part.of(value), entry)
+            continue
+        if _is_array(place.rule):
+            value = tuple(write(each, entry=True) for each in value)
+            if not value:
+                continue
+        elif _writes(place.rule):
+            value = place.rule.write(value)
+        holder = tables.setdefault(place.table, {}) if place.table else tables
+        holder[place.key] = list(value) if isinstance(value, tuple) else value
+
+
+def _is_array(rule: Any) -> bool:
+    return isinstance(rule, Many) and isinstance(rule.item, Instance)
+
+
+def _writes(rule: Any) -> bool:
+    return isinstance(rule, Instance) and rule.write is not None
+
+
+def _is_given(place: Place, tables: Mapping[str, Any]) -> bool:
+    """Whether a file has a key of a part. Raises `InputError` where it may not have one."""
+    assert place.part is not None
+    given = [leaf for leaf in _leaves(place.part) if leaf.among(tables)]
+    for other in place.rule.instead_of:
+        if given and other in tables:
+            beside = f"{given[0].key} in [{given[0].table}]"
+            advice = f"write either [[{other}]] or {beside}"
+            raise InputError(other, None, f"[[{other}]] cannot stand beside {beside}", advice)
+    return bool(given)
+
+
+def _missing(place: Place, tables: Mapping[str, Any], entry: str) -> InputError:
+    key, table = place.key, place.table
+    if _is_array(place.rule):
+        keys = ", ".join(each.key for each in _places(place.rule.item.kind, True))
+        text, advice = f"the tables [[{key}]] are missing", f"add [[{key}]] with {keys}"
+        return InputError(key, None, text, advice)
+    if table and table not in tables:
+        return InputError(table, None, f"the table [{table}] is missing", f"add [{table}]")
+    return InputError(f"{entry or table}.{key}", None, "is missing", "add the key")

@@ -1,0 +1,57 @@
+"""A column seen as a frame."""
+
+from __future__ import annotations
+
+from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
+from workbench.scenarios.frame import Frame
+from workbench.scenarios.frame_events import FrameImpact, FrameStatic, FrameStriker
+from workbench.scenarios.frame_parts import Load, Member, Node
+from workbench.scenarios.members import OVERRIDES
+
+HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
+
+
+def frame_of(column: Column) -> Frame:
+    """A column as a frame: nodes base, hit and head, members below and above the hit point.
+
+    Its axial load is a dead load on the head, its restraint a spring there. Members carry their
+    own mass: a column's `impact_mass`, meant for lumped models, has no place in a frame.
+    """
+    nodes = (
+        Node("base", 0.0, 0.0, support=column.base),
+        Node("hit", 0.0, column.length_below),
+        Node(
+            "head",
+            0.0,
+            column.length,
+            support=HEADS[column.head],
+            mass=column.head_mass,
+            spring_y=column.restraint_stiffness,
+            locked="y" if column.head == "fixed" else "none",
+        ),
+    )
+    own = {name: getattr(column, name) for name in OVERRIDES}
+    members = (
+        Member("below", "base", "hit", column.section, **own),
+        Member("above", "hit", "head", column.section, **own),
+    )
+    loads = (Load("head", y=-column.axial_load),) if column.axial_load else ()
+    return Frame(nodes, members, loads, steel=column.steel, fillets=column.fillets)
+
+
+def frame_scenario(scenario: ColumnPushover | ColumnImpact) -> FrameStatic | FrameImpact:
+    """What happens to a column as what happens to its frame; forces and strikes along +x."""
+    frame = frame_of(scenario.column)
+    if isinstance(scenario, ColumnPushover):
+        pattern = (Load("hit", x=1.0),)
+        return FrameStatic(
+            scenario.name, frame, pattern, "hit", "x", (scenario.displacement,), "displacement"
+        )
+    striker = FrameStriker(
+        scenario.striker.mass,
+        scenario.striker.velocity,
+        scenario.striker.restitution,
+        node="hit",
+        direction="+x",
+    )
+    return FrameImpact(scenario.name, frame, striker, scenario.duration)
