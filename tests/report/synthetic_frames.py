@@ -76,7 +76,7 @@ class SyntheticFrame:
             scalars = {"peak_displacement": peak, "time_of_peak": top}
         else:
             moved = self.gain * 0.05 * np.sin(20.0 * time) * np.exp(-time)
-            energy, scalars = 1e4, {}
+            energy, scalars = 1e4, {"peak_displacement": None, "time_of_peak": None}
         share = np.minimum(np.abs(moved) / np.abs(moved).max(), 1.0) ** 2
         start = energy if isinstance(scenario, FrameImpact) else 0.0
         values = {

@@ -7,15 +7,19 @@ import pytest
 
 from workbench.errors import WorkbenchError
 from workbench.responses import (
+    Finding,
+    Outcome,
     build_response,
     check_response,
     failed_response,
+    findings_of,
     outcome_of,
     peak_contact_force,
     peak_of,
-    residual_of,
+    set_findings,
+    warnings_of,
 )
-from workbench.responses.outcome import Outcome
+from workbench.responses.histories import residual_of
 
 
 def test_peak_between_samples_is_that_of_the_parabola() -> None:
@@ -108,3 +112,60 @@ def test_every_outcome_says_what_to_do(outcome: Outcome) -> None:
     assert outcome_of(response) is outcome
     assert response.attrs["message"] == f"reason. {outcome.advice}"
     assert outcome.advice.endswith(".")
+
+
+def test_histories_imply_their_scalars_and_what_a_model_gives_itself_counts() -> None:
+    time = np.linspace(0.0, 1.0, 201)
+    displacement, percussion = np.sin(np.pi * np.minimum(time, 0.6)), np.full(201, 0.5)
+    histories = {"displacement": displacement, "percussion": percussion}
+    response = build_response(histories, time=time)
+    assert response["peak_displacement"].item() == pytest.approx(1.0, abs=1e-12)
+    assert response["time_of_peak"].item() == pytest.approx(0.5, abs=1e-12)
+    assert response["impulse"].item() == pytest.approx(100.5)
+    assert response["peak_force"].item() == pytest.approx(0.5 * 200.0)
+    assert "residual_displacement" not in response  # no whole cycle
+    own = build_response({**histories, "impulse": 7.0, "peak_force": None}, time=time)
+    assert own["impulse"].item() == 7.0
+    assert "peak_force" not in own
+    growing = build_response({**histories, "displacement": time}, time=time)
+    assert "peak_displacement" not in growing
+    (finding,) = findings_of(growing)
+    assert (finding.subject, finding.refusal) == ("no-peak", False)
+    assert finding.remedy == "extend time.duration to find the peak"
+    push = build_response({"displacement": [0.0, 1.0], "force": [0.0, 2.0]}, steps=2)
+    assert set(push.data_vars) == {"displacement", "force"}
+
+
+def test_energies_imply_how_far_their_balance_is_open() -> None:
+    loss, dead = np.array([0.0, 2.0, 2.0]), np.array([0.0, 0.5, 1.0])
+    energies = {
+        "kinetic": np.array([10.0, 5.0, 1.0]),
+        "elastic": np.array([3.0, 5.5, 4.0]),
+        "dissipated": np.array([0.0, 1.0, 7.0]),
+        "external_work": dead,
+        "contact_loss": loss,
+    }
+    blow = {"percussion": np.zeros(3), "input_energy": 10.0}
+    response = build_response({**energies, **blow}, time=[0.0, 1.0, 2.0])
+    assert response["balance_error"].values == pytest.approx([0.0, 0.0, 0.0])
+    # without a striker the work of loads and ground is all that comes in
+    shaken = build_response({**energies, "input_energy": 1.0}, time=[0.0, 1.0, 2.0])
+    assert shaken["balance_error"].values == pytest.approx([-10.0, -10.0, -10.0])
+    static = {name: energies[name] for name in ("elastic", "dissipated", "external_work")}
+    pushed = build_response(static, steps=3)["balance_error"].values
+    assert pushed == pytest.approx(dead - (energies["elastic"] - 3.0) - energies["dissipated"])
+    del static["external_work"]
+    assert "balance_error" not in build_response(static, steps=3)
+
+
+def test_findings_stay_data_whatever_their_sentences_hold() -> None:
+    said = [
+        Finding("shear", "V/Vpl = 1.79; webs yield: first", remedy="take another", number=1.79),
+        Finding("buckling", 'it "buckles"', refusal=True),
+    ]
+    response = failed_response(Outcome.OUT_OF_DOMAIN, "two reasons", said)
+    assert findings_of(response) == said
+    assert warnings_of(response) == said[:1]
+    assert str(said[0]) == "V/Vpl = 1.79; webs yield: first: take another"
+    set_findings(response, said[1:])
+    assert findings_of(response) == said[1:]

@@ -58,7 +58,7 @@ def assessed(study: Study, root: Path) -> tuple[Study, dict[str, pd.DataFrame]]:
     run_study(study, root, jobs=0)
     assess(study, root)
     directory = root / study.name / "tables"
-    names = ("cells", "comparisons", "ladder", "gates")
+    names = ("cells", "findings", "comparisons", "ladder", "gates")
     return study, {name: pd.read_csv(directory / f"{name}.csv") for name in names}
 
 
@@ -220,7 +220,14 @@ def test_an_assessment_reads_the_store_only(
     result = assess(toy_study, tmp_path)
     tables = tmp_path / "toy" / "tables"
     first = {path.name: path.read_bytes() for path in tables.iterdir()}
-    assert set(first) == {"cells.csv", "comparisons.csv", "ladder.csv", "gates.csv", "bias.csv"}
+    assert set(first) == {
+        "cells.csv",
+        "findings.csv",
+        "comparisons.csv",
+        "ladder.csv",
+        "gates.csv",
+        "bias.csv",
+    }
     outcomes = [row["outcome"] for row in result.cells]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4
     assess(toy_study, tmp_path)
@@ -231,7 +238,10 @@ def test_the_cells_table(toy_study: Study, tmp_path: Path) -> None:
     models = {**toy_study.models, "soft": Spring(stiffness=5e4)}
     study, tables = assessed(dataclasses.replace(toy_study, models=models), tmp_path)
     row = tables["cells"].set_index(["case", "label"]).loc["v10.0", "soft"]
-    assert row["warnings"] == "stiffness: very soft"
+    said = tables["findings"].set_index(["case", "label"]).loc[("v10.0", "soft")]
+    assert (said["subject"], said["severity"], said["sentence"]) == (
+        "stiffness", "warning", "very soft",
+    )  # fmt: skip
     assert row["model"] == "toy-spring"
     assert row["energy_error"] < 1e-14
     assert row["wall_time"] > 0.0

@@ -64,7 +64,7 @@ def simulate(
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
-    from workbench.responses import ENERGIES, outcome_of, warnings_of
+    from workbench.responses import ENERGIES, findings_of, outcome_of
     from workbench.responses.stud_tests import STUD_TESTS
     from workbench.study.answers import STATIC
 
@@ -85,7 +85,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
             "relative_balance_error": error,
         },
         "shear_utilisation": _shear_utilisation(response),
-        "warnings": [f"{finding.subject}: {finding.text}" for finding in warnings_of(response)],
+        "warnings": [f.as_dict() for f in findings_of(response) if not f.refusal],
+        "refusals": [f.as_dict() for f in findings_of(response) if f.refusal],
         "wall_time": float(response.attrs["wall_time"]),
         "provenance": {
             **json.loads(response.attrs["provenance"]),
@@ -147,7 +148,7 @@ def _blocks(response: Response, scenario: Scenario, target: Path | None) -> Iter
         yield Paragraph(response.attrs["message"])
     yield Definitions(tuple(_lines(response, scenario)))
     for finding in warnings_of(response):
-        yield Callout("doubt", f"warning ({finding.subject}): {finding.text}")
+        yield Callout("doubt", f"warning ({finding.subject}): {finding}")
     if target is not None:
         yield Paragraph(f"The response is in {target}.")
 

@@ -53,16 +53,17 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
                 f"dead loads bring {force / 1e3:.4g} kN (tension positive) into member "
                 f"{member.name}, which resists {squash / 1e3:.4g} kN"
             )
-            findings.append(Finding("squash", text, refusal=True))
+            ratio = float(abs(force) / squash)
+            findings.append(Finding("squash", text, refusal=True, number=ratio))
     if state.factor <= 1.0:
         text = f"the frame buckles elastically under {state.factor:.3g} of its dead loads"
-        findings.append(Finding("buckling", text, refusal=True))
+        findings.append(Finding("buckling", text, refusal=True, number=state.factor))
     elif state.factor < BUCKLING_WARNING:
         text = (
             f"dead loads are {1.0 / state.factor:.2f} of those under which the elastic frame "
             "buckles: second-order bending between the hinges, which rigid bars lack, matters"
         )
-        findings.append(Finding("buckling", text))
+        findings.append(Finding("buckling", text, number=state.factor))
     return findings
 
 

@@ -32,7 +32,6 @@ class Record:
         }
         self._shear = np.zeros(len(structure.frame.members))
         self._snapshots = Snapshots(structure, end)
-        self._start_stored = structure.assembly.stored
         self._tally = Tally()
 
     @property
@@ -96,10 +95,6 @@ class Record:
         frame = self.structure.frame
         resistance = [frame.properties(member).shear_resistance for member in frame.members]
         return np.asarray(self._shear / np.array(resistance))
-
-    def gained(self) -> Array:
-        """Elastic energy (steps,) beyond that under the dead loads, in J."""
-        return self.column("elastic") - self._start_stored
 
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""

@@ -92,7 +92,7 @@ def shear_findings(scenario: FrameScenario) -> list[Finding]:
             "webs yield in shear before, so that every model without shear yielding overestimates "
             "the plastic resistance"
         )
-        findings.append(Finding("shear", text))
+        findings.append(Finding("shear", text, number=demand[above[0]]))
     near = [name for name in worst if bounds[name] < demand[name] <= 1.0]
     if near:
         least = min(bounds[name] for name in near)
@@ -101,5 +101,5 @@ def shear_findings(scenario: FrameScenario) -> list[Finding]:
             f"above {least:.2f} shear yielding takes more than {100 * SHEAR_LOSS:g} % of the "
             "resistance, which models without it leave out"
         )
-        findings.append(Finding("shear", text))
+        findings.append(Finding("shear", text, number=demand[near[0]]))
     return findings

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import InputError, OutOfDomainError, SolverError
@@ -14,10 +14,11 @@ from workbench.responses import (
     Finding,
     Outcome,
     Response,
-    add_warnings,
     check_response,
     failed_response,
+    findings_of,
     provenance,
+    set_findings,
 )
 from workbench.scenarios import Scenario, canonical
 
@@ -57,15 +58,13 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     """
     started = time.perf_counter()
     if scenario.KIND not in model.answers:
-        response = failed_response(
-            Outcome.OUT_OF_DOMAIN,
-            f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}",
-        )
+        text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
+        response = _refused([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
     findings = model.domain(scenario)
-    refusals = [finding.text for finding in findings if finding.refusal]
+    refusals = [finding for finding in findings if finding.refusal]
     if refusals:
-        response = failed_response(Outcome.OUT_OF_DOMAIN, "; ".join(refusals))
+        response = _refused(refusals)
     else:
         try:
             response = solve(scenario)
@@ -73,9 +72,16 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         except SolverError as error:
             response = failed_response(Outcome.NOT_CONVERGED, f"{scenario.name}: {error}")
         except OutOfDomainError as error:
-            response = failed_response(Outcome.OUT_OF_DOMAIN, f"{scenario.name}: {error}")
-    add_warnings(response, [finding for finding in findings if not finding.refusal])
+            text = f"{scenario.name}: {error}"
+            response = _refused([Finding("domain", text, refusal=True)])
+    warnings = [finding for finding in findings if not finding.refusal]
+    set_findings(response, [*warnings, *findings_of(response)])
     return _signed(response, model, scenario, started)
+
+
+def _refused(refusals: Sequence[Finding]) -> Response:
+    message = "; ".join(map(str, refusals))
+    return failed_response(Outcome.OUT_OF_DOMAIN, message, refusals)
 
 
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:

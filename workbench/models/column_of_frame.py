@@ -9,7 +9,6 @@ strength of the frame, unless the restraint is said to yield.
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -33,8 +32,8 @@ from workbench.responses import (
     Finding,
     Outcome,
     Response,
-    add_warnings,
     outcome_of,
+    set_findings,
     warnings_of,
 )
 from workbench.scenarios import (
@@ -142,10 +141,9 @@ class ColumnOfFrame:
             force = _spring_force(response, estimate.column.column)
         told = {finding.text for finding in model.domain(estimate.column)}
         own = [finding for finding in warnings_of(response) if finding.text not in told]
-        response.attrs["warnings"] = json.dumps([])
         if force is not None and self.restraint == "elastic":
             own = [*own, *estimate.restraint_findings(force)]
-        add_warnings(response, own)
+        set_findings(response, own)
         response.attrs["derived_column"] = to_toml(estimate.column)
         return response
 

@@ -8,6 +8,7 @@ from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact, ColumnPushover
 
+SHEAR_REMEDY = "hold it against fiber-shear, whose webs yield in shear"
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -46,13 +47,13 @@ def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
             f"axial load {load / 1e3:.4g} kN reaches the Euler load {critical / 1e3:.4g} kN "
             "of the column: it buckles before it is hit"
         )
-        findings.append(Finding("buckling", text, refusal=True))
+        findings.append(Finding("buckling", text, refusal=True, number=load / critical))
     elif load > _EULER_WARNING * critical:
         text = (
             f"axial load is {load / critical:.2f} of the Euler load: second-order bending "
             "between the hinges, which rigid-bar models lack, matters"
         )
-        findings.append(Finding("buckling", text))
+        findings.append(Finding("buckling", text, number=load / critical))
     bound = shear_bound(scenario.column.strength_section)
     for segment, ratio in shear_demand(scenario).items():
         if bound < ratio <= 1.0:
@@ -62,12 +63,12 @@ def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
                 f"{100 * SHEAR_LOSS:g} % of the resistance of this section, which models without "
                 "it leave out"
             )
-            findings.append(Finding("shear", text))
+            findings.append(Finding("shear", text, number=ratio))
         elif ratio > 1.0:
             text = (
                 f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
                 f"{ratio:.2f}: its web yields in shear before, so that every model without shear "
                 "yielding overestimates the plastic resistance"
             )
-            findings.append(Finding("shear", text))
+            findings.append(Finding("shear", text, remedy=SHEAR_REMEDY, number=ratio))
     return findings

@@ -12,14 +12,7 @@ from workbench.errors import OutOfDomainError
 from workbench.frames.accuracy import impact_accuracy
 from workbench.references.column_beams import SEGMENTS, WATCHED, ColumnBeams
 from workbench.references.history import History
-from workbench.responses import (
-    Finding,
-    Response,
-    build_response,
-    peak_contact_force,
-    peak_of,
-    residual_of,
-)
+from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.impact import PointMass, impact
@@ -72,7 +65,6 @@ def run_impact(
     """
     assembly, striker = beams.assembly, scenario.striker
     history = History(beams)
-    start = assembly.stored
     work = loss = 0.0
     history.record(
         time=0.0,
@@ -107,23 +99,10 @@ def run_impact(
     names = ("displacement", "velocity", "striker_velocity", "percussion", "shortening",
              "kinetic", "elastic", "dissipated", "external_work", "contact_loss")  # fmt: skip
     columns = {name: history.column(name) for name in names}
-    stored = columns["kinetic"] + columns["elastic"] + columns["dissipated"]
-    given = scenario.input_energy + start + columns["external_work"]
-    time = history.column("time")
-    peak = peak_of(time, columns["displacement"])
-    warnings = _shear_findings(history) + _impact_findings(history, scenario, bool(peak))
+    warnings = _shear_findings(history) + _impact_findings(history, scenario)
     response = build_response(
-        {
-            **columns,
-            **peak,
-            **_watched(history),
-            "balance_error": given - stored - columns["contact_loss"],
-            "input_energy": scenario.input_energy,
-            "residual_displacement": (residual_of(time, columns["displacement"]) if peak else None),
-            "peak_force": peak_contact_force(time[1:], columns["percussion"][1:]),
-            "impulse": columns["percussion"].sum(),
-        },
-        time=time,
+        {**columns, **_watched(history), "input_energy": scenario.input_energy},
+        time=history.column("time"),
         hinges=WATCHED,
         segments=SEGMENTS,
         warnings=warnings,
@@ -154,7 +133,6 @@ def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Re
     )
     head_load = float(assembly.load[beams.head])
     work = pushed - head_load * (columns["shortening"] - columns["shortening"][0])
-    gained = columns["elastic"] - columns["elastic"][0]
     warnings = _shear_findings(history)
     if scenario.displacement > COLLAPSE_SIDEWAYS * _shorter(scenario.column):
         text = (
@@ -167,7 +145,6 @@ def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Re
             **columns,
             **_watched(history),
             "external_work": work,
-            "balance_error": work - gained - columns["dissipated"],
             "input_energy": pushed[-1],
         },
         steps=steps + 1,
@@ -179,23 +156,22 @@ def run_pushover(scenario: ColumnPushover, beams: ColumnBeams, steps: int) -> Re
     return response
 
 
-def _impact_findings(history: History, scenario: ColumnImpact, peaked: bool) -> list[Finding]:
+def _impact_findings(history: History, scenario: ColumnImpact) -> list[Finding]:
     """What a finished impact run tells about its own accuracy."""
     ratio = history.yield_ratio()
     softened = []
     if ratio is not None and ratio < LEAST_YIELD_RATIO:
         text = (
             f"yield ratio {ratio:.4f} is below {LEAST_YIELD_RATIO}: averaging over the step "
-            "softens yielding fibers; take a smaller time_step or a larger weight"
+            "softens yielding fibers"
         )
-        softened.append(Finding("yield-ratio", text))
+        remedy = "take a smaller time_step or a larger weight"
+        softened.append(Finding("yield-ratio", text, remedy=remedy, number=ratio))
     return impact_accuracy(
         history.column("displacement"),
         history.column("algorithmic"),
         scenario.input_energy,
-        scenario.duration,
         softened,
-        peaked=peaked,
         body="the whole column",
     )
 
@@ -222,7 +198,7 @@ def _shear_findings(history: History) -> list[Finding]:
                     f"{strain:.2f}, above {LARGEST_SHEAR_STRAIN}: the model lets it slide without "
                     "stretching and misses the catenary action that then sets in"
                 )
-                findings.append(Finding("shear-strain", text))
+                findings.append(Finding("shear-strain", text, number=float(strain)))
         return findings
     for segment, ratio in zip(SEGMENTS, history.shear_utilisation(), strict=True):
         if ratio > 1.0:
@@ -230,7 +206,7 @@ def _shear_findings(history: History) -> list[Finding]:
                 f"the segment {segment} the hit point reached V/Vpl = {ratio:.2f}, but shear does "
                 "not yield in this model: it overestimates the resistance"
             )
-            findings.append(Finding("shear-reached", text))
+            findings.append(Finding("shear-reached", text, number=float(ratio)))
     return findings
 
 

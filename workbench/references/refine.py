@@ -22,9 +22,10 @@ from workbench.responses import (
     Finding,
     Outcome,
     Response,
-    add_warnings,
+    findings_of,
     outcome_of,
     scalars_of,
+    set_findings,
     warnings_of,
 )
 from workbench.responses.convergence import CAUTIOUS
@@ -136,12 +137,11 @@ class _Refinement:
             self.statements.append("one mesh only (levels = 1): numerical uncertainty unknown")
         unknown = [q for q in main if found[q].width is None]
         drifting = [q for q in main if _drifts(found[q])]
-        warned = []
+        warned: list[str] = []
         if unknown and self.levels > 1:
             reasons = dict.fromkeys(self.statements or [found[q].note for q in unknown])
-            warned.append(
-                f"numerical uncertainty of {', '.join(unknown)} is unknown: {'; '.join(reasons)}"
-            )
+            without = f"numerical uncertainty of {', '.join(unknown)} is unknown"
+            warned.extend(f"{without}: {reason}" for reason in reasons)
         if drifting:
             warned.append(drift_text(drifting, response))
         extra: dict[str, Any] = {}
@@ -162,7 +162,8 @@ class _Refinement:
             sort_keys=True,
         )
         attach_curves(response, self.runs)
-        add_warnings(response, [Finding("refinement", text) for text in warned])
+        own = [Finding("refinement", text) for text in warned]
+        set_findings(response, [*own, *findings_of(response)])
 
     def _run(self) -> tuple[Direction, ...]:
         """Answer on coarser meshes as far as they can be relied on; the directions they make."""
@@ -209,8 +210,7 @@ class _Refinement:
         known = {finding.subject for finding in warnings_of(self.response)}
         doubts = [f for f in warnings_of(run) if f.subject in DOUBTS and f.subject not in known]
         if doubts:
-            texts = "; ".join(f"{f.subject}: {f.text}" for f in doubts)
-            self.statements.append(f"{name} cannot be relied on, {texts}")
+            self.statements += [f"{name} cannot be relied on, {f.subject}: {f}" for f in doubts]
             return False
         if finer is not None and not _coarser(run, finer):
             self.statements.append(f"{name} has no larger elements: there is no coarser mesh")

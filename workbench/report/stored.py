@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,13 +18,13 @@ from workbench.study.definition import Study
 from workbench.study.store import Store
 
 NOT_RUN = "not run"
-_TABLES = ("cells", "comparisons", "ladder", "gates")
+_TABLES = ("cells", "findings", "comparisons", "ladder", "gates")
 _OPTIONAL = ("bias",)
 _TEXTS = dict.fromkeys(
     (
-        *("case", "label", "model", "outcome", "message", "warnings", "key", "against"),
+        *("case", "label", "model", "outcome", "message", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
-        *("converging", "accepted"),
+        *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
     ),
     str,
 )
@@ -51,6 +51,11 @@ class CellState:
         """Whether the model answered."""
         return self.outcome == Outcome.OK
 
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """The findings that are no refusals."""
+        return tuple(finding for finding in self.findings if not finding.refusal)
+
 
 @dataclass(frozen=True)
 class Stored:
@@ -66,7 +71,7 @@ class Stored:
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Tables ``cells``, ``comparisons``, ``ladder`` and ``gates``, and ``bias`` if it exists.
+        """Tables of the assessment by name, as `_TABLES` lists them, and ``bias`` if it exists.
 
         Raises `InputError` if the study has not been run and assessed.
         """
@@ -91,9 +96,14 @@ class Stored:
             (str(row["case"]), str(row["label"])): row
             for row in self.tables["cells"].to_dict("records")
         }
+        findings: dict[tuple[str, str], list[Finding]] = {}
+        for row in self.tables["findings"].to_dict("records"):
+            row["number"] = None if np.isnan(row["number"]) else float(row["number"])
+            found = Finding.from_dict({str(name): value for name, value in row.items()})
+            findings.setdefault((row["case"], row["label"]), []).append(found)
         return {
-            (case.name, label): _state(case.name, label, known.get((case.name, label)))
-            for case, label in self.study.cells()
+            key: _state(*key, known.get(key), findings.get(key, []))
+            for key in ((case.name, label) for case, label in self.study.cells())
         }
 
     def expects(self, case: str, label: str) -> bool:
@@ -165,7 +175,7 @@ class Stored:
         return [found[key] for key in sorted(found)]
 
 
-def _state(case: str, label: str, row: Any) -> CellState:
+def _state(case: str, label: str, row: Any, findings: Sequence[Finding]) -> CellState:
     if row is None:
         return CellState(case, label, NOT_RUN, "", (), {}, "")
     numbers = {
@@ -178,22 +188,7 @@ def _state(case: str, label: str, row: Any) -> CellState:
         label,
         row["outcome"],
         row["message"],
-        tuple(_findings(row["warnings"])),
+        tuple(findings),
         numbers,
         row["key"],
     )
-
-
-def _findings(text: str) -> Iterator[Finding]:
-    """Warnings as the table of cells joins them: ``subject: text; subject: text``."""
-    subject, sentence = "", ""
-    for part in text.split("; "):
-        head, colon, rest = part.partition(": ")
-        if colon and " " not in head:
-            if sentence:
-                yield Finding(subject, sentence)
-            subject, sentence = head, rest
-        elif part:
-            sentence = f"{sentence}; {part}" if sentence else part
-    if sentence:
-        yield Finding(subject, sentence)

@@ -2,17 +2,16 @@
 
 from workbench.responses.build import (
     Response,
-    add_warnings,
     build_response,
     check_response,
     failed_response,
+    findings_of,
     outcome_of,
-    peak_contact_force,
-    peak_of,
-    residual_of,
     scalars_of,
+    set_findings,
     warnings_of,
 )
+from workbench.responses.histories import peak_contact_force, peak_of
 from workbench.responses.outcome import Finding, Outcome
 from workbench.responses.provenance import provenance
 from workbench.responses.variables import (
@@ -34,15 +33,15 @@ __all__ = [
     "Finding",
     "Outcome",
     "Response",
-    "add_warnings",
     "build_response",
     "check_response",
     "failed_response",
+    "findings_of",
     "outcome_of",
     "peak_contact_force",
     "peak_of",
     "provenance",
-    "residual_of",
     "scalars_of",
+    "set_findings",
     "warnings_of",
 ]

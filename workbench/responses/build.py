@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from workbench.errors import WorkbenchError
+from workbench.responses.histories import implied
 from workbench.responses.outcome import Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
 Response = xr.Dataset
-FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 
 def build_response(
@@ -33,17 +33,21 @@ def build_response(
     Arguments: `values`, variable name to array in the order of its dimensions (entries that
     are None are left out: a quantity that a model cannot know is absent); `time` in s for
     histories in time, or `steps`, the number of load steps; names of `hinges`, `segments` and
-    `members`; `warnings` met while solving. Points along members are evenly spaced, snapshots
-    numbered. Raises KeyError for a variable that is not in the table.
+    `members`; `warnings` met while solving. What the histories imply (see `histories.implied`)
+    is added; where a model gives it itself, also as None, that counts. Points along members are
+    evenly spaced, snapshots numbered. Raises KeyError for a variable that is not in the table.
     """
+    instants = None if time is None else np.asarray(time, dtype=float)
+    derived, findings = implied(values, instants)
+    values = {**derived, **values}
     history = "time" if time is not None else "step"
     along: dict[str, Any] = {
         "hinge": list(hinges) or None,
         "segment": list(segments) or None,
         "member": list(members) or None,
     }
-    if time is not None:
-        along["time"] = np.asarray(time, dtype=float)
+    if instants is not None:
+        along["time"] = instants
     elif steps is not None:
         along["step"] = np.arange(steps)
     data = {}
@@ -71,16 +75,19 @@ def build_response(
     response = xr.Dataset(data, coordinates)
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
-    response.attrs["warnings"] = json.dumps([[f.subject, f.text] for f in warnings])
+    set_findings(response, [*findings, *warnings])
     return response
 
 
-def failed_response(outcome: Outcome, message: str) -> Response:
-    """A response without variables that says how the attempt ended and what to do."""
+def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] = ()) -> Response:
+    """A response without variables that says how the attempt ended and what to do.
+
+    Arguments: the `outcome`; a `message` in words; the `findings` behind it, if any.
+    """
     response = xr.Dataset()
     response.attrs["outcome"] = outcome.value
     response.attrs["message"] = f"{message}. {outcome.advice}" if message else outcome.advice
-    response.attrs["warnings"] = "[]"
+    set_findings(response, findings)
     return response
 
 
@@ -89,15 +96,19 @@ def outcome_of(response: Response) -> Outcome:
     return Outcome(response.attrs["outcome"])
 
 
+def findings_of(response: Response) -> list[Finding]:
+    """The findings that a response carries: refusals and warnings."""
+    return [Finding.from_dict(stored) for stored in json.loads(response.attrs["findings"])]
+
+
 def warnings_of(response: Response) -> list[Finding]:
     """The warnings that a response carries."""
-    return [Finding(subject, text) for subject, text in json.loads(response.attrs["warnings"])]
+    return [finding for finding in findings_of(response) if not finding.refusal]
 
 
-def add_warnings(response: Response, findings: Sequence[Finding]) -> None:
-    """Put further warnings in front of those that a response carries."""
-    pairs = [[f.subject, f.text] for f in findings] + json.loads(response.attrs["warnings"])
-    response.attrs["warnings"] = json.dumps(pairs)
+def set_findings(response: Response, findings: Sequence[Finding]) -> None:
+    """Let a response carry these findings and no others."""
+    response.attrs["findings"] = json.dumps([finding.as_dict() for finding in findings])
 
 
 def check_response(response: Response) -> None:
@@ -116,64 +127,6 @@ def check_response(response: Response) -> None:
             raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if "time" in response.coords and np.any(np.diff(response["time"].values) <= 0.0):
         raise WorkbenchError("response time does not increase")
-
-
-def peak_of(time: NDArray[np.float64], displacement: NDArray[np.float64]) -> dict[str, float]:
-    """Peak and its time from a history by the parabola through its three highest points.
-
-    Empty if the displacement still grows at the end of the record: then there is no peak.
-    """
-    top = int(np.argmax(displacement))
-    if top == len(displacement) - 1:
-        return {}
-    if top == 0:
-        return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
-    before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
-    fall_before = float(displacement[top - 1] - displacement[top]) / before
-    fall_after = float(displacement[top + 1] - displacement[top]) / after
-    curvature = (fall_after - fall_before) / (after - before)
-    slope = fall_after - curvature * after
-    shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
-    return {
-        "peak_displacement": float(displacement[top]) + (slope + curvature * shift) * shift,
-        "time_of_peak": float(time[top]) + shift,
-    }
-
-
-def residual_of(time: NDArray[np.float64], displacement: NDArray[np.float64]) -> float | None:
-    """Permanent displacement: mean over the whole cycles of free vibration after the peak.
-
-    A cycle runs between two upward crossings of the mid-level of the record after its first
-    minimum behind the peak. None if the record holds no whole cycle: run longer.
-    """
-    top = int(np.argmax(displacement))
-    after = displacement[top:]
-    rising = np.flatnonzero(np.diff(after) > 0.0)
-    if len(rising) == 0:
-        return None
-    start = top + int(rising[0])
-    t, d = time[start:], displacement[start:]
-    level = 0.5 * (d.max() + d.min())
-    crossings = np.flatnonzero((d[:-1] < level) & (d[1:] >= level))
-    if len(crossings) < 2:
-        return None
-    whole = slice(int(crossings[0]), int(crossings[-1]) + 1)
-    span = t[whole][-1] - t[whole][0]
-    return float(np.trapezoid(d[whole], t[whole]) / span)
-
-
-def peak_contact_force(time: NDArray[np.float64], percussion: NDArray[np.float64]) -> float:
-    """Largest contact force in N: percussions summed over a sliding window of 1 ms.
-
-    Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
-    """
-    impulse = np.concatenate([[0.0], np.cumsum(percussion)])
-    first = 2.0 * time[0] - time[1] if len(time) > 1 else time[0] - FORCE_WINDOW
-    at = np.concatenate([[first], time])
-    # the impulse rises linearly within a step: the best window starts or ends on a step
-    ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
-    starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse
-    return float(max(ending.max(), starting.max()) / FORCE_WINDOW)
 
 
 def scalars_of(response: Response) -> dict[str, float]:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
+
+WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
+COLUMNS = ("subject", "severity", "sentence", "remedy", "number")  # of a finding in a table
 
 
 class Outcome(StrEnum):
@@ -34,12 +39,30 @@ _ADVICE = {
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a model's domain check found: a warning (it still answers) or a refusal.
+    """What a model says about its own answer: a warning (it still answers) or a refusal.
 
     Arguments: `subject`, a short key such as ``shear``; `text`, one sentence with the numbers;
-    `refusal`, True when the model cannot answer.
+    `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead
+    (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none).
     """
 
     subject: str
     text: str
     refusal: bool = False
+    remedy: str = ""
+    number: float | None = None
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.remedy}" if self.remedy else self.text
+
+    def as_dict(self) -> dict[str, Any]:
+        """The finding as JSON and tables hold it, by the names of `COLUMNS`."""
+        severity = REFUSAL if self.refusal else WARNING
+        values = (self.subject, severity, self.text, self.remedy, self.number)
+        return dict(zip(COLUMNS, values, strict=True))
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> Finding:
+        """The finding that `as_dict` gave."""
+        subject, severity, text, remedy, number = (stored[name] for name in COLUMNS)
+        return cls(subject, text, severity == REFUSAL, remedy, number)

@@ -11,7 +11,8 @@ import numpy as np
 
 from workbench.assessment import Verdict, bias_and_scatter
 from workbench.errors import InputError
-from workbench.responses import SCALARS, TIMES, Response, scalars_of, warnings_of
+from workbench.responses import SCALARS, TIMES, Response, findings_of, scalars_of
+from workbench.responses.outcome import COLUMNS
 from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import (
@@ -26,7 +27,7 @@ from workbench.study.tables import Row, write_table
 
 NOT_RUN = "not run"
 
-_CELL = ("case", "label", "model", "model_version", "outcome", "message", "warnings", "wall_time")
+_CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
 _COMPARISON = (
     *("model", "against", "quantity", "metric", "value", "against_value", "error"),
     *("uncertainty", "note"),
@@ -100,6 +101,7 @@ def assess(study: Study, root: Path) -> Assessment:
         if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     cell_rows: list[Row] = []
+    findings: list[Row] = []
     comparisons: list[Row] = []
     ladders: list[Row] = []
     gates: list[list[Row]] = [[] for _ in study.gates]
@@ -115,6 +117,10 @@ def assess(study: Study, root: Path) -> Assessment:
                 record = store.record(cell.key)
             answer = _cell_row(cell, responses.get(cell.label), record)
             cell_rows.append({**answer, **case.parameters})
+            if record is not None:
+                who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
+                found = findings_of(responses[cell.label])
+                findings.extend({**who, **finding.as_dict()} for finding in found)
         asked = tuple(cell.label for cell in by_case[case.name])
         answers = Answers(study, case, asked, responses)
         comparisons.extend(comparison_rows(answers))
@@ -130,6 +136,7 @@ def assess(study: Study, root: Path) -> Assessment:
     derived = ("shear_utilisation", "energy_error")
     tables = (
         ("cells", cell_rows, (*_CELL, "solve_time", *names, *SCALARS, *derived, "key")),
+        ("findings", findings, ("case", "label", "model", *COLUMNS)),
         ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
         ("ladder", ladders, ("case", "quantity", *study.steps, *_LADDER)),
         ("gates", gate_rows, _GATE),
@@ -165,7 +172,6 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
     row |= {
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
-        "warnings": "; ".join(f"{f.subject}: {f.text}" for f in warnings_of(response)),
         **{name: record.get(name) for name in TIMES},
         **scalars_of(response),
     }

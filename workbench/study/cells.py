@@ -18,7 +18,7 @@ from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.comparisons import check_metrics
 from workbench.study.definition import Study
 
-STORE_FORMAT = 1
+STORE_FORMAT = 2
 
 Ingredients = Mapping[str, Any]
 

@@ -22,14 +22,7 @@ from workbench.hinges import YieldSurface
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.models.four_dof import _impact_kernels, _kernels
-from workbench.responses import (
-    Finding,
-    Response,
-    build_response,
-    peak_contact_force,
-    peak_of,
-    residual_of,
-)
+from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
@@ -192,15 +185,13 @@ class FourDof:
                 for forces, u2 in zip(stress, state[:, 3], strict=True)
             ]
         )
-        work = external + dead
         values: dict[str, Any] = {
             "displacement": state[:, 0],
             "force": records[:, 4],
             "shortening": -state[:, 3],
             "elastic": elastic,
             "dissipated": records[:, 11],
-            "external_work": work,
-            "balance_error": work - (elastic - elastic[0]) - records[:, 11],
+            "external_work": external + dead,
             "input_energy": external[-1],
             **self._hinge_values(column, kernel, state, stress, None),
         }
@@ -265,20 +256,11 @@ class FourDof:
         kernel, _ = self._assembly(column)
         state, stress = records[:, :4], records[:, 7:13].reshape(-1, 2, 3)
         plastic = records[:, 13:19].reshape(-1, 2, 3)
-        percussion = records[:, 6]
-        peak = peak_of(time, state[:, 0])
-        warnings = []
-        if not peak:
-            text = (
-                f"the displacement still grows at the end of the record, {time[-1]:g} s: "
-                "extend time.duration to find the peak"
-            )
-            warnings.append(Finding("no-peak", text))
         values: dict[str, Any] = {
             "displacement": state[:, 0],
             "velocity": records[:, 4],
             "striker_velocity": records[:, 5],
-            "percussion": percussion,
+            "percussion": records[:, 6],
             "force": records[:, 23],
             "shortening": -state[:, 3],
             "kinetic": records[:, 19],
@@ -288,15 +270,9 @@ class FourDof:
             "external_work": dead_work,
             "balance_error": balance,
             "input_energy": scenario.input_energy,
-            **peak,
-            "residual_displacement": residual_of(time, state[:, 0]) if peak else None,
-            "peak_force": peak_contact_force(time[1:], percussion[1:]),
-            "impulse": percussion.sum(),
             **self._hinge_values(column, kernel, state, stress, plastic),
         }
-        return build_response(
-            values, time=time, hinges=HINGES, segments=SEGMENTS, warnings=warnings
-        )
+        return build_response(values, time=time, hinges=HINGES, segments=SEGMENTS)
 
     @staticmethod
     def _hinge_values(

@@ -207,16 +207,9 @@ class SingleDof:
         solved = perf_counter() - started
         time, records, curve = run.time, run.records, run.curve
         column, scalars = scenario.column, _scalars(scenario, run)
-        warnings = []
-        if "peak_displacement" not in scalars:
-            text = (
-                f"the displacement still grows at the end of the record, {time[-1]:g} s: "
-                "extend time.duration to find the peak"
-            )
-            warnings.append(Finding("no-peak", text))
         top = float(records[0].max())
         companion = analytic_companion(curve)
-        warnings.extend(reached_findings(curve, companion, top))
+        warnings = reached_findings(curve, companion, top)
         kinetic, elastic, dissipated, lost = records[5:9]
         values: dict[str, Any] = {
             "displacement": records[0],
@@ -312,6 +305,5 @@ def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[
         "elastic": elastic,
         "dissipated": dissipated,
         "external_work": work,
-        "balance_error": work - elastic - dissipated,
         "input_energy": work[-1],
     }

@@ -130,8 +130,8 @@ def domain(stored: Stored, shear: ShearDemand) -> Section:
 def _warnings(stored: Stored) -> list[Block]:
     exact: dict[tuple[str, str], list[CellState]] = {}
     for cell in stored.cells.values():
-        for finding in cell.findings:
-            exact.setdefault((finding.subject, finding.text), []).append(cell)
+        for finding in cell.warnings:
+            exact.setdefault((finding.subject, str(finding)), []).append(cell)
     if not exact:
         return []
     texts: dict[str, dict[str, list[CellState]]] = {}

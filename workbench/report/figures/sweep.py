@@ -118,7 +118,7 @@ def _panel(
         sides = [request.stored.cells.get((case.name, side)) for side in (label, against)]
         if any(cell is None or not cell.ok for cell in sides):
             failed.add(at)
-        elif sides[0] is not None and sides[0].findings:
+        elif sides[0] is not None and sides[0].warnings:
             warned.add(at)
         error = known.get((case.name, label))
         if error is not None and not abs(error) <= abs(field[at]):

@@ -1,0 +1,121 @@
+"""What histories imply: peak, residual, contact force, impulse, and the balance of energies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.responses.outcome import Finding
+
+Array = NDArray[np.float64]
+FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
+
+
+def implied(
+    values: Mapping[str, ArrayLike | None], time: Array | None
+) -> tuple[dict[str, Any], list[Finding]]:
+    """What the histories among the `values` of a response imply, and what has to be said of it.
+
+    A displacement over `time` (s; None: load steps) implies its peak; with the percussion of a
+    striker also the residual displacement, impulse and contact force; energies imply how far
+    their balance is open.
+    """
+    given = {name: np.asarray(v, dtype=float) for name, v in values.items() if v is not None}
+    blow = "percussion" in given
+    found: dict[str, Any] = {}
+    findings = []
+    if time is not None and "displacement" in given:
+        displacement = given["displacement"]
+        peak = peak_of(time, displacement)
+        found |= peak
+        if blow and peak:
+            found["residual_displacement"] = residual_of(time, displacement)
+        elif blow:
+            text = f"the displacement still grows at the end of the record, {time[-1]:g} s"
+            findings.append(
+                Finding("no-peak", text, remedy="extend time.duration to find the peak")
+            )
+    if time is not None and blow:
+        found["impulse"] = given["percussion"].sum()
+        found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
+    balance = balance_error(given, static=time is None)
+    return {**found, "balance_error": balance}, findings
+
+
+def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:
+    """Energy brought in less what is stored, dissipated and lost, in J (steps,).
+
+    A striker brings the input energy; loads and the ground bring the external work alone. None
+    if the `values` do not hold the energies that it takes.
+    """
+    blow = "percussion" in values
+    needed = {"elastic", "dissipated", "external_work" if static else "kinetic"}
+    if not needed <= set(values) or (blow and "input_energy" not in values):
+        return None
+    gained = values["elastic"] - values["elastic"][0]
+    if static:
+        return np.asarray(values["external_work"] - gained - values["dissipated"])
+    spent = values["kinetic"] + gained + values["dissipated"] + values.get("contact_loss", 0.0)
+    brought = (values["input_energy"] if blow else 0.0) + values.get("external_work", 0.0)
+    return np.asarray(brought - spent)
+
+
+def peak_of(time: Array, displacement: Array) -> dict[str, float]:
+    """Peak and its time from a history by the parabola through its three highest points.
+
+    Empty if the displacement still grows at the end of the record: then there is no peak.
+    """
+    top = int(np.argmax(displacement))
+    if top == len(displacement) - 1:
+        return {}
+    if top == 0:
+        return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
+    before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
+    fall_before = float(displacement[top - 1] - displacement[top]) / before
+    fall_after = float(displacement[top + 1] - displacement[top]) / after
+    curvature = (fall_after - fall_before) / (after - before)
+    slope = fall_after - curvature * after
+    shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
+    return {
+        "peak_displacement": float(displacement[top]) + (slope + curvature * shift) * shift,
+        "time_of_peak": float(time[top]) + shift,
+    }
+
+
+def residual_of(time: Array, displacement: Array) -> float | None:
+    """Permanent displacement: mean over the whole cycles of free vibration after the peak.
+
+    A cycle runs between two upward crossings of the mid-level of the record after its first
+    minimum behind the peak. None if the record holds no whole cycle: run longer.
+    """
+    top = int(np.argmax(displacement))
+    after = displacement[top:]
+    rising = np.flatnonzero(np.diff(after) > 0.0)
+    if len(rising) == 0:
+        return None
+    start = top + int(rising[0])
+    t, d = time[start:], displacement[start:]
+    level = 0.5 * (d.max() + d.min())
+    crossings = np.flatnonzero((d[:-1] < level) & (d[1:] >= level))
+    if len(crossings) < 2:
+        return None
+    whole = slice(int(crossings[0]), int(crossings[-1]) + 1)
+    span = t[whole][-1] - t[whole][0]
+    return float(np.trapezoid(d[whole], t[whole]) / span)
+
+
+def peak_contact_force(time: Array, percussion: Array) -> float:
+    """Largest contact force in N: percussions summed over a sliding window of 1 ms.
+
+    Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
+    """
+    impulse = np.concatenate([[0.0], np.cumsum(percussion)])
+    first = 2.0 * time[0] - time[1] if len(time) > 1 else time[0] - FORCE_WINDOW
+    at = np.concatenate([[first], time])
+    # the impulse rises linearly within a step: the best window starts or ends on a step
+    ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
+    starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse
+    return float(max(ending.max(), starting.max()) / FORCE_WINDOW)
