@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from workbench.assessment import METRICS, Scope
+from workbench.content.tree import ABSENT, Cell
 from workbench.responses.variables import COORDINATES, VARIABLES
 
 MINUS, TIMES, PLUS_MINUS = "\u2212", "\u00d7", "\u00b1"
@@ -140,3 +142,21 @@ def duration(seconds: float | None, digits: int = 2) -> str:
 def count(number_of: int, singular: str, plural: str = "") -> str:
     """``1 case``, ``3 cases``."""
     return f"{number_of} {singular if number_of == 1 else plural or singular + 's'}"
+
+
+def valued(
+    value: float | None, text: Callable[[float], str] | int = 4, tone: str = "", factor: float = 1.0
+) -> Cell:
+    """A value as a table cell that sorts by it; a dash for None and NaN.
+
+    `text` writes it, or is the number of its significant digits after multiplying by `factor`.
+    """
+    if value is None or math.isnan(value):
+        return ABSENT
+    shown = text(value) if callable(text) else number(factor * value, text)
+    return Cell(shown, value, tone)
+
+
+def share(value: float | None, tone: str = "") -> Cell:
+    """A ratio as a cell in percent, without sign."""
+    return valued(value, lambda ratio: percent(ratio, signed=False), tone)

@@ -147,17 +147,25 @@ class Stored:
         )
         return table[chosen]
 
-    def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
-        """The row of the ladder table for a case and quantity; numbers that are absent are None."""
-        table = self.tables["ladder"]
-        rows = table[(table["case"] == case) & (table["quantity"] == quantity)]
-        if rows.empty:
-            return None
-        row = {str(name): value for name, value in rows.iloc[0].to_dict().items()}
+    @cached_property
+    def rows(self) -> dict[str, list[dict[str, Any]]]:
+        """Rows of the tables in their order; numbers that are absent are None."""
         return {
-            name: None if isinstance(value, float) and np.isnan(value) else value
-            for name, value in row.items()
+            name: [
+                {
+                    str(column): None if isinstance(value, float) and np.isnan(value) else value
+                    for column, value in row.items()
+                }
+                for row in table.to_dict("records")
+            ]
+            for name, table in self.tables.items()
         }
+
+    def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
+        """The row of the ladder table for a case and quantity."""
+        wanted = (case, quantity)
+        rows = (row for row in self.rows["ladder"] if (row["case"], row["quantity"]) == wanted)
+        return next(rows, None)
 
     def problems(self) -> Iterator[CellState]:
         """Cells without an answer, in the order of the study."""

@@ -12,7 +12,6 @@ from workbench.content.bibliography import cited
 from workbench.content.tree import (
     Block,
     Bullets,
-    Cell,
     Column,
     Definitions,
     Listing,
@@ -42,27 +41,23 @@ def _models(study: Study) -> Section:
     sections = []
     said: dict[tuple[str, ...], str] = {}
     for label, model in study.models.items():
-        role = []
-        if label == study.reference:
-            role.append("the reference")
-        elif label in study.ladder:
-            role.append("a coarser level of the reference")
-        options = options_of(model)
-        shown = ", ".join(f"`{name} = {_value(value)}`" for name, value in options.items())
+        options = [f"`{name} = {_value(value)}`" for name, value in options_of(model).items()]
         pairs = [
             ("model", f"`{model.name}`, version {model.version}"),
-            ("options", shown or "none"),
+            ("options", ", ".join(options) or "none"),
         ]
-        if role:
-            pairs.append(("role", ", ".join(role)))
+        if label == study.reference:
+            pairs.append(("role", "the reference"))
+        elif label in study.ladder:
+            pairs.append(("role", "a coarser level of the reference"))
         if model.sources:
-            pairs.append(("sources", " ".join(cited(key) for key in model.sources)))
+            pairs.append(("sources", " ".join(map(cited, model.sources))))
         first = said.setdefault(tuple(model.assumptions), label)
-        if first == label:
-            blocks: tuple[Block, ...] = (Definitions(tuple(pairs)), Bullets(model.assumptions))
-        else:
+        if first != label:
             pairs.append(("assumptions", f"those of {first}"))
-            blocks = (Definitions(tuple(pairs)),)
+        blocks: tuple[Block, ...] = (Definitions(tuple(pairs)),)
+        if first == label:
+            blocks += (Bullets(model.assumptions),)
         sections.append(Section(f"model-{label}", label, blocks))
     return Section("models", "Models", tuple(sections))
 
@@ -87,21 +82,22 @@ def _cases(study: Study) -> Section:
     blocks: list[Block] = [Paragraph(text)]
     blocks.extend(Listing(case.name, texts[case.name]) for case in first.values())
     if others:
-        rows = []
-        for case in others:
-            like = first[case.scenario.KIND]
-            changes = _changes(texts[like.name], texts[case.name])
-            answered = ", ".join(case.models) if case.models else "all that apply"
-            rows.append((Cell(case.name), Cell(like.name), Cell(changes), Cell(answered)))
         columns = (
-            Column("case", width=1.8),
-            Column("differs from", width=1.3),
-            Column("in", width=4.0),
-            Column("models asked", width=2.0),
+            Column("case", width=1.8, of="name"),
+            Column("differs from", width=1.3, of=lambda case: first[case.scenario.KIND].name),
+            Column(
+                *("in", False, 4.0),
+                lambda case: _changes(texts[first[case.scenario.KIND].name], texts[case.name]),
+            ),
+            Column("models asked", width=2.0, of=_asked),
         )
-        blocks.append(Table("cases", "All other cases.", columns, tuple(rows), _PRINTED))
+        blocks.append(Table.of("cases", "All other cases.", columns, others, _PRINTED))
         blocks.extend(Listing(case.name, texts[case.name], printed=False) for case in others)
     return Section("cases", "Cases", tuple(blocks))
+
+
+def _asked(case: Case) -> str:
+    return ", ".join(case.models) if case.models else "all that apply"
 
 
 def _changes(first: str, other: str) -> str:

@@ -2,73 +2,72 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
+from statistics import median
+from typing import NamedTuple
 
-from workbench.content.formatting import count, duration
+from workbench.content.formatting import count, duration, valued
 from workbench.content.tree import Block, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
 
+class _Times(NamedTuple):
+    """Wall times of a label in one kind of scenario, s: whole answers, and solving alone."""
+
+    label: str
+    kind: str
+    whole: list[float]
+    solving: list[float]
+
+
+_COLUMNS = (
+    Column("model", width=2.0, of="label"),
+    Column("scenario", width=1.6, of="kind"),
+    Column("cases", True, 0.7, lambda times: len(times.whole)),
+    Column("fastest", True, 1.0, lambda times: _cell(min(times.whole))),
+    Column("median", True, 1.0, lambda times: _cell(median(times.whole))),
+    Column("slowest", True, 1.0, lambda times: _cell(max(times.whole))),
+    Column(
+        *("solving alone", True, 1.2),
+        lambda times: _cell(median(times.solving)) if times.solving else None,
+    ),
+)
+
+
 def cost(study: Study, stored: Stored, figures: list[Block]) -> Section:
     """Wall times per model and the figures that set them against errors."""
-    rows = []
-    kinds = dict.fromkeys(case.scenario.KIND for case in study.cases)
-    for label, model in study.models.items():
-        if model.name == "published":
-            continue
-        for kind in kinds:
-            cases = [
-                case.name
-                for case in study.cases
-                if kind == case.scenario.KIND and stored.ok(case.name, label)
-            ]
-            times = _times(stored, cases, label, "wall_time")
-            solving = _times(stored, cases, label, "solve_time")
-            if not times:
-                continue
-            middle, low, high = float(np.median(times)), min(times), max(times)
-            rows.append(
-                (
-                    Cell(label),
-                    Cell(kind),
-                    Cell(str(len(times)), len(times)),
-                    Cell(duration(low), low),
-                    Cell(duration(middle), middle),
-                    Cell(duration(high), high),
-                    Cell(duration(float(np.median(solving))), float(np.median(solving)))
-                    if solving
-                    else Cell("–"),
-                )
-            )
-    blocks: list[Block] = []
-    if rows:
-        columns = (
-            Column("model", width=2.0),
-            Column("scenario", width=1.6),
-            Column("cases", True, 0.7),
-            Column("fastest", True, 1.0),
-            Column("median", True, 1.0),
-            Column("slowest", True, 1.0),
-            Column("solving alone", True, 1.2),
-        )
-        caption = (
-            "Wall time of one answer on one core, after compilation: the whole response with its "
-            "histories, and where the model measures it the median of solving the equations alone."
-        )
-        blocks.append(Table("cost-table", caption, columns, tuple(rows)))
-    else:
-        blocks.append(Paragraph("No model that computes has answered yet."))
-    blocks.extend(figures)
+    rows = list(_times(study, stored))
+    caption = (
+        "Wall time of one answer on one core, after compilation: the whole response with its "
+        "histories, and where the model measures it the median of solving the equations alone."
+    )
     text = (
         "Wall times depend on the machine and on what else ran on it: "
         f"{count(len(stored.provenance), 'kind', 'kinds')} of machine and software, listed under "
         "provenance, answered the cells of this report."
     )
-    blocks.append(Paragraph(text))
-    return Section("cost", "Cost", tuple(blocks))
+    table: Block = Table.of("cost-table", caption, _COLUMNS, rows)
+    if not rows:
+        table = Paragraph("No model that computes has answered yet.")
+    return Section("cost", "Cost", (table, *figures, Paragraph(text)))
 
 
-def _times(stored: Stored, cases: list[str], label: str, column: str) -> list[float]:
-    found = (stored.number(case, label, column) for case in cases)
-    return [seconds for seconds in found if seconds is not None]
+def _times(study: Study, stored: Stored) -> Iterator[_Times]:
+    for label, model in study.models.items():
+        for kind in dict.fromkeys(case.scenario.KIND for case in study.cases):
+            whole, solving = (
+                [
+                    seconds
+                    for case in study.cases
+                    if kind == case.scenario.KIND and stored.ok(case.name, label)
+                    if (seconds := stored.number(case.name, label, name)) is not None
+                ]
+                for name in ("wall_time", "solve_time")
+            )
+            if whole and model.name != "published":
+                yield _Times(label, kind, whole, solving)
+
+
+def _cell(seconds: float) -> Cell:
+    return valued(seconds, duration)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable, Iterator
+from typing import Any
 
-from workbench.content.formatting import number, percent, title_of, unit_of
+from workbench.content.formatting import axis_label, share, unit_of, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
@@ -22,32 +23,38 @@ _FIRST_ORDER = (
 
 def convergence(study: Study, stored: Stored, figures: list[Block]) -> Section:
     """The table of the ladder and the figures that show it."""
-    if study.models[study.reference].name in _MEASURED:
-        text = f"{study.reference} are measured numbers: there is no mesh to refine."
-        return Section("convergence", "How good is the reference?", (Paragraph(text),))
+    blocks = tuple(_convergence(study, stored, figures))
+    return Section("convergence", "How good is the reference?", blocks)
+
+
+def _convergence(study: Study, stored: Stored, figures: list[Block]) -> Iterator[Block]:
+    name = study.models[study.reference].name
+    if name in _MEASURED:
+        yield Paragraph(f"{study.reference} are measured numbers: there is no mesh to refine.")
+        return
     if len(study.steps) < 2:
-        text = (
+        yield Callout(
+            "doubt",
             f"{study.reference} is not refined in this study: its numerical uncertainty is "
-            "unknown, and no gate against it can pass."
+            "unknown, and no gate against it can pass.",
         )
-        return Section("convergence", "How good is the reference?", (Callout("doubt", text),))
-    method = Paragraph(
+        return
+    yield Paragraph(
         f"Each level of the ladder {', '.join(study.steps)} halves the element size and the time "
         f"step of the one before. The observed order comes from {_levels(study)} "
         "of the expected order the uncertainty is the grid convergence index with "
         "safety factor 1.25, else 3 [@roache1994] [@celik2008]. Sequences that oscillate or "
         f"diverge get three times their spread.{_alone(study)}"
     )
-    blocks: list[Block] = [method]
-    if study.models[study.reference].name in _BEAMS:
-        blocks.append(Paragraph(_FIRST_ORDER))
-    blocks.extend(figures)
-    table = _table(study, stored)
-    if table is None:
-        blocks.append(Callout("doubt", "No case has answers on two levels of the ladder."))
+    if name in _BEAMS:
+        yield Paragraph(_FIRST_ORDER)
+    yield from figures
+    rows = [row for row in stored.rows["ladder"] if _has(study, stored, row)]
+    if rows:
+        caption = f"Refinement ladder of {study.reference}: values, observed order, uncertainty."
+        yield Table.of("ladder", caption, _columns(study), rows, 40)
     else:
-        blocks.append(table)
-    return Section("convergence", "How good is the reference?", tuple(blocks))
+        yield Callout("doubt", "No case has answers on two levels of the ladder.")
 
 
 def _levels(study: Study) -> str:
@@ -67,46 +74,26 @@ def _alone(study: Study) -> str:
     )
 
 
-def _table(study: Study, stored: Stored) -> Table | None:
-    rows = []
-    for row in stored.tables["ladder"].to_dict("records"):
-        known = any(not np.isnan(float(row.get(label, np.nan))) for label in study.steps)
-        answered = all(
-            stored.ok(row["case"], label)
-            for label in (*study.ladder, study.reference)
-            if stored.expects(row["case"], label)
-        )
-        if answered and not known:
-            continue  # this kind of case does not have the quantity
-        unit = unit_of(row["quantity"])
-        levels = [float(row.get(label, np.nan)) for label in study.steps]
-        accepted = row["accepted"] == "true"
-        quantity = title_of(row["quantity"])
-        rows.append(
-            (
-                Cell(row["case"]),
-                Cell(f"{quantity} ({unit.text})" if unit.text else quantity),
-                *(Cell(number(level * unit.factor), level) for level in levels),
-                Cell(number(row["order"], 3), row["order"]),
-                Cell(number(row["extrapolated"] * unit.factor), row["extrapolated"]),
-                Cell(
-                    percent(row["relative"], signed=False),
-                    row["relative"],
-                    "" if accepted else "doubt",
-                ),
-                Cell(row["note"], tone="muted"),
-            )
-        )
-    if not rows:
-        return None
-    columns = (
-        Column("case", width=1.6),
-        Column("quantity", width=1.7),
-        *(Column(label, True, 1.15) for label in study.steps),
-        Column("order", True, 0.7),
-        Column("extrapolated", True, 1.1),
-        Column("uncertainty", True, 1.05),
-        Column("note", width=2.4),
+def _has(study: Study, stored: Stored, row: dict[str, Any]) -> bool:
+    """Whether a row of the ladder has values, or lacks them because a level did not answer."""
+    return any(row[label] is not None for label in study.steps) or any(
+        stored.expects(row["case"], label) and not stored.ok(row["case"], label)
+        for label in (*study.ladder, study.reference)
     )
-    caption = f"Refinement ladder of {study.reference}: values, observed order, uncertainty."
-    return Table("ladder", caption, columns, tuple(rows), 40)
+
+
+def _columns(study: Study) -> Iterator[Column]:
+    def value(name: str) -> Callable[[Any], Cell]:
+        return lambda row: valued(row[name], 4, factor=unit_of(row["quantity"]).factor)
+
+    yield Column("case", width=1.6, of="case")
+    yield Column("quantity", width=1.7, of=lambda row: axis_label(row["quantity"]))
+    for label in study.steps:
+        yield Column(label, True, 1.15, value(label))
+    yield Column("order", True, 0.7, lambda row: valued(row["order"], 3))
+    yield Column("extrapolated", True, 1.1, value("extrapolated"))
+    yield Column(
+        *("uncertainty", True, 1.05),
+        lambda row: share(row["relative"], "" if row["accepted"] == "true" else "doubt"),
+    )
+    yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
 from workbench.assessment import METRICS, Scope
 from workbench.content.formatting import (
     interval,
     metric_title,
     number,
     percent,
+    share,
     title_of,
     unit_of,
+    valued,
 )
-from workbench.content.tree import Block, Cell, Column, Paragraph, Picture, Section, Table
+from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Picture, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
@@ -28,133 +34,107 @@ def pictures(drawn: dict[str, Picture], keys: list[str]) -> Section:
 
 def numbers(study: Study, stored: Stored) -> Section:
     """Values and deviations of every quantity, curve and history metrics, bias and scatter."""
-    blocks: list[Block] = []
-    silent = []
-    for quantity in study.quantities:
-        table = _values(study, stored, quantity)
-        if table is None:
-            silent.append(title_of(quantity))
-        else:
-            blocks.append(table)
+    tables = {quantity: _values(study, stored, quantity) for quantity in study.quantities}
+    silent = [title_of(quantity) for quantity, table in tables.items() if table is None]
+    blocks: list[Block] = [table for table in tables.values() if table is not None]
     blocks.extend(_shapes(study, stored))
-    bias = _bias(stored)
-    if bias is not None:
-        blocks.append(bias)
+    blocks.extend(_bias(stored))
     if silent:
         blocks.append(Paragraph(f"No model answered with: {', '.join(silent)}."))
     return Section("numbers", "Numbers", tuple(blocks))
 
 
 def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
-    labels = [
-        label
+    names = [case.name for case in study.cases]
+    values = {
+        (case, label): value
+        for case in names
         for label in study.models
-        if any(stored.number(c.name, label, quantity) is not None for c in study.cases)
-    ]
-    cases = [
-        case.name
-        for case in study.cases
-        if any(stored.number(case.name, label, quantity) is not None for label in labels)
-    ]
-    if not labels:
+        if (value := stored.number(case, label, quantity)) is not None
+    }
+    if not values:
         return None
+    cases = [case for case in names if any(case == key[0] for key in values)]
+    labels = [label for label in study.models if any(label == key[1] for key in values)]
     errors = {
         (row["case"], row["model"]): float(row["error"])
         for row in stored.errors(quantity, "relative_error", study.reference).to_dict("records")
     }
-
-    beside = len(cases) if len(cases) <= _WIDEST else len(labels)
-    gap = "\n" if beside > _ONE_LINE else "\u2002"
+    few = len(cases) <= _WIDEST
+    gap = "\n" if len(cases if few else labels) > _ONE_LINE else "\u2002"
+    unit = unit_of(quantity)
 
     def cell(case: str, label: str) -> Cell:
-        value = stored.number(case, label, quantity)
-        if value is None:
-            return Cell("–", tone="muted")
-        text = number(value * unit_of(quantity).factor)
-        error = errors.get((case, label))
-        if error is not None and label != study.reference:
-            text += f"{gap}{percent(error)}"
-        return Cell(text, value)
+        if (case, label) not in values:
+            return ABSENT
+        text = number(values[case, label] * unit.factor)
+        if (case, label) in errors and label != study.reference:
+            text += f"{gap}{percent(errors[case, label])}"
+        return Cell(text, values[case, label])
 
-    unit = unit_of(quantity).text
-    caption = f"{title_of(quantity).capitalize()}{f' in {unit}' if unit else ''}"
+    caption = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
     caption += f", and deviation from {study.reference}."
-    if len(cases) <= _WIDEST:
-        columns = (Column("model", width=2.0), *(Column(name, True, 1.4) for name in cases))
-        rows = tuple((Cell(label), *(cell(case, label) for case in cases)) for label in labels)
+    if few:
+        columns = [Column("model", width=2.0, of=str)]
+        columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)
     else:
-        columns = (Column("case", width=2.4), *(Column(label, True, 1.3) for label in labels))
-        rows = tuple((Cell(case), *(cell(case, label) for label in labels)) for case in cases)
-    return Table(f"values-{quantity}", caption, columns, rows, _PRINTED)
+        columns = [Column("case", width=2.4, of=str)]
+        columns += (Column(label, True, 1.3, partial(cell, label=label)) for label in labels)
+    rows = labels if few else cases
+    return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
 
 
-def _shapes(study: Study, stored: Stored) -> list[Block]:
+def _shapes(study: Study, stored: Stored) -> Iterator[Table]:
     """Metrics of histories and curves against the reference."""
-    table = stored.tables["comparisons"]
-    table = table[table["against"] == study.reference]
-    blocks: list[Block] = []
     for scope, word in ((Scope.HISTORY, "Histories"), (Scope.CURVE, "Curves")):
         metrics = [name for name, metric in METRICS.items() if metric.scope is scope]
-        found = table[table["metric"].isin(metrics)]
-        if found.empty:
+        found: dict[tuple[str, str, str], dict[str, dict[str, Any]]] = {}
+        for row in stored.rows["comparisons"]:
+            if row["against"] == study.reference and row["metric"] in metrics:
+                key = row["case"], row["model"], row["quantity"]
+                found.setdefault(key, {})[row["metric"]] = row
+        if not found:
             continue
-        rows = []
-        for (case, model, quantity), group in found.groupby(
-            ["case", "model", "quantity"], sort=False
-        ):
-            by_metric = {row["metric"]: row for row in group.to_dict("records")}
-            cells = [Cell(str(case)), Cell(str(model)), Cell(title_of(str(quantity)))]
-            for metric in metrics:
-                row = by_metric.get(metric)
-                if row is None:
-                    cells.append(Cell("–", tone="muted"))
-                    continue
-                text = interval(metric, str(quantity), row["error"], row["uncertainty"])
-                cells.append(Cell(text.replace(" (uncertainty unknown)", ""), row["error"]))
-            rows.append(tuple(cells))
         columns = (
-            Column("case", width=1.6),
-            Column("model", width=1.7),
-            Column("quantity", width=1.3),
-            *(Column(metric_title(metric), True, 1.35) for metric in metrics),
+            Column("case", width=1.6, of=lambda pair: pair[0][0]),
+            Column("model", width=1.7, of=lambda pair: pair[0][1]),
+            Column("quantity", width=1.3, of=lambda pair: title_of(pair[0][2])),
+            *(Column(metric_title(name), True, 1.35, partial(_of, name)) for name in metrics),
         )
         cites = " ".join(f"[@{key}]" for key in dict.fromkeys(METRICS[m].citation for m in metrics))
         meanings = "; ".join(f"{METRICS[m].title} = {METRICS[m].meaning}" for m in metrics)
         caption = f"{word} against {study.reference} {cites}: {meanings}."
-        blocks.append(Table(f"shapes-{scope.value}", caption, columns, tuple(rows), _PRINTED))
-    return blocks
+        yield Table.of(f"shapes-{scope.value}", caption, columns, found.items(), _PRINTED)
 
 
-def _bias(stored: Stored) -> Table | None:
+def _of(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
+    """The cell of a metric in the row of a case, model and quantity."""
+    row = pair[1].get(metric)
+    if row is None:
+        return ABSENT
+    text = interval(metric, row["quantity"], row["error"], row["uncertainty"])
+    return Cell(text.replace(" (uncertainty unknown)", ""), row["error"])
+
+
+def _bias(stored: Stored) -> Iterator[Table]:
     """Bias and scatter over all cases, if the assessment has written them."""
-    table = stored.tables.get("bias")
-    if table is None or table.empty:
-        return None
-    rows = []
-    for row in table.to_dict("records"):
-        span = f"{number(row['low'], 3)} to {number(row['high'], 3)}"
-        rows.append(
-            (
-                Cell(str(row["model"])),
-                Cell(str(row["against"])),
-                Cell(title_of(str(row["quantity"]))),
-                Cell(str(int(row["count"])), row["count"]),
-                Cell(number(row["bias"], 4), row["bias"]),
-                Cell(span, row["low"]),
-                Cell(percent(row["model_scatter"], signed=False), row["model_scatter"]),
-            )
-        )
+    rows = stored.rows.get("bias", [])
     columns = (
-        Column("model", width=1.8),
-        Column("against", width=1.8),
-        Column("quantity", width=1.8),
-        Column("cases", True, 0.7),
-        Column("bias", True, 0.9),
-        Column("95 % interval", True, 1.5),
-        Column("scatter", True, 0.9),
+        Column("model", width=1.8, of="model"),
+        Column("against", width=1.8, of="against"),
+        Column("quantity", width=1.8, of=lambda row: title_of(row["quantity"])),
+        Column("cases", True, 0.7, "count"),
+        Column("bias", True, 0.9, lambda row: valued(row["bias"])),
+        Column("95 % interval", True, 1.5, _span),
+        Column("scatter", True, 0.9, lambda row: share(row["model_scatter"])),
     )
     caption = (
         "Bias (expected ratio of model to what it is held against) and relative scatter over all "
         "cases that both answered [@fds-validation]."
     )
-    return Table("bias", caption, columns, tuple(rows), _PRINTED)
+    if rows:
+        yield Table.of("bias", caption, columns, rows, _PRINTED)
+
+
+def _span(row: dict[str, Any]) -> Cell:
+    return Cell(f"{number(row['low'], 3)} to {number(row['high'], 3)}", row["low"])
