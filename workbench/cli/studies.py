@@ -166,7 +166,7 @@ def report(
 
     Nothing is simulated: cells that have not been run are shown as missing.
     """
-    from workbench.content.tree import Bullets
+    from workbench.content.tree import Definitions
     from workbench.errors import InputError
 
     wanted = tuple(part.strip() for part in formats.split(","))
@@ -183,13 +183,12 @@ def report(
     files = build_report(result.directory, chosen, formats=wanted, out=target)
     if summary is not None:
         files["summary"] = write_summary(result.directory, chosen, Path(summary))
-    content = {
+    content: dict[str, Any] = {
         "study": chosen.name,
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    lines = Bullets(tuple(f"{name}: {path}" for name, path in files.items()))
-    return Answer(content, (_gates(result), lines))
+    return Answer(content, (_gates(result), Definitions(tuple(content["files"].items()))))
 
 
 @verb
