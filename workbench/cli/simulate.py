@@ -66,7 +66,6 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
     from workbench.responses import ENERGIES, findings_of, outcome_of
     from workbench.responses.stud_tests import STUD_TESTS
-    from workbench.study.answers import STATIC
 
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None
@@ -99,7 +98,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     if scenario.KIND == "stud-tests":
         result |= {name: last(name) for name in STUD_TESTS}
         result["answer"] = _attribute(response, "answer")
-    if scenario.KIND in STATIC:
+    if scenario.STATIC:
         for name in ("displacement", "force"):
             result[name] = response[name].values.tolist() if name in response else None
     return result
@@ -157,7 +156,6 @@ def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
     """The numbers of a response with their names."""
     from workbench.responses import ENERGIES, VARIABLES
     from workbench.responses.stud_tests import STUD_TESTS
-    from workbench.study.answers import STATIC
 
     widths = _attribute(response, "numerical_uncertainty") or {}
     for name in (*_HEADLINES, "input_energy", *STUD_TESTS):
@@ -172,7 +170,7 @@ def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
     error, _ = _energy_error(response)
     if error is not None:
         yield "largest energy error over the input energy", f"{error:.1e}"
-    if scenario.KIND in STATIC and "force" in response:
+    if scenario.STATIC and "force" in response:
         yield "largest force", quantity(float(response["force"].max()), "N")
         yield from _curve_points(response)
         yield "points of the curve", str(response.sizes["step"])

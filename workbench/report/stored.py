@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +18,7 @@ from workbench.study.definition import Study
 from workbench.study.store import Store
 
 NOT_RUN = "not run"
+_UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = ("cells", "findings", "comparisons", "ladder", "gates")
 _OPTIONAL = ("bias",)
 _TEXTS = dict.fromkeys(
@@ -92,18 +93,20 @@ class Stored:
     @cached_property
     def cells(self) -> dict[tuple[str, str], CellState]:
         """Every cell of the study by (case, label), in the order of the study."""
-        known = {
-            (str(row["case"]), str(row["label"])): row
-            for row in self.tables["cells"].to_dict("records")
-        }
+        known = {(row["case"], row["label"]): row for row in self.rows["cells"]}
         findings: dict[tuple[str, str], list[Finding]] = {}
-        for row in self.tables["findings"].to_dict("records"):
-            row["number"] = None if np.isnan(row["number"]) else float(row["number"])
-            found = Finding.from_dict({str(name): value for name, value in row.items()})
-            findings.setdefault((row["case"], row["label"]), []).append(found)
+        for row in self.rows["findings"]:
+            findings.setdefault((row["case"], row["label"]), []).append(Finding.from_dict(row))
         return {
-            key: _state(*key, known.get(key), findings.get(key, []))
+            key: CellState(
+                *key,
+                *(row["outcome"], row["message"]),
+                tuple(findings.get(key, ())),
+                {name: float(v) for name, v in row.items() if isinstance(v, (int, float))},
+                row["key"],
+            )
             for key in ((case.name, label) for case, label in self.study.cells())
+            for row in [known.get(key, _UNKNOWN)]
         }
 
     def expects(self, case: str, label: str) -> bool:
@@ -181,22 +184,3 @@ class Stored:
                 record = store.record(cell.key).get("provenance", {})
                 found[json.dumps(record, sort_keys=True)] = record
         return [found[key] for key in sorted(found)]
-
-
-def _state(case: str, label: str, row: Any, findings: Sequence[Finding]) -> CellState:
-    if row is None:
-        return CellState(case, label, NOT_RUN, "", (), {}, "")
-    numbers = {
-        str(name): float(value)
-        for name, value in row.items()
-        if isinstance(value, (int, float)) and not np.isnan(value)
-    }
-    return CellState(
-        case,
-        label,
-        row["outcome"],
-        row["message"],
-        tuple(findings),
-        numbers,
-        row["key"],
-    )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
 
-from workbench.content.formatting import count, number
+from workbench.content.formatting import count, number, valued
 from workbench.content.tree import (
     Block,
     Bullets,
@@ -17,12 +19,48 @@ from workbench.content.tree import (
     Table,
 )
 from workbench.report.stored import NOT_RUN, CellState, Stored
-from workbench.responses import Outcome
+from workbench.responses import Finding, Outcome
 from workbench.study.definition import Study
 
 _PRINTED = 40
 _LISTED = 6  # names in a cell
 _SIMILAR = 3  # sentences of one kind that are all shown
+
+
+class _Group(NamedTuple):
+    """What several cells say alike: `kind` is what the sentences have in common."""
+
+    kind: tuple[str, ...]
+    cells: list[CellState]
+    finding: Finding
+
+    def names(self, of: Callable[[CellState], str]) -> Cell:
+        """The cases or labels of the cells."""
+        names = list(dict.fromkeys(map(of, self.cells)))
+        return Cell(_listed(names), len(names))
+
+
+def _groups(told: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Iterator[_Group]:
+    """Cells by what they say; many sentences that differ in their numbers become one example."""
+    kinds: dict[tuple[str, ...], dict[str, _Group]] = {}
+    for kind, cell, finding in told:
+        said = kinds.setdefault(kind, {})
+        said.setdefault(finding.text, _Group(kind, [], finding)).cells.append(cell)
+    for kind, said in kinds.items():
+        groups = list(said.values())
+        if len(groups) <= _SIMILAR:
+            yield from groups
+            continue
+        top = max(groups, key=lambda group: abs(group.finding.number or 0.0)).finding
+        text = f"{top.text} ({len(groups) - 1} more with other numbers)"
+        cells = [cell for group in groups for cell in group.cells]
+        yield _Group(kind, cells, replace(top, text=text))
+
+
+def _listed(names: list[str]) -> str:
+    if len(names) <= _LISTED:
+        return ", ".join(names)
+    return f"{', '.join(names[: _LISTED - 2])} and {len(names) - _LISTED + 2} more"
 
 
 def missing(study: Study, stored: Stored) -> Section:
@@ -33,72 +71,43 @@ def missing(study: Study, stored: Stored) -> Section:
         text = f"All {count(len(stored.cells), 'cell')} hold an answer"
         text += "." if unasked else "; nothing is missing."
         return Section("missing", "What is missing", (Callout("good", text), *unasked))
-    groups: dict[tuple[str, str], dict[str, list[CellState]]] = {}
-    for cell in problems:
-        sentence = cell.message or "This cell has not been run, or its inputs have changed since."
-        # messages begin with the name of the case, which has a column of its own
-        sentence = sentence.removeprefix(f"{cell.case}: ")
-        said = groups.setdefault((cell.label, cell.outcome), {})
-        said.setdefault(sentence, []).append(cell)
     refusals = sum(cell.outcome == Outcome.OUT_OF_DOMAIN for cell in problems)
     failures = len(problems) - refusals
-    blocks: list[Block] = []
-    text = f"{count(len(problems), 'cell')} of {len(stored.cells)} hold no answer: "
-    text += f"{refusals} because the model does not apply, {failures} for another reason."
-    blocks.append(Callout("bad" if failures else "note", text))
-    rows = tuple(
-        (
-            Cell(label),
-            Cell(outcome, tone=_tone(outcome)),
-            Cell(_names(cell.case for cell in cells), len(cells)),
-            Cell(sentence),
-        )
-        for (label, outcome), said in groups.items()
-        for cells, sentence in _merged(said)
+    text = (
+        f"{count(len(problems), 'cell')} of {len(stored.cells)} hold no answer: "
+        f"{refusals} because the model does not apply, {failures} for another reason."
     )
     columns = (
-        Column("model", width=1.5),
-        Column("outcome", width=1.1),
-        Column("cases", width=2.0),
-        Column("what happened and what to do", width=4.0),
+        Column("model", width=1.5, of=lambda group: group.kind[0]),
+        Column("outcome", width=1.1, of=_outcome),
+        Column("cases", width=2.0, of=lambda group: group.names(lambda cell: cell.case)),
+        Column("what happened and what to do", width=4.0, of=lambda group: group.finding.text),
     )
-    blocks.append(Table("missing-table", "Cells without an answer.", columns, rows, _PRINTED))
-    return Section("missing", "What is missing", (*blocks, *unasked))
+    groups = _groups(((cell.label, cell.outcome), cell, _reason(cell)) for cell in problems)
+    table = Table.of("missing-table", "Cells without an answer.", columns, groups, _PRINTED)
+    told = Callout("bad" if failures else "note", text)
+    return Section("missing", "What is missing", (told, table, *unasked))
+
+
+def _reason(cell: CellState) -> Finding:
+    """Why a cell holds no answer."""
+    text = cell.message or "This cell has not been run, or its inputs have changed since."
+    # messages begin with the name of the case, which has a column of its own
+    return Finding(cell.outcome, text.removeprefix(f"{cell.case}: "))
+
+
+def _outcome(group: _Group) -> Cell:
+    _, outcome = group.kind
+    return Cell(outcome, tone="doubt" if outcome in (NOT_RUN, Outcome.OUT_OF_DOMAIN) else "bad")
 
 
 def _unasked(study: Study) -> tuple[Block, ...]:
     """Models that were not asked, as they do not answer this kind of scenario."""
-    left = study.unasked()
-    if not left:
-        return ()
     sentences = tuple(
-        f"{label} (model {study.models[label].name}) does not answer {kind}: {_names(names)}."
-        for (label, kind), names in left.items()
+        f"{label} (model {study.models[label].name}) does not answer {kind}: {_listed(names)}."
+        for (label, kind), names in study.unasked().items()
     )
-    return (Paragraph("Not asked, and no cells:"), Bullets(sentences))
-
-
-def _merged(said: dict[str, list[CellState]]) -> Iterator[tuple[list[CellState], str]]:
-    """Cells by sentence; many sentences that differ in their numbers become one example."""
-    if len(said) <= _SIMILAR:
-        yield from ((cells, text) for text, cells in said.items())
-        return
-    first, *others = said
-    cells = [cell for group in said.values() for cell in group]
-    yield cells, f"{first} ({len(others)} more with other numbers)"
-
-
-def _tone(outcome: str) -> str:
-    if outcome in (NOT_RUN, Outcome.OUT_OF_DOMAIN):
-        return "doubt"
-    return "bad"
-
-
-def _names(cases: Iterable[str]) -> str:
-    names = list(dict.fromkeys(cases))
-    if len(names) <= _LISTED:
-        return ", ".join(names)
-    return f"{', '.join(names[: _LISTED - 2])} and {len(names) - _LISTED + 2} more"
+    return (Paragraph("Not asked, and no cells:"), Bullets(sentences)) if sentences else ()
 
 
 @dataclass(frozen=True)
@@ -127,96 +136,78 @@ def domain(stored: Stored, shear: ShearDemand) -> Section:
     return Section("domain", "Where models leave their assumptions", tuple(blocks))
 
 
-def _warnings(stored: Stored) -> list[Block]:
-    exact: dict[tuple[str, str], list[CellState]] = {}
-    for cell in stored.cells.values():
-        for finding in cell.warnings:
-            exact.setdefault((finding.subject, str(finding)), []).append(cell)
-    if not exact:
-        return []
-    texts: dict[str, dict[str, list[CellState]]] = {}
-    for (subject, text), cells in exact.items():
-        texts.setdefault(subject, {})[text] = cells
-    entries = [
-        (subject, cells, text) for subject, said in texts.items() for cells, text in _merged(said)
-    ]
-    rows = tuple(
-        (
-            Cell(subject),
-            Cell(_names(cell.label for cell in cells)),
-            Cell(
-                _names(cell.case for cell in cells),
-                len({cell.case for cell in cells}),
-            ),
-            Cell(text),
-        )
-        for subject, cells, text in entries
+def _warnings(stored: Stored) -> Iterator[Table]:
+    """The warnings that came with answers, each with its remedy and the number behind it."""
+    told = (
+        ((finding.subject, finding.remedy), cell, finding)
+        for cell in stored.cells.values()
+        for finding in cell.warnings
     )
+    groups = list(_groups(told))
     columns = (
-        Column("subject", width=1.0),
-        Column("models", width=2.2),
-        Column("cases", width=2.0),
-        Column("warning", width=3.6),
+        Column("subject", width=1.0, of=lambda group: group.finding.subject),
+        Column("models", width=2.0, of=lambda group: group.names(lambda cell: cell.label)),
+        Column("cases", width=1.9, of=lambda group: group.names(lambda cell: cell.case)),
+        Column("warning", width=3.2, of=lambda group: group.finding.text),
+        Column("its number", True, 0.8, lambda group: valued(group.finding.number, 3)),
+        Column("what to do", width=1.5, of=lambda group: group.finding.remedy or None),
     )
-    table = Table("warnings", "Warnings: the models answered all the same.", columns, rows, 30)
-    return [table]
+    caption = "Warnings: the models answered all the same."
+    if groups:
+        yield Table.of("warnings", caption, columns, groups, 30)
 
 
 def shear_demand(study: Study, stored: Stored) -> ShearDemand:
     """Largest shear force over the plastic resistance, by case and label."""
-    labels = [
-        label
-        for label in study.models
-        if any(stored.number(case.name, label, "shear_utilisation") for case in study.cases)
-    ]
-    if not labels:
-        return ShearDemand(None, "")
-    entries = []
-    for case in study.cases:
-        values = {
+    known = {
+        case.name: {
             label: value
-            for label in labels
+            for label in study.models
             if (value := stored.number(case.name, label, "shear_utilisation")) is not None
         }
-        if values:
-            entries.append((case.name, values))
-    over = [(name, max(values.values())) for name, values in entries if max(values.values()) > 1.0]
+        for case in study.cases
+    }
+    entries = [(name, values) for name, values in known.items() if values]
+    labels = [label for label in study.models if any(values.get(label) for _, values in entries)]
+    if not labels:
+        return ShearDemand(None, "")
     if len(entries) > _PRINTED:
         entries.sort(key=lambda entry: -max(entry[1].values()))
-    headline = ""
-    if over:
-        worst = max(over, key=lambda entry: entry[1])
-        outside = [
-            label for label in labels if any(values.get(label, 0.0) > 1.0 for _, values in entries)
-        ]
-        also = ", the reference included," if study.reference in outside else ""
-        headline = (
-            f"In {len(over)} of {count(len(entries), 'case')} the shear force exceeds the plastic "
-            f"shear resistance, up to V/Vpl = {number(worst[1], 3)} ({worst[0]}). There every "
-            f"model without shear yielding{also} is outside its domain: agreement between such "
-            "models says nothing about a real structure."
-        )
-    rows = tuple(
-        (Cell(name), *(_share(values.get(label)) for label in labels)) for name, values in entries
+    columns = (
+        Column("case", width=2.5, of=lambda entry: entry[0]),
+        *(Column(label, True, 1.2, partial(_demand, label)) for label in labels),
     )
-    columns = (Column("case", width=2.5), *(Column(label, True, 1.2) for label in labels))
     caption = (
         "Largest shear force over the plastic shear resistance, V/Vpl, of the most loaded "
         "segment; a dash where a model did not answer."
     )
-    return ShearDemand(Table("shear", caption, columns, rows, _PRINTED), headline)
+    table = Table.of("shear", caption, columns, entries, _PRINTED)
+    over = {name: max(values.values()) for name, values in known.items() if values}
+    over = {name: value for name, value in over.items() if value > 1.0}
+    if not over:
+        return ShearDemand(table, "")
+    worst = max(over, key=over.__getitem__)
+    also = ", the reference included,"
+    if not any(values.get(study.reference, 0.0) > 1.0 for _, values in entries):
+        also = ""
+    headline = (
+        f"In {len(over)} of {count(len(entries), 'case')} the shear force exceeds the plastic "
+        f"shear resistance, up to V/Vpl = {number(over[worst], 3)} ({worst}). There every "
+        f"model without shear yielding{also} is outside its domain: agreement between such "
+        "models says nothing about a real structure."
+    )
+    return ShearDemand(table, headline)
 
 
-def _share(value: float | None) -> Cell:
-    if value is None:
-        return Cell("–", tone="muted")
-    return Cell(number(value, 3), value, "bad" if value > 1.0 else "")
+def _demand(label: str, entry: tuple[str, dict[str, float]]) -> Cell:
+    value = entry[1].get(label)
+    return valued(value, 3, "bad" if value is not None and value > 1.0 else "")
 
 
 def notes(study: Study) -> Section | None:
     """What is reconstructed, inferred or assumed, in the words of the study."""
     if not study.notes:
         return None
-    if len(study.notes) == 1:
-        return Section("notes", "How to read this report", (Paragraph(study.notes[0]),))
-    return Section("notes", "How to read this report", (Bullets(tuple(study.notes)),))
+    texts = tuple(study.notes)
+    block = Bullets(texts) if len(texts) > 1 else Paragraph(texts[0])
+    return Section("notes", "How to read this report", (block,))
