@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import typst
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -10,7 +9,7 @@ from workbench.assessment import METRICS
 from workbench.content.bibliography import bibliography, reference_of
 from workbench.content.html import render_html
 from workbench.content.tree import Document, Paragraph, Run, Section, runs_of
-from workbench.content.typst import quoted, to_typst
+from workbench.content.typst import render_pdf
 from workbench.evidence.catalogue import datasets
 from workbench.registry import offers
 
@@ -54,19 +53,13 @@ def test_hostile_texts_are_shown_as_they_are_in_html():
 
 def test_hostile_texts_are_shown_as_they_are_in_typst():
     for text in HOSTILE:
-        source = to_typst(document(text))
-        assert typst.compile(source.encode(), ignore_system_fonts=True).startswith(b"%PDF")
+        assert render_pdf(document(text)).startswith(b"%PDF")
 
 
 @settings(max_examples=30, deadline=None)
 @given(st.text(max_size=40))
-def test_quoted_strings_come_back_unchanged(text):
-    import json
-
-    clean = text.replace("\r", "").replace("\t", "  ")
-    # Typst escapes are a subset of JSON's for the characters that are escaped here
-    if all(ord(c) >= 32 or c == "\n" for c in clean):
-        assert json.loads(quoted(text)) == clean
+def test_any_text_can_be_set(text):
+    assert render_pdf(document(text)).startswith(b"%PDF")
 
 
 def test_every_source_of_models_metrics_and_data_is_in_the_bibliography():

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 from workbench.content.bibliography import Reference, reference_of
 
@@ -51,7 +51,7 @@ class Paragraph:
     """A paragraph of text."""
 
     text: str
-    kind: ClassVar[str] = "paragraph"
+    kind: str = field(default="paragraph", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Bullets:
     """A list of short texts."""
 
     items: tuple[str, ...]
-    kind: ClassVar[str] = "bullets"
+    kind: str = field(default="bullets", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Callout:
 
     tone: str
     text: str
-    kind: ClassVar[str] = "callout"
+    kind: str = field(default="callout", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     print_limit: int | None = None
-    kind: ClassVar[str] = "table"
+    kind: str = field(default="table", init=False)
 
     @classmethod
     def of(
@@ -137,7 +137,8 @@ class Table:
         """A table with one row for each record, its cells as the columns find them."""
         columns = tuple(columns)
         rows = tuple(tuple(column.cell(record) for column in columns) for record in records)
-        return cls(key, caption, columns, rows, print_limit)
+        heads = tuple(replace(column, of="") for column in columns)
+        return cls(key, caption, heads, rows, print_limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +160,7 @@ class Picture:
     files: tuple[str, ...] = ()
     moving: str = ""
     image: str = ""
-    kind: ClassVar[str] = "picture"
+    kind: str = field(default="picture", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +170,7 @@ class Listing:
     title: str
     text: str
     printed: bool = True
-    kind: ClassVar[str] = "listing"
+    kind: str = field(default="listing", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +178,7 @@ class Definitions:
     """Terms with short texts, such as provenance or a model's options."""
 
     pairs: tuple[tuple[str, str], ...]
-    kind: ClassVar[str] = "definitions"
+    kind: str = field(default="definitions", init=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +188,7 @@ class Section:
     key: str
     title: str
     blocks: tuple[Block, ...]
-    kind: ClassVar[str] = "section"
+    kind: str = field(default="section", init=False)
 
 
 Block = Paragraph | Bullets | Callout | Table | Picture | Listing | Definitions | Section

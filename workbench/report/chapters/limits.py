@@ -146,11 +146,11 @@ def _warnings(stored: Stored) -> Iterator[Table]:
     groups = list(_groups(told))
     columns = (
         Column("subject", width=1.0, of=lambda group: group.finding.subject),
-        Column("models", width=2.0, of=lambda group: group.names(lambda cell: cell.label)),
-        Column("cases", width=1.9, of=lambda group: group.names(lambda cell: cell.case)),
-        Column("warning", width=3.2, of=lambda group: group.finding.text),
-        Column("its number", True, 0.8, lambda group: valued(group.finding.number, 3)),
-        Column("what to do", width=1.5, of=lambda group: group.finding.remedy or None),
+        Column("models", width=1.8, of=lambda group: group.names(lambda cell: cell.label)),
+        Column("cases", width=1.7, of=lambda group: group.names(lambda cell: cell.case)),
+        Column("warning", width=3.8, of=lambda group: group.finding.text),
+        Column("its number", True, 0.7, lambda group: valued(group.finding.number, 3)),
+        Column("what to do", width=1.5, of=lambda group: group.finding.remedy),
     )
     caption = "Warnings: the models answered all the same."
     if groups:
