@@ -9,7 +9,7 @@ import opensees_columns as opensees
 import pytest
 from threadpoolctl import threadpool_limits
 
-from workbench.references.column_beams import ColumnBeams, build_column, fiber_section
+from workbench.frames.structure import FrameStructure
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import Section
@@ -49,11 +49,10 @@ def scenario(request, thesis_impact, clamped_impact) -> ColumnImpact:
     return known[request.param]
 
 
-def ours(scenario, lumped: bool) -> tuple[ColumnBeams, np.ndarray]:
-    below, above = MODEL.mesh(scenario)
-    section = fiber_section(scenario.column, MODEL.layers, HARDENING, shear_flexible=False)
-    beams = build_column(scenario.column, section, below, above, balanced=False, lumped=lumped)
-    return beams, np.concatenate([below, above])
+def ours(scenario, lumped: bool) -> tuple[FrameStructure, list[np.ndarray]]:
+    """The column, and its element lengths below and above the hit point."""
+    model = replace(MODEL, integrator="explicit") if lumped else MODEL
+    return model.structure(scenario), model.lengths(scenario)
 
 
 @pytest.mark.parametrize("scenario", NAMES, indirect=True)
@@ -62,9 +61,9 @@ def test_static_force_displacement(scenario) -> None:
     response = MODEL.simulate(pushed)
     assert response.attrs["outcome"] == "ok"
     path = np.linspace(0.0, 0.3, 301)[1:]
-    beams, lengths = ours(pushed, lumped=False)
-    opensees.stand(scenario.column, lengths, HARDENING)
-    forces = opensees.push(beams.first_above + 1, path)
+    _, lengths = ours(pushed, lumped=False)
+    opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
+    forces = opensees.push(len(lengths[0]) + 1, path)
     found = np.interp(path, response["displacement"].values, response["force"].values)
     difference = np.max(np.abs(found - forces)) / np.max(forces)
     print(f"static, {scenario.name}: {difference:.2e}")
@@ -74,16 +73,17 @@ def test_static_force_displacement(scenario) -> None:
 @pytest.mark.parametrize("scenario", NAMES, indirect=True)
 def test_impact_history(scenario) -> None:
     """Up to the peak and a fifth beyond, while the contact lasts."""
-    beams, lengths = ours(scenario, lumped=True)
+    structure, lengths = ours(scenario, lumped=True)
+    assembly, hit = structure.assembly, structure.dof("hit", "x")[0]
     striker = PointMass(scenario.striker.mass, scenario.striker.velocity)
     found = []
     with threadpool_limits(1, user_api="blas"):
-        for _ in impact(beams.assembly, beams.hit, striker, [(scenario.duration, TIME_STEP)], 0.5):
-            found.append(float(beams.assembly.displacement[beams.hit]))
+        for _ in impact(assembly, hit, striker, [(scenario.duration, TIME_STEP)], 0.5):
+            found.append(float(assembly.displacement[hit]))
             if len(found) > 1.2 * (int(np.argmax(found)) + 1):
                 break
-    opensees.stand(scenario.column, lengths, HARDENING)
-    expected = opensees.hit_by(scenario, beams.first_above + 1, TIME_STEP, len(found))
+    opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
+    expected = opensees.hit_by(scenario, len(lengths[0]) + 1, TIME_STEP, len(found))
     assert np.argmax(expected) < len(found) - 1
     difference = np.max(np.abs(np.array(found) - expected)) / np.max(expected)
     print(f"impact, {scenario.name}: {difference:.2e}")
@@ -94,7 +94,7 @@ def test_impact_history(scenario) -> None:
 def test_the_spring_is_unstressed_under_the_axial_load(scenario) -> None:
     """Otherwise the restraint would hide a part of the axial load from the comparison."""
     _, lengths = ours(scenario, lumped=False)
-    head = opensees.stand(scenario.column, lengths, HARDENING)
+    head = opensees.stand(scenario.column, np.concatenate(lengths), HARDENING)
     opensees.ops.reactions()
     assert abs(opensees.ops.nodeReaction(opensees.SPRING, opensees.AXIS)) < 1e-6
     assert opensees.ops.nodeDisp(head, opensees.AXIS) < 0.0

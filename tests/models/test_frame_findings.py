@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 import pytest
 
 from workbench.frames.chains import chains
 from workbench.frames.findings import frame_findings
-from workbench.frames.shear import shear_demand
+from workbench.frames.shear import shear_demand, shear_stiffness
 from workbench.frames.stability import dead_load_state
 from workbench.frames.structure import free_to_spin
-from workbench.frames.timing import time_to_peak
+from workbench.frames.timing import struck_wave_time, time_to_peak
 from workbench.models.domain import euler_load
 from workbench.models.domain import shear_demand as column_demand
 from workbench.models.superelements import RigidSuperelement
-from workbench.references.column_rules import time_to_peak as column_time
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import (
     Frame,
@@ -209,9 +208,27 @@ def test_chains_follow_straight_members_through_free_nodes() -> None:
 # -- time ------------------------------------------------------------------------------------
 
 
-def test_time_to_the_peak_is_that_of_a_column(thesis_impact) -> None:
+@pytest.mark.parametrize("shear_flexible", [False, True])
+def test_time_to_the_peak_of_a_clamped_column(thesis_impact, shear_flexible) -> None:
+    """A clamped beam, a b / L in shear beside a^3 b^3 / (3 EI L^3); a mechanism of four hinges."""
+    column = replace(thesis_impact.column, axial_load=0.0, length_below=1.6, length_above=1.6)
+    section, properties = column.strength_section, column.properties
+    moduli = 1.0 / 1.6 + 1.0 / 1.6
+    flexibility = 1.0 / (3.0 * column.steel.elastic_modulus * properties.second_moment * moduli**3)
+    if shear_flexible:
+        flexibility += 1.0 / (shear_stiffness(section, column.steel) * moduli)
+    mass = thesis_impact.striker.mass
     for velocity in (0.5, 15.0):
-        column = replace(thesis_impact.column, axial_load=0.0)
         impact = replace(thesis_impact.at_velocity(velocity), column=column)
-        found = time_to_peak(frame_scenario(impact))
-        assert found == pytest.approx(column_time(impact, shear_flexible=False), rel=0.01)
+        elastic = 0.5 * pi * sqrt((mass + properties.mass_per_length * 3.2 / 3.0) * flexibility)
+        plastic = mass * velocity / (2.0 * properties.plastic_moment * moduli)
+        found = time_to_peak(frame_scenario(impact), shear_flexible)
+        assert found == pytest.approx(max(elastic, plastic), rel=1e-9)
+        assert (found == pytest.approx(plastic)) == (velocity > 1.0)
+
+
+def test_a_wave_passes_all_parts_of_the_struck_member() -> None:
+    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE).split("A0-A1", 1.0, "p")
+    speed = sqrt(frame.steel.elastic_modulus / frame.steel.density)
+    assert struck_wave_time(hit(frame, "p")) == pytest.approx(4.0 / speed)
+    assert struck_wave_time(hit(frame, "A1")) == pytest.approx(6.0 / speed)

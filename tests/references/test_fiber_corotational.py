@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
-from workbench.references.column_beams import build_column, fiber_section
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.responses import Outcome, outcome_of, warnings_of
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker, frame_of
 from workbench.sections import find, square
 from workbench.testing import check_model
 
@@ -56,8 +55,8 @@ def test_refinement_hardly_changes_balanced_elements(thesis_impact):
 def test_refinement_halves_elements_and_steps(thesis_impact):
     scenario = thesis_impact
     halved = FiberCorotational(levels=1, refinement=2)
-    assert sum(map(len, halved.mesh(scenario))) == 2 * sum(
-        map(len, FiberCorotational(levels=1).mesh(scenario))
+    assert sum(map(len, halved.lengths(scenario))) == 2 * sum(
+        map(len, FiberCorotational(levels=1).lengths(scenario))
     )
     assert (
         halved.time_spans(scenario)[0][1]
@@ -102,7 +101,8 @@ def test_pushover_of_the_thesis_column(thesis_impact, element, early, late):
 def test_elastic_stiffness(base, head):
     """Bernoulli: 192 EI / L^3 and 48 EI / L^3 at mid-height; shear adds L / 4GA."""
     column = elastic_column(base=base, head=head)
-    section = fiber_section(column, 20, 1e-6, True)
+    frame = frame_of(column)
+    section = FiberCorotational().section(frame, frame.members[0])
     bending = 210e9 * np.sum(section.y**2 * section.area)
     stiffness = (192.0 if base == "clamped" else 48.0) * bending / 4.0**3
     for sheared in (False, True):
@@ -141,9 +141,12 @@ def test_fixed_head_is_locked_after_the_axial_load():
 
 def test_spring_is_unstressed_under_the_axial_load():
     column = elastic_column(axial_load=4e5, restraint_stiffness=1e8)
-    beams = build_column(column, fiber_section(column, 20, 1e-6, True), *[np.full(8, 0.25)] * 2)
-    assert beams.axial_forces() == pytest.approx(-4e5, rel=1e-9)
-    assert beams.assembly.stored == pytest.approx(0.5 * 4e5 * beams.shortening(), rel=1e-9)
+    model = FiberCorotational(smallest_element=0.25, largest_element=0.25, refinement=0)
+    structure = model.structure(ColumnPushover("push", column, 0.1))
+    assert structure.members.axial_forces() == pytest.approx(-4e5, rel=1e-9)
+    head, sign = structure.dof("head", "-y")
+    shortening = sign * structure.assembly.displacement[head]
+    assert structure.assembly.stored == pytest.approx(0.5 * 4e5 * shortening, rel=1e-9)
 
 
 def test_impulse_is_the_momentum_that_the_striker_lost(thesis_impact):

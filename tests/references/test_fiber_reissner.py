@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from workbench.errors import InputError
-from workbench.references import column_runs
-from workbench.references.column_beams import shear_stiffness
+from workbench.frames import drives
+from workbench.frames.shear import shear_stiffness
+from workbench.references import fiber
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.refine import refine
@@ -48,11 +49,11 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
 
 @pytest.mark.parametrize("law", ["linear", "menegotto-pinto"])
 def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law) -> None:
-    monkeypatch.setattr(column_runs, "PUSH_STEPS", 25)
+    monkeypatch.setattr(fiber, "PUSH_STEPS", 25)
     # what Newton's method leaves depends on rounding: leave nothing
-    for name in ("push", "impact"):
-        exact = partial(getattr(column_runs, name), tolerance=1e-13)
-        monkeypatch.setattr(column_runs, name, exact)
+    for name in ("follow_displacement", "impact"):
+        exact = partial(getattr(drives, name), tolerance=1e-13)
+        monkeypatch.setattr(drives, name, exact)
     coarse = {"smallest_element": 0.2, "largest_element": 0.8, "steel_law": law}
     scenarios = [
         ColumnPushover("push", thesis_impact.column, 0.2),
@@ -217,7 +218,7 @@ def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
     n = response["axial_force"][0].values / section.squash_load(steel)
     # the moment at the base lies half an element from where plasticity is sampled
     shear = float(response["shear_utilisation"][0]) * section.shear_resistance(steel)
-    slack = 0.5 * model.mesh(thesis_impact)[0][0] * shear
+    slack = 0.5 * model.lengths(thesis_impact)[0][0] * shear
     m = np.abs(response["moment"][0].values) / section.plastic_moment(steel)
     allowed = np.interp(np.abs(n), *section.interaction_envelope())
     assert np.all(m <= allowed + slack / section.plastic_moment(steel) + 0.01)
@@ -276,12 +277,12 @@ def test_crookedness_is_amplified_by_the_axial_load() -> None:
     section = find("HEB 220").without_fillets()
     column = Column(section, 3.0, 3.0, base="pinned", head="pinned", axial_load=1e6)
     model = FiberReissner(levels=1, out_of_straightness=1e-3, largest_element=0.1)
-    beams = model.beams(ColumnPushover("bow", column, 0.01))
+    structure = model.structure(ColumnPushover("bow", column, 0.01))
     y, area = section.fibers(20)
     bending = column.steel.elastic_modulus * float(np.sum(y**2 * area))
     euler = np.pi**2 * bending / 6.0**2
-    ratio = 1e6 / (euler / (1.0 + euler / shear_stiffness(column)))
-    grown = float(beams.assembly.displacement[beams.hit])
+    ratio = 1e6 / (euler / (1.0 + euler / shear_stiffness(section, column.steel)))
+    grown = float(structure.assembly.displacement[structure.dof("hit", "x")[0]])
     assert grown == pytest.approx(6e-3 * ratio / (1.0 - ratio), rel=5e-3)
 
 

@@ -8,21 +8,16 @@ import numpy as np
 import pytest
 
 from workbench.datafiles import data_directory
-from workbench.frames.structure import FrameStructure
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.references.column_runs import run_impact
+from workbench.references.fiber import FiberReference
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.frame_fibers import (
-    corotational_frame,
-    fiber_findings,
-    reissner_frame,
-    run_fiber_frame,
-)
-from workbench.references.frame_mesh import member_lengths, mesh_frame
+from workbench.references.fiber_shear import FiberShear
+from workbench.references.mesh import MeshRule, member_lengths, mesh_frame
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     ColumnImpact,
+    ColumnPushover,
     Frame,
     FrameGroundMotion,
     FrameImpact,
@@ -36,10 +31,12 @@ from workbench.scenarios import (
     load_scenario,
     regular_frame,
 )
+from workbench.scenarios.frame_forms import OVERRIDES
 from workbench.sections import section_from
-from workbench.structures.uniaxial import LinearHardening
 from workbench.testing import check_model
 
+REFERENCES = {kind.name: kind for kind in (FiberReissner, FiberCorotational, FiberShear)}
+ANY = MeshRule(0.0, 0.0)
 SQUARE = section_from({"side": 0.2}, "section")
 UNIFORM = {  # independent implementation: size in m, elements, peaks in m of both formulations
     0.4: (164, 0.3655, 0.4324),
@@ -56,26 +53,15 @@ def thesis_frame() -> FrameImpact:
     return replace(scenario, duration=0.032)
 
 
-def steel(frame: Frame, hardening: float = 1e-6) -> LinearHardening:
-    modulus = frame.steel.elastic_modulus
-    return LinearHardening(modulus, frame.steel.yield_stress, hardening * modulus)
+def model_of(kind: str, size=None, largest=None, step=None, **more) -> FiberReference:
+    """A reference on one mesh, sizes in m, time step in s."""
+    mesh = {"smallest_element": size, "largest_element": largest, "time_step": step}
+    return REFERENCES[kind](levels=1, refinement=0, **mesh, **more)
 
 
-def standing(kind: str, frame: Frame, lengths: list[np.ndarray], **more: bool) -> FrameStructure:
-    if kind == "fiber-reissner":
-        return reissner_frame(frame, lengths, steel(frame), 20, **more)
-    return corotational_frame(frame, lengths, 20, 1e-6, **more)
-
-
-def run(kind: str, scenario, size=None, largest=None, step=None, **more) -> Response:
-    lengths = member_lengths(scenario, size, largest, 0, 1.0 / 32.0, 0.05)
-
-    def build() -> FrameStructure:
-        return standing(kind, scenario.frame, lengths, **more)
-
-    weight = None if more.get("lumped") else 0.55
-    response = run_fiber_frame(scenario, build, step, 0, weight)
-    assert outcome_of(response) is Outcome.OK
+def run(kind: str, scenario, *mesh, **more) -> Response:
+    response = model_of(kind, *mesh, **more).simulate(scenario)
+    assert outcome_of(response) is Outcome.OK, response.attrs["message"]
     return response
 
 
@@ -84,31 +70,31 @@ def run(kind: str, scenario, size=None, largest=None, step=None, **more) -> Resp
 
 @pytest.mark.parametrize("size", UNIFORM)
 def test_equal_sizes_make_the_published_uniform_meshes(thesis_frame, size) -> None:
-    lengths = member_lengths(thesis_frame, size, size, 0, 0.0, 0.0)
+    lengths = member_lengths(thesis_frame, ANY, size, size)
     assert sum(len(parts) for parts in lengths) == UNIFORM[size][0]
     for member, parts in zip(thesis_frame.frame.members, lengths, strict=True):
         assert np.ptp(parts) < 1e-12
         assert np.sum(parts) == pytest.approx(thesis_frame.frame.length(member))
-    halves = member_lengths(thesis_frame, 2.0 * size, 2.0 * size, 1, 0.0, 0.0)
+    halves = member_lengths(thesis_frame, ANY, 2.0 * size, 2.0 * size, 1)
     if size <= 0.1:
         assert sum(len(parts) for parts in halves) == UNIFORM[size][0]
 
 
 def test_meshes_are_graded_at_every_end(thesis_frame) -> None:
-    lengths = member_lengths(thesis_frame, 0.0125, 0.1, 0, 0.0, 0.0)
+    lengths = member_lengths(thesis_frame, ANY, 0.0125, 0.1)
     for parts in lengths:
         assert 0.009 < parts[0] <= 0.0125
         assert parts[-1] == pytest.approx(parts[0])
         assert 0.05 < parts.max() <= 0.1 + 1e-9
     # by rule: 1/64 of the shorter member at the hit, 1/40 of the longest one
-    ruled = member_lengths(thesis_frame, None, None, 0, 1.0 / 64.0, 0.05)
+    ruled = member_lengths(thesis_frame, MeshRule(1.0 / 64.0, 0.05))
     for parts, same in zip(ruled, lengths, strict=True):
         np.testing.assert_allclose(parts, same)
 
 
 def test_a_mesh_keeps_the_nodes_of_the_frame_first(thesis_frame) -> None:
     frame = thesis_frame.frame
-    mesh = mesh_frame(frame, member_lengths(thesis_frame, 0.2, 0.5, 0, 0.0, 0.0))
+    mesh = mesh_frame(frame, member_lengths(thesis_frame, ANY, 0.2, 0.5))
     for node, point in zip(frame.nodes, mesh.coordinates, strict=False):
         np.testing.assert_allclose(point, [node.x, node.y])
     spans = np.diff(mesh.coordinates[mesh.nodes], axis=1)[:, 0]
@@ -119,7 +105,7 @@ def test_a_mesh_keeps_the_nodes_of_the_frame_first(thesis_frame) -> None:
 # -- the models ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", [FiberReissner, FiberCorotational])
+@pytest.mark.parametrize("kind", REFERENCES.values())
 def test_the_references_answer_frames(kind) -> None:
     model = kind(smallest_element=0.1, largest_element=0.4, time_step=2e-4, refinement=0, levels=1)
     dead = (Load("A1", y=-2e5), Load("B1", y=-2e5))
@@ -206,7 +192,7 @@ def test_superelements_against_the_converged_reference(thesis_frame) -> None:
 def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
     peaks = [
         float(run("fiber-reissner", thesis_frame, 0.2, 0.2, 5e-5, **more)["peak_displacement"])
-        for more in ({"lumped": True}, {})
+        for more in ({"integrator": "explicit"}, {})
     ]
     # implicit steps dissipate a little
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-2)
@@ -215,36 +201,54 @@ def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
 # -- oracles ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("model", [FiberReissner, FiberCorotational])
-def test_a_column_as_a_frame_is_the_same_column(thesis_impact: ColumnImpact, model) -> None:
-    """The frame's reference against the column's, with elements of the same lengths."""
-    impact = replace(thesis_impact.at_velocity(10.0), duration=0.02)
-    reference = model(smallest_element=0.1, largest_element=0.4, time_step=2e-4, refinement=0)
-    beams = reference.beams(impact)
-    lengths = list(reference.mesh(impact))
-    told = frame_scenario(impact)
-
-    def build() -> FrameStructure:
-        if model is FiberReissner:
-            return reissner_frame(told.frame, lengths, reference.law(impact.column.steel), 20)
-        return corotational_frame(told.frame, lengths, 20, reference.hardening_ratio)
-
-    response = run_fiber_frame(told, build, 2e-4, 0, reference.weight)
-    expected = run_impact(impact, beams, [(0.02, 2e-4)], reference.weight)
-    scale = float(expected["displacement"].max())
-    np.testing.assert_allclose(
-        response["displacement"], expected["displacement"], atol=1e-6 * scale
+@pytest.mark.parametrize("kind", REFERENCES)
+@pytest.mark.parametrize("event", ["push", "impact"])
+@pytest.mark.parametrize(("base", "head"), [("clamped", "guided"), ("pinned", "fixed")])
+def test_a_column_or_a_frame_is_the_same_structure(thesis_impact, kind, event, base, head) -> None:
+    """Two members on supports and a spring, under a dead load, against the column of four words."""
+    column = replace(thesis_impact.column, base=base, head=head, head_mass=200.0)
+    impact = replace(thesis_impact.at_velocity(10.0), column=column, duration=0.02)
+    scenario = ColumnPushover("push", column, 0.1) if event == "push" else impact
+    load = Load("top", y=-column.axial_load)
+    spring, locked = (0.0, "y") if head == "fixed" else (column.restraint_stiffness, "none")
+    nodes = (
+        Node("foot", 0.0, 0.0, support=base),
+        Node("struck", 0.0, column.length_below),
+        Node("top", 0.0, column.length, "guide-y", mass=200.0, spring_y=spring, locked=locked),
     )
+    own = {name: getattr(column, name) for name in OVERRIDES}
+    members = (
+        Member("lower", "foot", "struck", column.section, **own),
+        Member("upper", "struck", "top", column.section, **own),
+    )
+    frame = Frame(nodes, members, (load,), steel=column.steel, fillets=column.fillets)
+    striker = FrameStriker(impact.striker.mass, impact.striker.velocity, node="struck")
+    if event == "push":
+        told = FrameStatic("push", frame, (Load("struck", x=1.0),), "struck", "x", (0.1,))
+    else:
+        told = FrameImpact("hit", frame, striker, 0.02)
+    expected, found = (run(kind, given, 0.05, 0.2) for given in (scenario, told))
+    for name in ("displacement", "force", "dissipated", "elastic", "percussion", "axial_force"):
+        if name in expected:
+            scale = float(np.abs(expected[name]).max())
+            np.testing.assert_allclose(
+                found[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
+            )
     for name in ("moment", "plastic_rotation"):  # a column counts moments the other way round
         scale = float(np.abs(expected[name]).max())
-        np.testing.assert_allclose(-response[name].values, expected[name].values, atol=1e-4 * scale)
-    scale = float(np.abs(expected["axial_force"]).max())
-    np.testing.assert_allclose(
-        response["axial_force"].values, expected["axial_force"].values, atol=1e-4 * scale
-    )
-    np.testing.assert_allclose(
-        response["shear_utilisation"], expected["shear_utilisation"], rtol=1e-4
-    )
+        np.testing.assert_allclose(
+            -found[name].values, expected[name].values, rtol=0.0, atol=1e-9 * scale
+        )
+    np.testing.assert_allclose(found["shear_utilisation"], expected["shear_utilisation"], rtol=1e-9)
+
+
+def test_both_take_the_same_mesh_and_steps(thesis_impact: ColumnImpact) -> None:
+    for kind in REFERENCES.values():
+        for scenario in (thesis_impact, ColumnPushover("push", thesis_impact.column, 0.1)):
+            model, told = kind(), frame_scenario(scenario)
+            for own, same in zip(model.lengths(scenario), model.lengths(told), strict=True):
+                np.testing.assert_array_equal(own, same)
+        assert model.time_spans(thesis_impact) == model.time_spans(frame_scenario(thesis_impact))
 
 
 def portal(*joints: Joint, height: float = 4.0) -> Frame:
@@ -344,8 +348,7 @@ def test_findings_name_joints_overrides_and_coarse_meshes() -> None:
     beam = replace(frame.member("A1-B1"), plastic_moment=1e5)
     frame = replace(frame, members=(*frame.members[:2], beam))
     impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="A1"))
-    lengths = member_lengths(impact, 0.5, 0.5, 0, 0.0, 0.0)
-    found = fiber_findings(impact, lengths, 20, 0.5)
+    found = model_of("fiber-reissner", 0.5, 0.5).domain(impact)
     said = [finding.subject for finding in found]
     assert said.count("joints") == 2
     assert said.count("mesh") == 2
@@ -357,6 +360,5 @@ def test_a_beam_without_joints_has_no_findings() -> None:
     nodes = (Node("a", 0.0, 0.0, support="clamped"), Node("b", 3.0, 0.0))
     frame = Frame(nodes, (Member("beam", "a", "b", SQUARE),))
     impact = FrameImpact("hit", frame, FrameStriker(1e3, 10.0, node="b", direction="-y"), 0.01)
-    lengths = member_lengths(impact, None, None, 0, 1.0 / 64.0, 0.05)
-    assert fiber_findings(impact, lengths, 20, 0.5) == []
+    assert model_of("fiber-reissner").domain(impact) == []
     assert warnings_of(run("fiber-reissner", impact)) != []  # no peak within this time

@@ -216,7 +216,7 @@ def _physics() -> Iterator[Check]:
 
 def _references() -> Iterator[Check]:
     """Small push at mid-height: 192 EI / L^3 in series with the shear stiffness, and energy."""
-    from workbench.references.column_beams import shear_stiffness
+    from workbench.frames.shear import shear_stiffness
     from workbench.registry import make_model
     from workbench.scenarios import Column, ColumnPushover
     from workbench.sections import find
@@ -225,7 +225,7 @@ def _references() -> Iterator[Check]:
     scenario = ColumnPushover("self-check", column=column, displacement=1e-3)
     bending = column.steel.elastic_modulus * column.strength_section.second_moment
     flexibility = column.length**3 / (192.0 * bending)
-    flexibility += column.length / (4.0 * shear_stiffness(column))
+    flexibility += column.length / (4.0 * shear_stiffness(column.strength_section, column.steel))
     force = scenario.displacement / flexibility
     mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
     for name in ("fiber-reissner", "fiber-corotational"):

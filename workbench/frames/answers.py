@@ -1,124 +1,98 @@
-"""How superelements answer a scenario: steps, drivers, and a column told as a frame."""
+"""How models of frames answer a scenario: steps, drivers, and a column told as a frame."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from threadpoolctl import threadpool_limits
 
-from workbench.frames.drives import ground_steps, impact_steps, static_steps
-from workbench.frames.runs import (
-    OPEN_LEDGER,
-    run_ground_motion,
-    run_impact,
-    run_static,
-)
+from workbench.errors import OutOfDomainError
+from workbench.frames.drives import explicit_steps, ground_steps, impact_steps, static_steps
+from workbench.frames.runs import OPEN_LEDGER, run_ground_motion, run_impact, run_static
 from workbench.frames.structure import FrameStructure
-from workbench.frames.timing import time_to_peak, wave_times
+from workbench.frames.timing import Spans
 from workbench.responses import Response
 from workbench.scenarios import (
     ColumnImpact,
     ColumnPushover,
     ColumnScenario,
-    Frame,
     FrameImpact,
     FrameScenario,
     FrameStatic,
     frame_scenario,
 )
-from workbench.structures.impact import MOREAU
+from workbench.structures.impact import MIDPOINT
 
-PUSH_PARTS = 1000  # load steps over the range of a static path
-PEAK_STEPS = 150.0  # time steps up to the expected peak
-LEAST_STEPS = 100.0  # of a record
-FIRST_SPAN, LATER = 6.0, 4.0  # beyond so many times to the peak, so many times longer steps
-WEIGHT = 0.5  # conserves energy
+COLUMNS = (ColumnImpact, ColumnPushover)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """How a model steps through what happens to a frame.
+
+    `parts` of the range of a static path; `spans` of an impact; `weight` of the end stresses in a
+    time step (None: explicit) and the `integrator`; `time_step` (s) of a motion of the ground
+    (None: by rule) with its `halvings`; `largest_error` and `least_yield_ratio`, see `run_impact`.
+    """
+
+    parts: int
+    spans: Callable[[FrameImpact], Spans]
+    weight: float | None
+    integrator: str = MIDPOINT
+    time_step: float | None = None
+    halvings: int = 0
+    largest_error: float | None = OPEN_LEDGER
+    least_yield_ratio: float = 0.99
+
+
+def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
+    """A scenario of a frame; that of a column as what happens to the frame of its two members."""
+    return frame_scenario(scenario) if isinstance(scenario, COLUMNS) else scenario
 
 
 def answer(
     scenario: FrameScenario | ColumnScenario,
-    build: Callable[[Frame], FrameStructure],
-    integrator: str,
-    time_step: float | None,
+    build: Callable[[FrameScenario], FrameStructure],
+    stepping: Stepping,
 ) -> Response:
-    """Answer a scenario of a frame, or of a column seen as one.
+    """Answer a scenario of a frame, or of a column seen as one and told in its own words.
 
-    Arguments: `build` stands the frame up under its dead loads; `integrator`; `time_step` in s
-    (None: by rule). Raises `SolverError`, `OutOfDomainError`.
+    Argument: `build` stands the frame of a scenario up under its dead loads. The strike on a
+    column flies along +x and the column goes up, so that moments are those of a frame with the
+    opposite sign: positive at the base. Raises `SolverError`, `OutOfDomainError`.
     """
-    if isinstance(scenario, ColumnImpact | ColumnPushover):
-        return _answer_column(scenario, build, integrator, time_step)
-    return _answer_frame(scenario, build, integrator, time_step)
-
-
-def _answer_frame(
-    scenario: FrameScenario,
-    build: Callable[[Frame], FrameStructure],
-    integrator: str,
-    time_step: float | None,
-) -> Response:
+    told = as_frame(scenario)
     with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
-        structure = build(scenario.frame)
-        started = perf_counter()
-        if isinstance(scenario, FrameStatic):
-            pushed = static_steps(scenario, structure, PUSH_PARTS)
-            response = run_static(scenario, structure, pushed)
-        elif isinstance(scenario, FrameImpact):
-            parts = structure.elements // len(scenario.frame.members)
-            spans = time_spans(scenario, parts, time_step)
-            steps = impact_steps(scenario, structure, spans, WEIGHT, integrator)
-            largest = None if integrator == MOREAU else OPEN_LEDGER
-            response = run_impact(scenario, structure, steps, largest_error=largest)
-        else:
-            shaken = ground_steps(scenario, structure, time_step, WEIGHT)
-            response = run_ground_motion(scenario, structure, shaken)
-        response.attrs["solve_time"] = perf_counter() - started
-    return response
-
-
-def time_spans(
-    scenario: FrameImpact, parts: int, time_step: float | None
-) -> list[tuple[float, float]]:
-    """End times and time steps (s) of the parts of the record.
-
-    Arguments: `parts` of every member; `time_step` in s (None: by rule). Steps longer than a wave
-    takes along an element and back make its hinges ring, which softens them artificially. Rebounds
-    need half the step.
-    """
-    duration = scenario.duration
-    if time_step is not None:
-        return [(duration, time_step)]
-    peak = time_to_peak(scenario)
-    coarsest = min(duration / LEAST_STEPS, 2.0 * min(wave_times(scenario.frame)) / parts)
-    first = min(coarsest, peak / PEAK_STEPS)
-    later = min(coarsest, LATER * first)
-    share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
-    return [(min(FIRST_SPAN * peak, duration), share * first), (duration, share * later)]
-
-
-def _answer_column(
-    scenario: ColumnScenario,
-    build: Callable[[Frame], FrameStructure],
-    integrator: str,
-    time_step: float | None,
-) -> Response:
-    """The answer of the column's frame in the words of a column.
-
-    The strike flies along +x and the column goes up, so that moments are those of a frame with
-    the opposite sign: positive at the base.
-    """
-
-    def column(frame: Frame) -> FrameStructure:
-        structure = build(frame)
-        head = structure.dof("head", "-y")
-        return replace(structure, watched={"shortening": head})
-
-    response = _answer_frame(frame_scenario(scenario), column, integrator, time_step)
+        structure = build(told)
+        if not isinstance(scenario, COLUMNS):
+            return _run(told, structure, stepping)
+        watched = {"shortening": structure.dof("head", "-y")}
+        response = _run(told, replace(structure, watched=watched), stepping)
     for name in ("moment", "plastic_rotation"):
         response[name].values *= -1.0
-    return response.assign_coords(
-        hinge=response["hinge"].copy(data=list(COLUMN_HINGES)),
-    )
+    return response.assign_coords(hinge=response["hinge"].copy(data=list(COLUMN_HINGES)))
+
+
+def _run(scenario: FrameScenario, structure: FrameStructure, stepping: Stepping) -> Response:
+    started = perf_counter()
+    least, weight = stepping.least_yield_ratio, stepping.weight
+    if isinstance(scenario, FrameStatic):
+        pushed = static_steps(scenario, structure, stepping.parts)
+        response = run_static(scenario, structure, pushed)
+    elif isinstance(scenario, FrameImpact):
+        spans = stepping.spans(scenario)
+        if weight is None:
+            steps = explicit_steps(scenario, structure, spans)
+        else:
+            steps = impact_steps(scenario, structure, spans, weight, stepping.integrator)
+        response = run_impact(scenario, structure, steps, stepping.largest_error, least)
+    elif weight is None:
+        raise OutOfDomainError("explicit steps are known for impacts only: take implicit ones")
+    else:
+        shaken = ground_steps(scenario, structure, stepping.time_step, weight, stepping.halvings)
+        response = run_ground_motion(scenario, structure, shaken, least)
+    response.attrs["solve_time"] = perf_counter() - started
+    return response

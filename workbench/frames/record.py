@@ -31,6 +31,7 @@ class Record:
             "plastic_rotation": [],
         }
         self._shear = np.zeros(len(structure.frame.members))
+        self._strains: Array | None = None
         self._snapshots = Snapshots(structure, end)
         self._tally = Tally()
 
@@ -71,6 +72,9 @@ class Record:
         self._tables["moment"].append(members.moments())
         self._tables["plastic_rotation"].append(members.plastic_rotations())
         self._shear = np.maximum(self._shear, members.shear_forces())
+        strains = members.shear_strains()
+        if strains is not None:
+            self._strains = np.maximum(0.0 if self._strains is None else self._strains, strains)
         self._snapshots.see(at, self.displacement, turns=turns)
 
     def column(self, name: str) -> Array:
@@ -96,14 +100,21 @@ class Record:
         resistance = [frame.properties(member).shear_resistance for member in frame.members]
         return np.asarray(self._shear / np.array(resistance))
 
+    @property
+    def shear_strain(self) -> Array | None:
+        """Largest mean shear strain of each member (members,); None unless shear yields."""
+        return self._strains
+
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""
         return self._tally.yield_ratio(self.column("elastic").max())
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
+        strain = {} if self._strains is None else {"largest_shear_strain": self._strains.max()}
         return {
             "elements": self.structure.elements,
             "smallest_element": self.structure.smallest,
+            **strain,
             **self._tally.diagnostics(self.column("elastic").max()),
         }

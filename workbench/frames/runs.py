@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isclose
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
-from workbench.frames.accuracy import impact_accuracy
-from workbench.frames.chains import named
-from workbench.frames.collapse import CollapseWatch
+from workbench.frames.accuracy import impact_accuracy, shear_reached, softened
+from workbench.frames.collapse import COLLAPSE_SIDEWAYS, CollapseWatch
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.responses import Finding, Response, build_response
@@ -29,9 +29,8 @@ def run_impact(
     scenario: FrameImpact,
     structure: FrameStructure,
     steps: Iterator[TimeStep],
-    *,
-    largest_error: float | None = OPEN_LEDGER,
-    least_yield_ratio: float = 0.99,
+    largest_error: float | None,
+    least_yield_ratio: float,
 ) -> Response:
     """Follow `steps` of the impact driver on a frame under its dead loads.
 
@@ -40,8 +39,7 @@ def run_impact(
     frame collapses.
     """
     striker = scenario.striker
-    dof, sign = structure.dof(striker.node, striker.direction)
-    record = Record(structure, dof, sign, scenario.duration)
+    record = Record(structure, *structure.dof(striker.node, striker.direction), scenario.duration)
     watch = CollapseWatch(structure)
     work = loss = length = 0.0
     record.record(
@@ -69,27 +67,13 @@ def run_impact(
         )
         watch.check(f"{taken.time:.4g} s")
     columns = record.columns(
-        "displacement", "velocity", "striker_velocity", "percussion", "kinetic", "elastic",
-        "dissipated", "external_work", "contact_loss",
-    )  # fmt: skip
-    warnings = shear_reached(record)
-    warnings += impact_accuracy(
-        columns["displacement"],
-        record.column("algorithmic"),
-        scenario.input_energy,
-        _softened(record, least_yield_ratio),
-        body="the frame",
+        *("displacement", "velocity", "striker_velocity", "percussion", "kinetic", "elastic"),
+        *("dissipated", "external_work", "contact_loss"),
     )
-    response = build_response(
-        {**columns, **record.states(), "input_energy": scenario.input_energy},
-        time=record.column("at"),
-        hinges=hinge_names(structure.frame),
-        segments=member_names(structure.frame),
-        members=member_names(structure.frame),
-        warnings=warnings,
-    )
+    columns["input_energy"] = scenario.input_energy
+    warnings = softened(record, least_yield_ratio) + impact_accuracy(record, scenario.input_energy)
+    response = _response(record, columns, warnings, time=record.column("at"), time_step=length)
     _check_ledger(response, largest_error)
-    response.attrs.update(record.diagnostics(), time_step=length)
     return response
 
 
@@ -100,9 +84,8 @@ def run_static(
 
     Raises `SolverError`, and `OutOfDomainError` when an element crumples.
     """
-    dof, sign = structure.dof(scenario.node, scenario.direction)
     assembly = structure.assembly
-    record = Record(structure, dof, sign, None)
+    record = Record(structure, *structure.dof(scenario.node, scenario.direction), None)
     watch = CollapseWatch(structure)
     work = pushed = 0.0
     stops = scenario.path
@@ -126,13 +109,8 @@ def run_static(
     columns = record.columns(
         "displacement", "load_factor", "elastic", "dissipated", "external_work"
     )
-    warnings = shear_reached(record)
-    peak = {}
-    if scenario.control == "load":  # the displacement is an answer
-        peak["peak_displacement"] = np.max(np.abs(columns["displacement"]))
-        warnings += _gone_far(watch, structure)
-    brought = float(np.max(np.abs(record.column("pushed"))))
     force = columns["load_factor"] * scenario.magnitude
+<<<<<<< HEAD
     response = build_response(
         {
             **columns,
@@ -150,14 +128,25 @@ def run_static(
     )
     response.attrs.update(record.diagnostics())
     return response
+=======
+    values = {
+        **columns,
+        "force": force,
+        "resistance": np.max(np.abs(force)),
+        "input_energy": float(np.max(np.abs(record.column("pushed")))),
+    }
+    if scenario.control == "load":  # the displacement is an answer
+        values["peak_displacement"] = np.max(np.abs(columns["displacement"]))
+    warnings = _gone_far(watch, structure, imposed=scenario.control != "load")
+    return _response(record, values, warnings)
+>>>>>>> 7efbfab (A column is a frame of two members in the references: one mesh, one run, one record)
 
 
 def run_ground_motion(
     scenario: FrameGroundMotion,
     structure: FrameStructure,
     steps: Iterator[GroundStep],
-    *,
-    least_yield_ratio: float = 0.99,
+    least_yield_ratio: float,
 ) -> Response:
     """Follow `steps` of the driver of ground motion on a frame under its dead loads.
 
@@ -165,12 +154,10 @@ def run_ground_motion(
     dissipated, the work of the ground as external. The input energy is the largest work of the
     ground so far. Raises `SolverError`, and `OutOfDomainError` when the frame collapses.
     """
-    dof, sign = structure.dof(scenario.node, scenario.direction)
-    record = Record(structure, dof, sign, scenario.duration)
+    record = Record(structure, *structure.dof(scenario.node, scenario.direction), scenario.duration)
     watch = CollapseWatch(structure)
     ground = dead = damped = length = 0.0
-    start = {"velocity": 0.0, "kinetic": 0.0, "external_work": 0.0, "ground": 0.0, "damped": 0.0}
-    record.record(0.0, turns=False, **start)
+    record.record(0.0, velocity=0.0, kinetic=0.0, external_work=0.0, ground=0.0, damped=0.0)
     for taken in steps:
         record.add(taken.energies, taken.evaluations, taken.cuts)
         ground += taken.input_energy
@@ -190,33 +177,53 @@ def run_ground_motion(
         "displacement", "velocity", "kinetic", "elastic", "dissipated", "external_work"
     )
     columns["dissipated"] = columns["dissipated"] + record.column("damped")
-    brought = float(np.max(np.abs(record.column("ground"))))
-    response = build_response(
-        {**columns, **record.states(), "input_energy": brought},
-        time=record.column("at"),
-        hinges=hinge_names(structure.frame),
-        segments=member_names(structure.frame),
-        members=member_names(structure.frame),
-        warnings=shear_reached(record) + _softened(record, least_yield_ratio),
-    )
+    columns["input_energy"] = np.max(np.abs(record.column("ground")))
+    warnings = softened(record, least_yield_ratio)
+    response = _response(record, columns, warnings, time=record.column("at"), time_step=length)
     _check_ledger(response, OPEN_LEDGER)
-    response.attrs.update(record.diagnostics(), time_step=length)
     return response
 
 
-def _gone_far(watch: CollapseWatch, structure: FrameStructure) -> list[Finding]:
-    """Whether a load has been carried only by a frame that has changed its shape."""
+def _response(
+    record: Record,
+    values: dict[str, Any],
+    warnings: list[Finding],
+    time: Array | None = None,
+    **numbers: float,
+) -> Response:
+    """The response of a finished run, states of hinges and members and their shear included."""
+    frame = record.structure.frame
+    response = build_response(
+        {**values, **record.states()},
+        time=time,
+        steps=None if time is not None else len(values["displacement"]),
+        hinges=hinge_names(frame),
+        segments=member_names(frame),
+        members=member_names(frame),
+        warnings=shear_reached(record) + warnings,
+    )
+    response.attrs.update(record.diagnostics(), **numbers)
+>>>>>>> 7efbfab (A column is a frame of two members in the references: one mesh, one run, one record)
+    return response
+
+
+def _gone_far(watch: CollapseWatch, structure: FrameStructure, imposed: bool) -> list[Finding]:
+    """Whether a frame has changed its shape, under a load or by `imposed` displacements."""
     share, worst = watch.sideways()
-    if share <= GONE_FAR:
+    if share <= (COLLAPSE_SIDEWAYS if imposed else GONE_FAR):
         return []
     text = (
         f"the ends of member {structure.frame.members[worst].name} have moved apart across its "
-        f"axis by {share:.2f} of its length: this load is carried by another shape of the frame, "
-        "beyond its plastic mechanism; displacement control shows the way there"
+        f"axis by {share:.2f} of its length: "
     )
-    return [Finding("large-displacements", text)]
+    if imposed:
+        return [Finding("rotation", text + "steel would tear before", number=share)]
+    text += "this load is carried by another shape of the frame, beyond its plastic mechanism"
+    remedy = "displacement control shows the way there"
+    return [Finding("large-displacements", text, remedy=remedy, number=share)]
 
 
+<<<<<<< HEAD
 def shear_reached(record: Record) -> list[Finding]:
     """Members whose shear force has passed their plastic shear resistance."""
     frame = record.structure.frame
@@ -235,15 +242,3 @@ def _check_ledger(response: Response, largest_error: float | None) -> None:
     error = float(np.max(np.abs(response["balance_error"])) / response["input_energy"])
     if largest_error is not None and error > largest_error:
         raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
-
-
-def _softened(record: Record, least_yield_ratio: float) -> list[Finding]:
-    """Whether averaging over the steps has softened what yields."""
-    ratio = record.yield_ratio()
-    if ratio is None or ratio >= least_yield_ratio:
-        return []
-    text = (
-        f"yield ratio {ratio:.4f} is below {least_yield_ratio:g}: averaging over the step softens "
-        "what yields"
-    )
-    return [Finding("yield-ratio", text, remedy="take a smaller time_step", number=ratio)]

@@ -49,6 +49,10 @@ class MemberReader(Protocol):
         """Largest shear force of each member (members,), without sign."""
         ...
 
+    def shear_strains(self) -> Array | None:
+        """Mean shear strain of each member (members,), without sign; None unless shear yields."""
+        ...
+
     def contractions(self) -> Array:
         """Loss of length along the axis of each member (members,)."""
         ...

@@ -218,6 +218,9 @@ class SuperelementMembers:
         shear = np.abs(self._group.shear_forces)
         return np.asarray(shear.reshape(-1, self._parts).max(axis=1))
 
+    def shear_strains(self) -> None:
+        """Shear does not yield."""
+
     def contractions(self) -> Array:
         """Loss of length of the chords of each member (members,)."""
         return np.asarray(-self._group.elongations.reshape(-1, self._parts).sum(axis=1))

@@ -1,4 +1,4 @@
-"""How long the events of a frame take, for the choice of time steps."""
+"""How long the events of a frame take, and the time steps that follow from that."""
 
 from __future__ import annotations
 
@@ -6,14 +6,32 @@ from math import pi, sqrt
 
 import numpy as np
 
+from workbench.frames.chains import chains
+from workbench.frames.shear import shear_stiffness
 from workbench.scenarios import Frame, FrameImpact
 
+FIRST_SPAN, LATER = 6.0, 4.0  # beyond so many times to the peak, so many times longer steps
 
-def time_to_peak(scenario: FrameImpact) -> float:
+Spans = list[tuple[float, float]]  # end times and time steps of the parts of a record, in s
+
+
+def spans_to(peak: float, duration: float, first: float, coarsest: float, share: float) -> Spans:
+    """Parts of a record around and after a peak, at the time `peak` in s.
+
+    Arguments: `duration` of the record, step at `first` and the `coarsest` one allowed, all in s;
+    `share` of these steps that is taken.
+    """
+    first = min(coarsest, first)
+    later = min(coarsest, LATER * first)
+    return [(min(FIRST_SPAN * peak, duration), share * first), (duration, share * later)]
+
+
+def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     """Estimate (s) of the time of the peak: of an elastic spring, or of hinges if longer.
 
     Both from the members at the struck node alone, held at their far ends; the plastic estimate
-    is that of a mechanism with hinges at both ends of them.
+    is that of a mechanism with hinges at both ends of them. Elastic shear strain counts if
+    `shear_flexible`.
     """
     frame, striker = scenario.frame, scenario.striker
     along = np.array([1.0, 0.0] if striker.direction.endswith("x") else [0.0, 1.0])
@@ -31,12 +49,17 @@ def time_to_peak(scenario: FrameImpact) -> float:
         modulus = frame.steel.elastic_modulus
         axial = modulus * properties.area / length
         bending = modulus * properties.second_moment / length
+        softer = 0.0  # Timoshenko's ratio of bending to shear stiffness
+        if shear_flexible:
+            shear = shear_stiffness(frame.strength_section(member), frame.steel)
+            softer = 12.0 * bending / (length * shear)
+            bending /= 1.0 + softer
         e, n = np.array([c, s, 0.0]), np.array([-s, c, 0.0])
         turned = 6.0 * bending / length * n
         stiffness += axial * np.outer(e, e) + 12.0 * bending / length**2 * np.outer(n, n)
         stiffness[2, :2] += turned[:2]
         stiffness[:2, 2] += turned[:2]
-        stiffness[2, 2] += 4.0 * bending
+        stiffness[2, 2] += (4.0 + softer) * bending
         across, lengthwise = abs(float(n[:2] @ along)), abs(float(e[:2] @ along))
         resistance += 2.0 * properties.plastic_moment / length * across
         resistance += properties.squash_load * lengthwise
@@ -54,3 +77,12 @@ def wave_times(frame: Frame) -> list[float]:
         speed = sqrt(frame.steel.elastic_modulus * properties.area / properties.mass_per_length)
         times.append(frame.length(member) / speed)
     return times
+
+
+def struck_wave_time(scenario: FrameImpact) -> float:
+    """Time (s) of an axial wave along the struck member, all its parts; of several the longest."""
+    frame = scenario.frame
+    times = dict(zip((m.name for m in frame.members), wave_times(frame), strict=True))
+    struck = {m.name for m in frame.members if scenario.striker.node in (m.start, m.end)}
+    lines = [names for names in chains(frame) if struck & set(names)]
+    return max(sum(times[name] for name in names) for names in lines)

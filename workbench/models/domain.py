@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from math import pi
 
+from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.responses import Finding
-from workbench.scenarios import ColumnImpact, ColumnPushover
+from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, FrameScenario
 
 SHEAR_REMEDY = "hold it against fiber-shear, whose webs yield in shear"
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
@@ -34,12 +35,15 @@ def shear_demand(scenario: ColumnImpact | ColumnPushover) -> dict[str, float]:
     return {"below": below * ratio, "above": above * ratio}
 
 
-def member_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
-    """Domain findings that all member models without shear deformation share.
+def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+    """Domain findings that all member models without shear yielding share.
 
+    Of a frame see `frame_findings`; of a column:
     Refusal: axial load above the Euler load. Warnings: axial load above half of it; a segment
     whose bending mechanism needs more shear force than models without shear yielding allow.
     """
+    if not isinstance(scenario, ColumnImpact | ColumnPushover):
+        return frame_findings(scenario)
     findings = []
     load, critical = scenario.column.axial_load, euler_load(scenario)
     if load >= critical:

@@ -25,8 +25,8 @@ from typing import ClassVar
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Number, check_fields, checked
-from workbench.frames.answers import answer
-from workbench.frames.findings import frame_findings
+from workbench.frames.answers import Stepping, answer
+from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,
@@ -35,6 +35,7 @@ from workbench.frames.superelements import (
     series,
     stand_superelements,
 )
+from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.hinges import YieldSurface
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
@@ -54,6 +55,10 @@ from workbench.scenarios import (
 from workbench.structures.impact import INTEGRATORS, MOREAU
 from workbench.structures.superelements import Superelement, sway_stiffness
 
+PUSH_STEPS = 1000  # load steps over the range of a static path
+PEAK_STEPS = 150.0  # time steps up to the expected peak
+LEAST_STEPS = 100.0  # of a record
+WEIGHT = 0.5  # of the end forces in a time step: conserves energy
 INERTIAS = ("nonlinear", "linear", "none")
 GEOMETRIES = ("co-rotational", "linear")
 ANSWERS = (
@@ -97,7 +102,7 @@ class _HingedBars(ABC):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings common to all member models."""
-        return domain_findings(scenario)
+        return member_findings(scenario)
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
@@ -123,8 +128,31 @@ class _HingedBars(ABC):
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         """The superelement of a piece of a member."""
 
+    def time_spans(self, scenario: FrameImpact) -> Spans:
+        """End times and time steps (s) of the parts of the record.
+
+        Steps longer than a wave takes along an element and back make its hinges ring, which
+        softens them artificially. Rebounds need half the step.
+        """
+        duration = scenario.duration
+        if self.time_step is not None:
+            return [(duration, self.time_step)]
+        wave = min(wave_times(scenario.frame))
+        peak = time_to_peak(scenario)
+        coarsest = min(duration / LEAST_STEPS, 2.0 * wave / self.elements)
+        share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
+        return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)
+
     def _solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        return answer(scenario, self.structure, self.integrator, self.time_step)
+        stepping = Stepping(
+            PUSH_STEPS,
+            self.time_spans,
+            WEIGHT,
+            self.integrator,
+            self.time_step,
+            largest_error=None if self.integrator == MOREAU else OPEN_LEDGER,
+        )
+        return answer(scenario, lambda told: self.structure(told.frame), stepping)
 
 
 @dataclass(frozen=True)
@@ -250,10 +278,3 @@ def yield_surface(
         fitted.alpha if alpha is None else alpha,
         fitted.beta if beta is None else beta,
     )
-
-
-def domain_findings(scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-    """Findings of all member models of columns or of frames."""
-    if isinstance(scenario, ColumnImpact | ColumnPushover):
-        return member_findings(scenario)
-    return frame_findings(scenario)

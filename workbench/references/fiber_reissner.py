@@ -9,50 +9,27 @@ that the hardening spreads over millimetres is resolved.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Number, check_fields, checked
-from workbench.frames.structure import FrameStructure
+from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.answers import COLUMNS, as_frame
+from workbench.frames.chains import named
+from workbench.frames.shear import shear_stiffness
 from workbench.materials import Steel
-from workbench.models.base import respond
-from workbench.models.domain import member_findings
-from workbench.references.column_beams import ColumnBeams
-from workbench.references.column_rules import (
-    check_layers,
-    column_mesh,
-    mesh_findings,
-    section_findings,
-    time_spans,
-)
-from workbench.references.column_runs import run_column
-from workbench.references.fiber_reissner_column import reissner_column, reissner_section
-from workbench.references.frame_fibers import (
-    fiber_findings,
-    reissner_findings,
-    reissner_frame,
-    run_fiber_frame,
-)
-from workbench.references.frame_mesh import member_lengths
-from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
-from workbench.responses import Finding, Response
-from workbench.scenarios import (
-    ColumnImpact,
-    ColumnPushover,
-    ColumnScenario,
-    FrameGroundMotion,
-    FrameImpact,
-    FrameScenario,
-    FrameStatic,
-    Scenario,
-)
+from workbench.references.fiber import FiberReference
+from workbench.references.mesh import FrameMesh, MeshRule
+from workbench.references.refine import LEVELS
+from workbench.responses import Finding
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.sections.shapes import ISection
-from workbench.structures.reissner_beams.fibers import PATTERNS
+from workbench.structures.assembly import ElementGroup
+from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.reissner_beams.fibers import PATTERNS, section_fibers
 from workbench.structures.uniaxial import (
     MILD_STEEL,
     CowperSymonds,
@@ -61,23 +38,73 @@ from workbench.structures.uniaxial import (
     UniaxialLaw,
 )
 
-Array = NDArray[np.float64]
-SMALLEST_SHARE = 1.0 / 256.0  # of the shorter segment: peaks within 1 % of the converged ones
-SMALLEST_DEPTH = 0.01  # of the depth
-GROWTH, MILD_GROWTH = 2.0, 1.5  # of neighbouring elements, by rule and from a given size on
-MIDDLE = 0.5  # of an element: where it samples plasticity
+RULE = MeshRule(1.0 / 256.0, 0.01, growth=2.0)  # peaks within 1 % of the converged ones
+MILD_GROWTH = 1.5  # of neighbouring elements from a given smallest one on
 LAWS = ("linear", "menegotto-pinto")
-FRAMES = (FrameImpact, FrameStatic, FrameGroundMotion)
 
 
 @dataclass(frozen=True)
-class FiberReissner:
+class ExactBeams(FiberReference):
+    """Geometrically exact beams: one point per element, residual stress, crooked columns."""
+
+    residual_stress: str = checked(Choice(PATTERNS), "none")
+    residual_ratio: float | None = checked(Number(0.0, 1.0), optional=True)
+    out_of_straightness: float = checked(
+        Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"), 0.0
+    )
+
+    sampled: ClassVar[float] = 0.5
+
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        """Findings common to all fiber references, and refusals of options."""
+        return [*super().domain(scenario), *self._refusals(scenario)]
+
+    def _refusals(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        findings = []
+        frame = as_frame(scenario).frame
+        others = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
+        if self.residual_stress != "none" and others:
+            text = (
+                f"option.residual_stress = {self.residual_stress}: patterns are known for I "
+                f"sections only, not for {named(others)}; use none"
+            )
+            findings.append(Finding("residual-stress", text, refusal=True))
+        if self.out_of_straightness != 0.0 and not isinstance(scenario, COLUMNS):
+            text = (
+                f"option.out_of_straightness = {self.out_of_straightness:g}: bows are known for "
+                "columns only; put nodes where a member is crooked"
+            )
+            findings.append(Finding("out-of-straightness", text, refusal=True))
+        return findings
+
+    def placed(self, mesh: FrameMesh) -> FrameMesh:
+        """The mesh with a half sine along the strike over the length of a column."""
+        if self.out_of_straightness == 0.0:
+            return mesh
+        heights = mesh.coordinates[:, 1]
+        length = heights.max()
+        bow = self.out_of_straightness * length * np.sin(np.pi * heights / length)
+        return mesh._replace(coordinates=np.stack([bow, heights], axis=1))
+
+    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[ReissnerBeams, ElementGroup]:
+        """Geometrically exact beams, assembled by the compiled kernel."""
+        sections = [self.section(frame, member) for member in frame.members]
+        beams = ReissnerBeams(mesh.nodes, mesh.member, sections)
+        return beams, beams
+
+    @abstractmethod
+    def section(self, frame: Frame, member: Member) -> BeamSection:
+        """The fibers of a member's strength section, their law and its mass."""
+
+
+@dataclass(frozen=True)
+class FiberReissner(ExactBeams):
     """Geometrically exact fiber beam.
 
-    Mesh and steps: `smallest_element` in m, at both ends of both segments (None: 1/256 of the
-    shorter segment, but not below 1/100 of the depth); `largest_element` in m (None: 1/40 of the
-    length); `layers` over the depth of the section; `time_step` in s
-    (None: 1/15 of the time of an axial wave along the column, and at first at most 1/200 of the
+    Mesh and steps: `smallest_element` in m, at both ends of every member (None: 1/256 of the
+    shorter one that is hit, but not below 1/100 of the depth); `largest_element` in m (None: 1/40
+    of the longest member); `layers` over the depth of the section; `time_step` in s (None: 1/15 of
+    the time of an axial wave along the member that is hit, and at first at most 1/200 of the
     expected time to the peak; a bound and the interval of records if explicit); `refinement`, how
     often all elements and steps are halved (negative: doubled); `step_refinement`, how often the
     steps alone are halved further; `levels`, meshes behind an answer, each with twice the elements
@@ -94,42 +121,20 @@ class FiberReissner:
     stress after Cowper and Symonds with `rate_reference` in 1/s and `rate_exponent`;
     `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the yield
     stress (None: 0.5 for profiles up to 1.2 times as high as wide, else 0.3);
-    `out_of_straightness`, amplitude of a half sine along the strike over the length.
+    `out_of_straightness`, amplitude of a half sine of a column along the strike over its
+    length.
     """
 
-    smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
-    largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
-    layers: int = checked(Number(4, 1000, integer=True), 20)
-    time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
-    refinement: int = checked(REFINEMENT, 0)
-    step_refinement: int = checked(REFINEMENT, 0)
     levels: int = checked(LEVELS, 4)
     formulation: str = checked(Choice(("kernel", "forms")), "kernel")
-    integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
-    weight: float = checked(
-        Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
-    )
     steel_law: str = checked(Choice(LAWS), "linear")
-    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
     isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
     rate_sensitive: bool = checked(Flag(), False)
     rate_reference: float = checked(Number(1e-3, 1e9, "1/s"), MILD_STEEL.reference_rate)
     rate_exponent: float = checked(Number(1.0, 50.0), MILD_STEEL.exponent)
-    residual_stress: str = checked(Choice(PATTERNS), "none")
-    residual_ratio: float | None = checked(Number(0.0, 1.0), optional=True)
-    out_of_straightness: float = checked(
-        Number(-0.02, 0.02, advice="amplitude over length: 1/1000 is 0.001"), 0.0
-    )
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 3
-    answers: ClassVar[tuple[str, ...]] = (
-        ColumnImpact.KIND,
-        ColumnPushover.KIND,
-        FrameImpact.KIND,
-        FrameStatic.KIND,
-        FrameGroundMotion.KIND,
-    )
+    version: ClassVar[int] = 4
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount.",
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",
@@ -142,9 +147,7 @@ class FiberReissner:
     )
 
     def __post_init__(self) -> None:
-        check_fields(self, "option")
-        check_layers(self.layers)
-        check_levels(self.refinement, self.levels)
+        super().__post_init__()
         if self.steel_law == "menegotto-pinto":
             for name in ("rate_sensitive", "isotropic_ratio"):
                 if getattr(self, name):
@@ -167,44 +170,30 @@ class FiberReissner:
             keys.append("eccs1984")
         return tuple(keys)
 
-    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        """Findings common to all member models, and what the fibers cannot follow."""
-        if isinstance(scenario, FRAMES):
-            return [
-                *fiber_findings(scenario, self.frame_mesh(scenario), self.layers, MIDDLE),
-                *reissner_findings(scenario.frame, self.residual_stress, self.out_of_straightness),
-            ]
-        y, area = scenario.column.strength_section.fibers(self.layers)
-        findings = member_findings(scenario) + section_findings(scenario.column, y, area)
-        findings += mesh_findings(scenario, *self.mesh(scenario))
-        return findings + pattern_findings(scenario, self.residual_stress)
+    def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
+        """Elements grow fast from the very small ones of the rule only."""
+        return RULE if self.smallest_element is None else RULE._replace(growth=MILD_GROWTH)
 
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a scenario of a column or a frame, with numerical uncertainty."""
-        return respond(self, scenario, lambda given: refined(self, given, self._solve))
+    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[ReissnerBeams, ElementGroup]:
+        """Geometrically exact beams, assembled by the compiled kernel or by scikit-fem forms."""
+        beams, group = super().elements(frame, mesh)
+        if self.formulation == "forms":
+            from workbench.references.reissner_forms import ReissnerForms
 
-    def mesh(self, scenario: ColumnScenario) -> tuple[Array, Array]:
-        """Element lengths (m) below and above the hit point."""
-        return column_mesh(
-            scenario,
-            self.smallest_element,
-            self.largest_element,
-            self.refinement,
-            SMALLEST_SHARE,
-            SMALLEST_DEPTH,
-            self._growth,
-        )
+            group = ReissnerForms(beams)
+        return beams, group
 
-    def frame_mesh(self, scenario: FrameScenario) -> list[Array]:
-        """Element lengths (m) of every member of a frame."""
-        return member_lengths(
-            scenario,
-            self.smallest_element,
-            self.largest_element,
-            self.refinement,
-            SMALLEST_SHARE,
-            SMALLEST_DEPTH,
-            self._growth,
+    def section(self, frame: Frame, member: Member) -> BeamSection:
+        """Fibers with elastic shear strain of the shear area."""
+        section, steel = frame.strength_section(member), frame.steel
+        fibers = section_fibers(section, self.layers, self.residual_stress, self.residual_ratio)
+        return BeamSection(
+            fibers.y,
+            fibers.area,
+            self.law(steel),
+            frame.properties(member).mass_per_length,
+            shear_stiffness=shear_stiffness(section, steel),
+            initial_stress=steel.yield_stress * fibers.residual,
         )
 
     def law(self, steel: Steel) -> UniaxialLaw:
@@ -220,63 +209,3 @@ class FiberReissner:
             self.isotropic_ratio * modulus,
             rate if self.rate_sensitive else None,
         )
-
-    def beams(self, scenario: ColumnScenario) -> ColumnBeams:
-        """The column under its axial load, ready to be hit or pushed. Raises `SolverError`."""
-        section = reissner_section(
-            scenario.column,
-            self.law(scenario.column.steel),
-            self.layers,
-            self.residual_stress,
-            self.residual_ratio,
-        )
-        return reissner_column(
-            scenario.column,
-            section,
-            *self.mesh(scenario),
-            crookedness=self.out_of_straightness,
-            forms=self.formulation == "forms",
-            lumped=self.integrator == "explicit",
-        )
-
-    def frame(self, scenario: FrameScenario) -> FrameStructure:
-        """The frame under its dead loads, ready for its event. Raises `SolverError`."""
-        return reissner_frame(
-            scenario.frame,
-            self.frame_mesh(scenario),
-            self.law(scenario.frame.steel),
-            self.layers,
-            self.residual_stress,
-            self.residual_ratio,
-            forms=self.formulation == "forms",
-            lumped=self.integrator == "explicit",
-        )
-
-    def time_spans(self, scenario: ColumnImpact) -> list[tuple[float, float]]:
-        """End times and time steps (s) of the parts of the record, refinement applied."""
-        return time_spans(scenario, self.time_step, self._halvings)
-
-    def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
-        weight = self.weight if self.integrator == "implicit" else None
-        if isinstance(scenario, FRAMES):
-            build = partial(self.frame, scenario)
-            return run_fiber_frame(scenario, build, self.time_step, self._halvings, weight)
-        return run_column(scenario, self.beams, self.time_spans, self._halvings, weight)
-
-    @property
-    def _growth(self) -> float:
-        """Ratio of neighbouring elements: fast from the very small elements of the rule only."""
-        return GROWTH if self.smallest_element is None else MILD_GROWTH
-
-    @property
-    def _halvings(self) -> int:
-        """How often the steps are halved."""
-        return self.refinement + self.step_refinement
-
-
-def pattern_findings(scenario: ColumnScenario, pattern: str) -> list[Finding]:
-    """Refusal of residual stresses in a section without a known pattern."""
-    if pattern == "none" or isinstance(scenario.column.section.shape, ISection):
-        return []
-    text = f"option.residual_stress = {pattern}: patterns are known for I sections only, use none"
-    return [Finding("residual-stress", text, refusal=True)]

@@ -1,16 +1,15 @@
-"""A scenario's frame as fiber beams: members cut into elements, joints as springs, what is read."""
+"""A frame of fiber beams: members cut into elements, joints as springs, what is read off."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
-from workbench.references.column_beams import ColumnElements
-from workbench.references.frame_mesh import FrameMesh
+from workbench.references.mesh import FrameMesh
 from workbench.scenarios import Frame
 from workbench.structures.assembly import ElementGroup, PlanarAssembly
 from workbench.structures.joints import JointSpring, JointSprings
@@ -21,24 +20,59 @@ ENVELOPE = 181  # points of the exact interaction curve
 STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
 
 
+class BeamElements(ElementGroup, Protocol):
+    """What a frame reads off its fiber elements, committed and in SI units.
+
+    `crumples`: whether an element means nothing once a plastic hinge has shortened it to nothing.
+    """
+
+    lengths: Array
+    crumples: bool
+
+    @property
+    def local_forces(self) -> Array:
+        """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
+        ...
+
+    @property
+    def shear_forces(self) -> Array:
+        """Shear forces (elements,)."""
+        ...
+
+    @property
+    def shear_strains(self) -> Array:
+        """Shear strains (elements,)."""
+        ...
+
+    @property
+    def elongations(self) -> Array:
+        """Changes of length along the axis (elements,)."""
+        ...
+
+    def plastic_rotations(self) -> Array:
+        """Plastic curvature integrated over each element (elements,)."""
+        ...
+
+
 class FiberMembers:
     """Reads the members of a frame off their fiber elements, see `MemberReader`.
 
     Arguments: the `frame`, its `mesh`, its elements `beams`, its `springs` (None without joints);
     `sampled`, where an element samples plasticity, from its end next to a hinge and over its
-    length.
+    length; `shear_yields`, whether yielding limits the shear force.
     """
 
     def __init__(
         self,
         frame: Frame,
         mesh: FrameMesh,
-        beams: ColumnElements,
+        beams: BeamElements,
         springs: JointSprings | None,
         sampled: float,
+        shear_yields: bool,
     ) -> None:
         self._mesh, self._beams, self._springs = mesh, beams, springs
-        self._sampled = sampled
+        self._sampled, self._shear_yields = sampled, shear_yields
         count = len(frame.members)
         self._ends = np.stack([mesh.first[:-1], mesh.first[1:] - 1], axis=1).ravel()
         self._at_start = np.resize([True, False], 2 * count)
@@ -48,10 +82,7 @@ class FiberMembers:
         self._plastic = np.repeat([s.plastic_moment(steel) for s in sections], 2)
         radii = {s: np.hypot(*s.interaction_envelope(ENVELOPE)) for s in set(sections)}
         self._radii = np.repeat(np.stack([radii[s] for s in sections]), 2, axis=0)
-        along = np.cumsum(mesh.lengths) - 0.5 * mesh.lengths
-        starts = np.concatenate([[0.0], np.cumsum(mesh.lengths)])[mesh.first]
-        middle = 0.5 * (starts[:-1] + starts[1:])[mesh.member]
-        self._half = 2 * mesh.member + (along > middle)
+        self._half = 2 * mesh.member + mesh.upper
         self._hinge = np.array([2 * m + (not start) for m, start, _, _ in mesh.joints], dtype=int)
         self._dofs: tuple[Indices, Indices] | None = None
 
@@ -95,8 +126,16 @@ class FiberMembers:
 
     def shear_forces(self) -> Array:
         """Shear force of each member (members,), mean along it."""
+        return self._mean(self._beams.shear_forces)
+
+    def shear_strains(self) -> Array | None:
+        """Shear strain of each member (members,), mean along it; None unless shear yields."""
+        return self._mean(self._beams.shear_strains) if self._shear_yields else None
+
+    def _mean(self, values: Array) -> Array:
+        """Magnitude of the mean along each member (members,) of values (elements,)."""
         mesh = self._mesh
-        weighted = np.add.reduceat(self._beams.shear_forces * mesh.lengths, mesh.first[:-1])
+        weighted = np.add.reduceat(values * mesh.lengths, mesh.first[:-1])
         return np.abs(weighted / np.add.reduceat(mesh.lengths, mesh.first[:-1]))
 
     def contractions(self) -> Array:
@@ -148,25 +187,23 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
     return JointSprings(pairs, springs)
 
 
-def fiber_frame(
+def stand_fibers(
     frame: Frame,
     mesh: FrameMesh,
-    build: Callable[[Indices, Indices], tuple[ColumnElements, ElementGroup]],
+    beams: BeamElements,
+    group: ElementGroup,
     *,
     sampled: float,
-    lumped: bool = False,
+    shear_yields: bool,
+    lumped: bool,
 ) -> FrameStructure:
     """The frame as fiber beams under its dead loads.
 
-    Arguments: `mesh`; `build` gives, from nodes (elements, 2) and the number of the member
-    (elements,), the elements and the group that assembles them (often the same); `sampled`, see
-    `FiberMembers`; `lumped` mass. Raises `SolverError`.
+    Arguments: `mesh`; its elements `beams` and the `group` that assembles them, often the same;
+    `sampled` and `shear_yields`, see `FiberMembers`; `lumped` mass. Raises `SolverError`.
     """
-    beams, group = build(mesh.nodes, mesh.member)
     springs = joint_springs(frame, mesh)
-    groups: list[ElementGroup] = [group]
-    if springs is not None:
-        groups.append(springs)
-    members = FiberMembers(frame, mesh, beams, springs, sampled)
+    groups = [group] if springs is None else [group, springs]
+    members = FiberMembers(frame, mesh, beams, springs, sampled, shear_yields)
     skeleton = Skeleton(mesh.coordinates, groups, mesh.ties, len(mesh.nodes))
     return stand_frame(frame, skeleton, members, lumped=lumped)

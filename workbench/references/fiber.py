@@ -1,0 +1,239 @@
+"""What all fiber references share: options, mesh, time steps, findings, runs and refinement.
+
+A column is the frame of its two members. Each reference adds its elements and their section.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.errors import InputError
+from workbench.fields import Choice, Number, check_fields, checked
+from workbench.frames.answers import Stepping, answer, as_frame
+from workbench.frames.chains import named
+from workbench.frames.structure import FrameStructure
+from workbench.frames.timing import Spans, spans_to, struck_wave_time, time_to_peak
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.references.members import BeamElements, stand_fibers
+from workbench.references.mesh import (
+    FrameMesh,
+    MeshRule,
+    member_lengths,
+    mesh_findings,
+    mesh_frame,
+)
+from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
+from workbench.responses import Finding, Response
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Scenario,
+)
+from workbench.structures.assembly import ElementGroup
+
+Array = NDArray[np.float64]
+PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
+PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
+WAVE_STEPS = 15.0  # time steps while an axial wave passes the struck member, at least
+LEAST_STEPS = 200.0  # time steps of a record, at least
+LEAST_YIELD_RATIO = 0.995
+SAME = 0.01  # relative difference of an override from what the fibers give that counts as none
+OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load")
+
+
+@dataclass(frozen=True)
+class FiberReference(ABC):
+    """The options of every fiber reference; each explains them and adds its own."""
+
+    smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
+    largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)
+    layers: int = checked(Number(4, 1000, integer=True), 20)
+    time_step: float | None = checked(Number(1e-8, 1e-2, "s"), optional=True)
+    refinement: int = checked(REFINEMENT, 0)
+    step_refinement: int = checked(REFINEMENT, 0)
+    levels: int = checked(LEVELS, 3)
+    integrator: str = checked(Choice(("implicit", "explicit")), "implicit")
+    weight: float = checked(
+        Number(0.5, 1.0, advice="1/2 conserves energy, 1 dissipates most"), 0.55
+    )
+    hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    answers: ClassVar[tuple[str, ...]] = (
+        ColumnImpact.KIND,
+        ColumnPushover.KIND,
+        FrameImpact.KIND,
+        FrameStatic.KIND,
+        FrameGroundMotion.KIND,
+    )
+    assumptions: ClassVar[tuple[str, ...]]
+    shear_yields: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+        if self.layers % 2:
+            raise InputError(
+                "option.layers", self.layers, "must be even", "an odd number loses moment"
+            )
+        check_levels(self.refinement, self.levels)
+
+    @property
+    @abstractmethod
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the beam and of the options that are on."""
+
+    @abstractmethod
+    def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
+        """Sizes of elements where no option gives them."""
+
+    @property
+    @abstractmethod
+    def sampled(self) -> float:
+        """Where an element samples plasticity, from its end next to a hinge and over its length."""
+
+    @abstractmethod
+    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[BeamElements, ElementGroup]:
+        """The elements of a mesh, and the group that assembles them (often the same)."""
+
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        """Findings common to all member models, and what fibers or mesh do not follow."""
+        told = as_frame(scenario)
+        common = member_findings(scenario)
+        return [
+            *(f for f in common if f.subject != "shear" or not self.shear_yields),
+            *joint_findings(told.frame),
+            *override_findings(told.frame, self.layers),
+            *mesh_findings(told, self.lengths(told), self.sampled),
+        ]
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a scenario of a column or a frame, with numerical uncertainty."""
+        return respond(self, scenario, lambda given: refined(self, given, self._solve))
+
+    def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
+        """Element lengths (m) of every member; of a column below and above the hit point."""
+        told = as_frame(scenario)
+        return member_lengths(
+            told,
+            self.mesh_rule(told),
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
+        )
+
+    def time_spans(self, scenario: ColumnImpact | FrameImpact) -> Spans:
+        """End times and time steps (s) of the parts of the record, refinement applied."""
+        told = as_frame(scenario)
+        assert isinstance(told, FrameImpact)
+        share = 0.5**self._halvings
+        if self.time_step is not None:
+            return [(told.duration, self.time_step * share)]
+        coarsest = min(struck_wave_time(told) / WAVE_STEPS, told.duration / LEAST_STEPS)
+        peak = time_to_peak(told, shear_flexible=True)
+        return spans_to(peak, told.duration, peak / PEAK_STEPS, coarsest, share)
+
+    def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
+        """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
+        frame = as_frame(scenario).frame
+        mesh = self.placed(mesh_frame(frame, self.lengths(scenario)))
+        beams, group = self.elements(frame, mesh)
+        return stand_fibers(
+            frame,
+            mesh,
+            beams,
+            group,
+            sampled=self.sampled,
+            shear_yields=self.shear_yields,
+            lumped=self.integrator == "explicit",
+        )
+
+    def placed(self, mesh: FrameMesh) -> FrameMesh:
+        """The mesh with its nodes where they are before any load."""
+        return mesh
+
+    def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
+        stepping = Stepping(
+            round(PUSH_STEPS * 2.0**self._halvings),
+            self.time_spans,
+            self.weight if self.integrator == "implicit" else None,
+            time_step=self.time_step,
+            halvings=self._halvings,
+            largest_error=None,
+            least_yield_ratio=LEAST_YIELD_RATIO,
+        )
+        return answer(scenario, lambda _: self.structure(scenario), stepping)
+
+    @property
+    def _halvings(self) -> int:
+        """How often the steps are halved."""
+        return self.refinement + self.step_refinement
+
+
+def joint_findings(frame: Frame) -> list[Finding]:
+    """What a rotational spring at the end of a fiber member leaves out of a joint."""
+    used = {m.joint_start for m in frame.members} | {m.joint_end for m in frame.members}
+    joints = [joint for joint in frame.joints if joint.name in used]
+    strong = [
+        j.name
+        for j in joints
+        if j.plastic_moment is not None or j.plastic_moment_negative is not None
+    ]
+    axial = [
+        j.name
+        for j in joints
+        if not (j.axial_stiffness is j.tension_resistance is j.compression_resistance is None)
+    ]
+    findings = []
+    if strong:
+        text = (
+            f"joints {', '.join(strong)} are rotational springs here: their plastic moment does "
+            "not depend on the axial force, which overestimates them in catenary action"
+        )
+        findings.append(Finding("joints", text))
+    if axial:
+        text = (
+            f"joints {', '.join(axial)} are rigid along the member here: axial stiffness and "
+            "axial resistances of joints are left out"
+        )
+        findings.append(Finding("joints", text))
+    return findings
+
+
+def override_findings(frame: Frame, layers: int) -> list[Finding]:
+    """Overrides of section values that differ from those of the fibers by over 1 %."""
+    stress = frame.steel.yield_stress
+    differing: dict[str, list[str]] = {}  # what is said, and of which members
+    for member in frame.members:
+        given = {key: value for key in OVERRIDES if (value := getattr(member, key)) is not None}
+        if not given:
+            continue
+        y, area = frame.strength_section(member).fibers(layers)
+        values = {
+            "area": np.sum(area),
+            "second_moment": np.sum(y**2 * area),
+            "plastic_moment": stress * np.sum(np.abs(y) * area),
+            "squash_load": stress * np.sum(area),
+        }
+        for key, value in given.items():
+            if abs(value / values[key] - 1.0) > SAME:
+                said = f"{key} = {value:.5g} against {values[key]:.5g}"
+                differing.setdefault(said, []).append(member.name)
+    if not differing:
+        return []
+    told = [f"{said} ({named(names)})" for said, names in differing.items()]
+    more = f" and {len(told) - 4} more" if len(told) > 4 else ""
+    text = "fibers come from the section alone and leave overrides out: "
+    return [Finding("section", text + ", ".join(told[:4]) + more)]

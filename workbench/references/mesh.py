@@ -1,0 +1,187 @@
+"""Where the mesh of a fiber reference stands: its rule, its elements, and what it cannot resolve.
+
+Every member is graded from the smallest element at both of its ends, where hinges form, to the
+largest one between them. A column is meshed as the frame of its two members.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.frames.chains import chains, named
+from workbench.responses import Finding
+from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
+from workbench.structures.meshing import graded_lengths, halved
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+LARGEST_SHARE = 1.0 / 40.0  # of the longest member; travelling hinges pass through inner elements
+LARGEST_IN_DYNAMICS = 0.06  # of the longest member
+LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
+
+
+class MeshRule(NamedTuple):
+    """Sizes of elements where no option gives them, and how they grow.
+
+    The smallest element is a `share` of the shorter member at the struck or driven node, but not
+    below `depth` times the depth of the section; the largest one 1/40 of the longest member in
+    dynamics, `static_share` of it in statics; `growth`, ratio of neighbouring elements.
+    """
+
+    share: float
+    depth: float
+    growth: float = 1.5
+    static_share: float = LARGEST_SHARE
+
+
+def member_lengths(
+    scenario: FrameScenario,
+    rule: MeshRule,
+    smallest: float | None = None,
+    largest: float | None = None,
+    refinement: int = 0,
+) -> list[Array]:
+    """Element lengths (m) of every member.
+
+    Arguments: lengths of the `smallest` element, at both ends of every member, and of the
+    `largest` in m (None: by `rule`); `refinement`, how often all are halved (negative: doubled).
+    Where both lengths are given and equal the mesh is uniform. Members that continue each other
+    straight on count as one in the length of the longest.
+    """
+    frame = scenario.frame
+    bound = rule.static_share if isinstance(scenario, FrameStatic) else LARGEST_SHARE
+    uniform = smallest is not None and smallest == largest
+    largest = largest or bound * _longest(frame)
+    wanted = smallest or min(rule.share * _shorter(scenario), largest)
+    coarser = 2.0 ** max(-refinement, 0)
+    result = []
+    for member in frame.members:
+        span = frame.length(member)
+        least = wanted if smallest else max(wanted, rule.depth * member.section.height)
+        if uniform:
+            count = ceil(span / (coarser * wanted) - 1e-9)
+            lengths = np.full(count, span / count)
+        else:
+            ends, inner = coarser * least, coarser * max(largest, least)
+            lengths = graded_lengths(span, ends, inner, rule.growth)
+        result.append(halved(lengths, max(refinement, 0)))
+    return result
+
+
+def _longest(frame: Frame) -> float:
+    """Length of the longest member, all its parts, in m."""
+    return max(sum(frame.length(name) for name in names) for names in chains(frame))
+
+
+def _shorter(scenario: FrameScenario) -> float:
+    """Length of the shortest member at the struck or driven node, in m."""
+    frame = scenario.frame
+    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
+    there = [m for m in frame.members if node in (m.start, m.end)]
+    return min(frame.length(member) for member in there)
+
+
+class FrameMesh(NamedTuple):
+    """Elements of all members, one member after the other, each from its start to its end.
+
+    `coordinates` (nodes, 2) in m, those of the frame's nodes first; `nodes` (elements, 2);
+    `member` (elements,), number of the member; `first` (members + 1,), where its elements start;
+    `lengths` (elements,) in m; `joints`, those that turn: number of the member, whether at its
+    start, node of the frame, and the node of the member that is tied to it.
+    """
+
+    coordinates: Array
+    nodes: Indices
+    member: Indices
+    first: Indices
+    lengths: Array
+    joints: tuple[tuple[int, bool, int, int], ...]
+
+    @property
+    def ties(self) -> tuple[tuple[int, int], ...]:
+        """Pairs (node of the frame, node of a member) that share translations only."""
+        return tuple((master, slave) for _, _, master, slave in self.joints)
+
+    @property
+    def upper(self) -> NDArray[np.bool_]:
+        """Which elements (elements,) lie nearer to the end of their member than to its start."""
+        parts = np.split(self.lengths, self.first[1:-1])
+        return np.concatenate([np.cumsum(p) - 0.5 * p > 0.5 * np.sum(p) for p in parts])
+
+
+def mesh_frame(frame: Frame, lengths: list[Array]) -> FrameMesh:
+    """Cut the members into elements of the given lengths (m), in the order of the members."""
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    points = [[node.x, node.y] for node in frame.nodes]
+    nodes: list[tuple[int, int]] = []
+    joints: list[tuple[int, bool, int, int]] = []
+    for index, (member, parts) in enumerate(zip(frame.members, lengths, strict=True)):
+        ends = [number[member.start], number[member.end]]
+        from_, to = np.array(points[ends[0]]), np.array(points[ends[1]])
+        for side, joint in enumerate((member.joint_start, member.joint_end)):
+            if _turns(frame.joint(joint)):
+                joints.append((index, side == 0, ends[side], len(points)))
+                points.append(list(points[ends[side]]))
+                ends[side] = len(points) - 1
+        inner = range(len(points), len(points) + len(parts) - 1)
+        shares = np.cumsum(parts[:-1]) / np.sum(parts)
+        points.extend((from_ + share * (to - from_)).tolist() for share in shares)
+        line = [ends[0], *inner, ends[1]]
+        nodes.extend(pairwise(line))
+    counts = [len(parts) for parts in lengths]
+    return FrameMesh(
+        np.array(points),
+        np.array(nodes, dtype=np.int64),
+        np.repeat(np.arange(len(counts)), counts),
+        np.concatenate([[0], np.cumsum(counts)]),
+        np.concatenate(lengths),
+        tuple(joints),
+    )
+
+
+def _turns(joint: Joint) -> bool:
+    """Whether a joint lets its member turn against the node, elastically or plastically."""
+    given = (joint.rotational_stiffness, joint.plastic_moment, joint.plastic_moment_negative)
+    return any(value is not None for value in given)
+
+
+def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float) -> list[Finding]:
+    """Meshes for which the result is known to be off by several percent.
+
+    Arguments: element `lengths` (m) of every member; `sampled`, where an element samples
+    plasticity, from its end next to a hinge and over its length.
+    """
+    frame, findings = scenario.frame, []
+    parts = {m.name: p for m, p in zip(frame.members, lengths, strict=True)}
+    excess = {}
+    for names in chains(frame, _kept(scenario)):
+        whole = sum(float(np.sum(parts[name])) for name in names)
+        excess[names[0]] = sampled * (parts[names[0]][0] + parts[names[-1]][-1]) / whole
+    above = [name for name in excess if excess[name] > LARGEST_EXCESS]
+    if above:
+        text = (
+            f"elements next to the hinges overestimate the resistance of {named(above)} by up to "
+            f"{100 * max(excess.values()):.0f} %: refine"
+        )
+        findings.append(Finding("mesh", text))
+    longest = max(float(part.max()) for part in lengths)
+    limit = LARGEST_IN_DYNAMICS * _longest(frame)
+    if not isinstance(scenario, FrameStatic) and longest > limit:
+        text = (
+            f"elements of {longest:.3g} m inside the members are too long for travelling plastic "
+            "hinges, peaks may be several percent off: reduce largest_element"
+        )
+        findings.append(Finding("mesh", text))
+    return findings
+
+
+def _kept(scenario: FrameScenario) -> set[str]:
+    kept = {load.node for load in scenario.frame.loads}
+    if isinstance(scenario, FrameStatic):
+        return kept | {scenario.node} | {load.node for load in scenario.loads}
+    return kept | ({scenario.striker.node} if isinstance(scenario, FrameImpact) else set())
