@@ -36,7 +36,9 @@ def softened(record: Record, least: float) -> list[Finding]:
     ratio = record.yield_ratio()
     if ratio is None or ratio >= least:
         return []
-    text = f"yield ratio {ratio:.4f} is below {least:g}: averaging over the step softens what yields"
+    text = (
+        f"yield ratio {ratio:.4f} is below {least:g}: averaging over the step softens what yields"
+    )
     return [Finding("yield-ratio", text, remedy="take a smaller time_step", number=ratio)]
 
 

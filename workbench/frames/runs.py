@@ -110,25 +110,6 @@ def run_static(
         "displacement", "load_factor", "elastic", "dissipated", "external_work"
     )
     force = columns["load_factor"] * scenario.magnitude
-<<<<<<< HEAD
-    response = build_response(
-        {
-            **columns,
-            **record.states(),
-            "force": force,
-            "resistance": np.max(np.abs(force)),
-            **peak,
-            "input_energy": brought,
-        },
-        steps=len(columns["displacement"]),
-        hinges=hinge_names(structure.frame),
-        segments=member_names(structure.frame),
-        members=member_names(structure.frame),
-        warnings=warnings,
-    )
-    response.attrs.update(record.diagnostics())
-    return response
-=======
     values = {
         **columns,
         "force": force,
@@ -139,7 +120,6 @@ def run_static(
         values["peak_displacement"] = np.max(np.abs(columns["displacement"]))
     warnings = _gone_far(watch, structure, imposed=scenario.control != "load")
     return _response(record, values, warnings)
->>>>>>> 7efbfab (A column is a frame of two members in the references: one mesh, one run, one record)
 
 
 def run_ground_motion(
@@ -203,7 +183,6 @@ def _response(
         warnings=shear_reached(record) + warnings,
     )
     response.attrs.update(record.diagnostics(), **numbers)
->>>>>>> 7efbfab (A column is a frame of two members in the references: one mesh, one run, one record)
     return response
 
 
@@ -221,21 +200,6 @@ def _gone_far(watch: CollapseWatch, structure: FrameStructure, imposed: bool) ->
     text += "this load is carried by another shape of the frame, beyond its plastic mechanism"
     remedy = "displacement control shows the way there"
     return [Finding("large-displacements", text, remedy=remedy, number=share)]
-
-
-<<<<<<< HEAD
-def shear_reached(record: Record) -> list[Finding]:
-    """Members whose shear force has passed their plastic shear resistance."""
-    frame = record.structure.frame
-    ratios = record.shear_utilisation()
-    above = [frame.members[i].name for i in np.argsort(-ratios) if ratios[i] > 1.0]
-    if not above:
-        return []
-    text = (
-        f"V/Vpl = {ratios.max():.2f} was reached in {named(above)}, but shear does not yield in "
-        "this model: it overestimates the resistance"
-    )
-    return [Finding("shear-reached", text, number=float(ratios.max()))]
 
 
 def _check_ledger(response: Response, largest_error: float | None) -> None:
