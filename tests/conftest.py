@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import settings
+from toy_models import Spring
 
 from workbench.datafiles import data_directory
 from workbench.scenarios import ColumnImpact, load_scenario
+from workbench.study import Case, Study
 
 # The same examples in every run: a change fails because of the change, not because of the day.
 settings.register_profile("repeatable", derandomize=True)
@@ -35,3 +37,26 @@ def thesis_impact() -> ColumnImpact:
 def clamped_impact() -> ColumnImpact:
     """HEB 220 clamped at both ends, hit at mid-height at 25 m/s (Heng 2017, section 5.1)."""
     return load_scenario(data_directory() / "published" / "heng2017_clamped_column.toml")
+
+
+@pytest.fixture
+def toy_study(thesis_impact: ColumnImpact) -> Study:
+    """Three impacts, a ladder of three levels and one reduced model: 12 cells."""
+    return Study(
+        name="toy",
+        title="Toy",
+        question="Does the runner run?",
+        cases=tuple(
+            Case(f"v{v}", thesis_impact.at_velocity(v), parameters={"velocity": v})
+            for v in (10.0, 15.0, 20.0)
+        ),
+        models={
+            "soft": Spring(stiffness=4e6),
+            "coarse": Spring(error=0.08),
+            "middle": Spring(error=0.08, level=1),
+            "fine": Spring(error=0.08, level=2),
+        },
+        reference="fine",
+        ladder=("coarse", "middle", "fine"),
+        quick_models=("soft", "middle", "fine"),
+    )

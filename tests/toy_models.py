@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.errors import InputError, SolverError
+from workbench.errors import InputError, OutOfDomainError, SolverError
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
@@ -99,6 +99,8 @@ class Troubled:
                 time.sleep(self.seconds)
             if self.trouble == "solver":
                 raise SolverError("t = 0.01 s", 0.5, "everything")
+            if self.trouble == "collapse":
+                raise OutOfDomainError("collapse")
             if self.trouble == "input":
                 raise InputError("toy.option", 1, "must be 2")
             if self.trouble == "raise":

@@ -19,7 +19,6 @@ from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report import build_report
 from workbench.report.chapters import configuration, limits
-from workbench.report.chapters.verdicts import verdict_rows
 from workbench.report.figures import draw
 from workbench.report.figures.drawing import thinned, to_svg
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
@@ -166,8 +165,7 @@ def test_gates_that_differ_in_their_cases_keep_their_reasons(tmp_path):
         for case, why in (("storeys", "Hit from the side."), ("from above", "Hit from above."))
     )
     stored = store_of(replace(frame_study("sorted"), gates=gates, figures=()), tmp_path)
-    rows = verdict_rows(stored)
-    assert [(row["rationale"], row["cases"], row["case"]) for row in rows] == [
+    assert [(row["rationale"], row["asked"], row["case"]) for row in stored.rows["verdicts"]] == [
         ("Hit from the side.", 1, "storeys"),
         ("Hit from above.", 1, "from above"),
     ]

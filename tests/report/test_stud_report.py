@@ -115,8 +115,10 @@ def test_gates_mean_something(studs):
     rows = studs.tables["gates"]
     by_model = rows.groupby("model")["verdict"].agg(set)
     assert "fail" in by_model["mechanical stud"]
-    assert by_model["5/3 power"] == {"inconclusive"}
-    assert by_model["left after a pull-out, by uplift"] == {"inconclusive"}
+    assert by_model["5/3 power"] == {"refused"}
+    assert by_model["left after a pull-out, by uplift"] == {"refused"}
+    ends = studs.tables["verdicts"].groupby("model")["verdict"].agg(set)
+    assert ends["5/3 power"] == ends["left after a pull-out, by uplift"] == {"inconclusive"}
     unknown = rows[rows["uncertainty"].isna()]
     assert not (unknown["verdict"] == "pass").any()
 
@@ -174,7 +176,7 @@ def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     }
     (only,) = stud_evidence.in_short(study, stored).blocks
     assert "5 unseen tests of lab 3" in only.items[0]
-    (result,) = assess(study, tmp_path).results
+    (result,) = assess(study, tmp_path).verdicts
     assert result.verdict.value == "pass"
     mechanical = replace(study, models={**study.models, "left": StudResidual(predamage="fire")})
     refused = store_of(mechanical, tmp_path / "other")

@@ -17,7 +17,6 @@ from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study
-from workbench.study.comparisons import _SPREAD
 from workbench.study.tables import csv_bytes
 
 V15_PEAK = 15.0 / (5e6 / 1500.0) ** 0.5  # of the exact spring, v0 / omega
@@ -165,28 +164,73 @@ def test_gates_end_in_pass_fail_or_inconclusive(toy_study: Study, tmp_path: Path
     study = dataclasses.replace(toy_study, models=models, gates=gates, quick_models=())
     run_study(study, tmp_path, jobs=0)
     result = assess(study, tmp_path)
-    verdicts = [entry.verdict.value for entry in result.results]
+    verdicts = [found.verdict.value for found in result.verdicts]
     assert verdicts == [
-        *("pass", "fail", "inconclusive", "inconclusive", "pass", "pass"),
+        *("pass", "fail", "inconclusive", "inconclusive", "inconclusive", "pass"),
         *("inconclusive", "inconclusive", "fail"),
     ]
     assert result.failed
-    assert result.results[0].value == pytest.approx(np.sqrt(1.25) / 1.02 - 1.0, rel=1e-9)
-    assert result.results[0].counts == {"pass": 3, "fail": 0, "inconclusive": 0}
+    first, stuck, paper = (result.verdicts[i] for i in (0, 3, 4))
+    assert first.critical is not None
+    assert first.critical.value == pytest.approx(np.sqrt(1.25) / 1.02 - 1.0, rel=1e-9)
+    assert first.counts == {
+        **{"asked": 3, "pass": 3},
+        **dict.fromkeys(("fail", "inconclusive", "refused", "unanswered"), 0),
+    }
+    assert (stuck.counts["pass"], stuck.counts["unanswered"]) == (1, 2)
+    assert stuck.reasons[0].startswith(
+        "no answer in 2 of 3 asked cases: v15.0 (stuck: not-converged, "
+    )
+    assert (paper.counts["pass"], paper.counts["refused"]) == (1, 2)
     table = pd.read_csv(tmp_path / "toy" / "tables" / "gates.csv")
-    stuck = table[table["model"] == "stuck"].reset_index()
-    assert "stuck: not-converged" in stuck["note"][1]
-    assert "paper: out-of-domain" in stuck["note"][3]
-    assert len(table[table["against"] == "paper"]) == 2
-    assert len(table) == 3 + 3 + 3 + 3 + 1 + 1 + 3 + 1 + 3
+    assert list(table.groupby("number").size()) == [3, 3, 3, 3, 3, 1, 3, 1, 3]
+    notes = table.set_index(["number", "case"])["note"]
+    assert "stuck: not-converged" in notes[4, "v15.0"]
+    assert notes[8, "v10.0"] == "paper: out-of-domain, not published for this case"
+
+
+def test_a_sweep_whose_last_case_collapses_does_not_pass(toy_study: Study, tmp_path: Path) -> None:
+    models = {**toy_study.models, "collapsing": Troubled("collapse", above=18.0)}
+    lenient = gate("collapsing", "fine", 1e3)
+    study = dataclasses.replace(
+        toy_study,
+        models=models,
+        gates=(lenient, dataclasses.replace(lenient, cases=("v10.0", "v15.0"))),
+        quick_models=(),
+    )
+    run_study(study, tmp_path, jobs=0)
+    whole, named = assess(study, tmp_path).verdicts
+    assert (whole.verdict, named.verdict) == ("inconclusive", "pass")
+    assert whole.counts["refused"] == 1
+    (reason,) = whole.reasons
+    assert reason.startswith("no answer in 1 of 3 asked cases: v20.0 (collapsing: out-of-domain")
+    assert reason.endswith("collapse)")
+    # a case that the study does not ask of a label is not asked by the gate
+    cases = tuple(
+        dataclasses.replace(case, models=("soft", "fine") if case.name == "v20.0" else ())
+        for case in study.cases
+    )
+    (unasked, _) = assess(dataclasses.replace(study, cases=cases), tmp_path).verdicts
+    assert (unasked.verdict, unasked.counts["asked"]) == ("pass", 2)
+
+
+def test_gates_that_differ_only_in_their_cases_are_two(toy_study: Study, tmp_path: Path) -> None:
+    gates = tuple(gate("soft", "fine", 0.2, cases=(case,)) for case in ("v10.0", "v15.0"))
+    study = dataclasses.replace(toy_study, gates=gates)
+    run_study(study, tmp_path, jobs=0)
+    found = assess(study, tmp_path)
+    assert [each.number for each in found.verdicts] == [1, 2]
+    table = pd.read_csv(tmp_path / "toy" / "tables" / "verdicts.csv")
+    assert list(table["case"]) == ["v10.0", "v15.0"]
+    assert list(table["verdict"]) == ["pass", "pass"]
 
 
 def test_without_a_ladder_nothing_passes(toy_study: Study, tmp_path: Path) -> None:
     study = dataclasses.replace(toy_study, ladder=(), gates=(gate("soft", "fine", 0.2),))
     run_study(study, tmp_path, jobs=0)
     result = assess(study, tmp_path)
-    assert result.results[0].verdict == "inconclusive"
-    assert "no refinement ladder" in result.gates[0]["note"]
+    assert result.verdicts[0].verdict == "inconclusive"
+    assert "no refinement ladder" in result.verdicts[0].cases[0].note
     strict = dataclasses.replace(study, gates=(gate("soft", "fine", 0.01),))
     assert assess(strict, tmp_path).failed
 
@@ -226,9 +270,10 @@ def test_an_assessment_reads_the_store_only(
         "comparisons.csv",
         "ladder.csv",
         "gates.csv",
+        "verdicts.csv",
         "bias.csv",
     }
-    outcomes = [row["outcome"] for row in result.cells]
+    outcomes = [row["outcome"] for row in result.tables["cells"]]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4
     assess(toy_study, tmp_path)
     assert {path.name: path.read_bytes() for path in tables.iterdir()} == first
@@ -261,11 +306,12 @@ def test_bad_studies_are_refused(toy_study: Study, tmp_path: Path) -> None:
         assess(dataclasses.replace(toy_study, cases=cases), tmp_path)
 
 
-def test_every_scalar_metric_has_a_rule_for_its_uncertainty() -> None:
-    assert set(_SPREAD) == {name for name, m in METRICS.items() if m.scope is Scope.SCALAR}
+def test_a_metric_of_scalars_needs_a_rule_for_its_uncertainty() -> None:
+    with pytest.raises(TypeError, match="rule for their uncertainty"):
+        dataclasses.replace(METRICS["difference"], spread=None)
 
 
-@pytest.mark.parametrize("metric", sorted(_SPREAD))
+@pytest.mark.parametrize("metric", [n for n, m in METRICS.items() if m.scope is Scope.SCALAR])
 def test_the_rules_are_derivatives(metric: str) -> None:
     from workbench.assessment import expand
 
@@ -279,7 +325,9 @@ def test_the_rules_are_derivatives(metric: str) -> None:
     by_model = (value(s + u, d) - value(s - u, d)) / 2.0
     by_data = (value(s, d + 2 * u) - value(s, d - 2 * u)) / 2.0
     interval = expand(s, d, simulation_uncertainty=u, data_uncertainty=2 * u)
-    width = _SPREAD[metric](interval, (s, d))
+    rule = METRICS[metric].spread
+    assert rule is not None
+    width = rule(interval, s / d)
     assert width == pytest.approx(np.hypot(by_model, by_data), rel=1e-5)
 
 

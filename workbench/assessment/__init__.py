@@ -2,7 +2,7 @@
 
 from workbench.assessment.bias import Bias, bias_and_scatter, bootstrap_interval
 from workbench.assessment.curves import CURVE_METRICS
-from workbench.assessment.gates import Gate, Verdict, judge
+from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.assessment.histories import HISTORY_METRICS
 from workbench.assessment.metric import Metric, Scope, Swap
 from workbench.assessment.numerical import ErrorInterval, Ladder, expand, ladder
@@ -17,8 +17,10 @@ METRICS: dict[str, Metric] = {
 __all__ = [
     "METRICS",
     "Bias",
+    "CaseVerdict",
     "ErrorInterval",
     "Gate",
+    "GateVerdict",
     "Ladder",
     "Metric",
     "Scope",

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+_NAMED = 4  # cases that a reason names
+
 
 class Verdict(StrEnum):
-    """Result of a gate; inconclusive when the uncertainty straddles the bound."""
+    """How a gate ends, and how it ends in one case.
 
-    PASS = "pass"
+    Inconclusive: the uncertainty straddles the bound, or there is nothing to judge. A case alone
+    may also be refused by one side (out of its domain, collapse included) or remain without an
+    answer (failed, not run).
+    """
+
     FAIL = "fail"
+    UNANSWERED = "unanswered"
+    REFUSED = "refused"
     INCONCLUSIVE = "inconclusive"
+    PASS = "pass"
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +32,8 @@ class Gate:
     against: the reference or a published series); `quantity`, a response variable such as
     ``peak_displacement``; `metric`, a name in `workbench.assessment.METRICS`; `bound` on the
     absolute value of the metric; `rationale` and `source` for the reader; `cases`, names of the
-    cases (empty: all that both models answered). Metrics of a response alone take the same label
-    twice.
+    cases (empty: all that the study asks of both labels). Metrics of a response alone take the
+    same label twice.
     """
 
     model: str
@@ -54,3 +64,90 @@ def judge(value: float, uncertainty: float | None, bound: float) -> Verdict:
     if uncertainty is None or abs(value) + width > bound:
         return Verdict.INCONCLUSIVE
     return Verdict.PASS
+
+
+@dataclass(frozen=True, slots=True)
+class CaseVerdict:
+    """A gate in one case: the `value` of its metric, with `uncertainty`, None without an answer.
+
+    `note` says where the uncertainty comes from, or why there is nothing to judge.
+    """
+
+    case: str
+    verdict: Verdict
+    value: float | None
+    uncertainty: float | None
+    note: str
+
+    @property
+    def reach(self) -> float:
+        """How far the interval of the value reaches from zero."""
+        return abs(self.value or 0.0) + (self.uncertainty or 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GateVerdict:
+    """A gate over all `cases` that are asked; `number` is its place in the study, from 1."""
+
+    number: int
+    gate: Gate
+    cases: tuple[CaseVerdict, ...]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Cases asked, and how many of them ended in each verdict."""
+        found = [case.verdict for case in self.cases]
+        return {"asked": len(found), **{each.value: found.count(each) for each in Verdict}}
+
+    @property
+    def verdict(self) -> Verdict:
+        """Fail if a case fails, pass if every case that was asked passes, else inconclusive.
+
+        A case without an answer may be the one that matters: nothing passes without it.
+        """
+        found = {case.verdict for case in self.cases}
+        if Verdict.FAIL in found:
+            return Verdict.FAIL
+        return Verdict.PASS if found == {Verdict.PASS} else Verdict.INCONCLUSIVE
+
+    @property
+    def critical(self) -> CaseVerdict | None:
+        """The case with that verdict that reaches farthest; None if no case has a value."""
+        valued = [case for case in self.cases if case.value is not None]
+        same = [case for case in valued if case.verdict is self.verdict] or valued
+        return max(same, key=lambda case: case.reach, default=None)
+
+    @property
+    def missing(self) -> tuple[CaseVerdict, ...]:
+        """The cases that were asked and have no answer of both sides."""
+        without = (Verdict.REFUSED, Verdict.UNANSWERED)
+        return tuple(case for case in self.cases if case.verdict in without)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What keeps the gate from passing in cases that do not fail, one statement each."""
+        if not self.cases:
+            return ("the study asks no case of both sides",)
+        valued = [c for c in self.cases if c.value is not None]
+        straddling = [c for c in valued if c.verdict is Verdict.INCONCLUSIVE]
+        kinds = (
+            ("no answer", self.missing),
+            (
+                "nothing to judge",
+                [c for c in self.cases if c not in valued and c not in self.missing],
+            ),
+            ("uncertainty unknown", [c for c in straddling if c.uncertainty is None]),
+            ("uncertainty across the bound", [c for c in straddling if c.uncertainty is not None]),
+        )
+        return tuple(
+            f"{what} in {len(cases)} of {len(self.cases)} asked cases: {_listed(cases)}"
+            for what, cases in kinds
+            if cases
+        )
+
+
+def _listed(cases: Sequence[CaseVerdict]) -> str:
+    names = [case.case for case in cases]
+    names[0] += f" ({cases[0].note.rstrip('.')})"
+    more = [f"{len(names) - _NAMED} more"] if len(names) > _NAMED else []
+    return ", ".join([*names[:_NAMED], *more])

@@ -9,11 +9,14 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from workbench.assessment.numerical import ErrorInterval
 from workbench.errors import InputError
 from workbench.responses import Response
 
 Array = NDArray[np.float64]
 Compute = Callable[[Response, Response, str], float]
+# (the error of value and reference with its uncertainty, value over reference) -> half-width
+Spread = Callable[[ErrorInterval, float], float | None]
 
 
 class Scope(StrEnum):
@@ -42,7 +45,9 @@ class Metric:
     its range; `unit_power`, 0 if it is a pure number, 1 if it carries the unit of the quantity;
     `swap`, its symmetry; `citation`, key of the bibliography; `compute`, the function
     ``(response, reference, quantity) -> float``, which raises `InputError` where the metric
-    does not exist (quantity absent, reference zero, no common range).
+    does not exist (quantity absent, reference zero, no common range); `spread`, which every
+    metric of scalars has: how the uncertainty of their difference becomes that of the metric.
+    Metrics of histories and curves get theirs from the runs behind both sides.
     """
 
     name: str
@@ -56,6 +61,11 @@ class Metric:
     high: float = np.inf
     unit_power: int = 0
     swap: Swap = Swap.NOTHING
+    spread: Spread | None = None
+
+    def __post_init__(self) -> None:
+        if (self.spread is not None) != (self.scope is Scope.SCALAR):
+            raise TypeError(f"metric {self.name}: scalars need a rule for their uncertainty")
 
     @property
     def signed(self) -> bool:

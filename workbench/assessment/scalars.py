@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.assessment.metric import Metric, Scope, Swap, present
+from workbench.assessment.numerical import ErrorInterval
 from workbench.errors import InputError
 from workbench.responses import Response
 
@@ -49,6 +50,11 @@ def log_ratio(response: Response, reference: Response, quantity: str) -> float:
     return float(np.log(value / held_against))
 
 
+def _of_logarithm(interval: ErrorInterval, ratio: float) -> float | None:
+    relative = interval.relative_uncertainty
+    return None if relative is None else relative / abs(ratio)
+
+
 SCALAR_METRICS = (
     Metric(
         "relative_error",
@@ -57,6 +63,7 @@ SCALAR_METRICS = (
         Scope.SCALAR,
         "asme-vv20",
         relative_error,
+        spread=lambda interval, ratio: interval.relative_uncertainty,
     ),
     Metric(
         "difference",
@@ -67,6 +74,7 @@ SCALAR_METRICS = (
         difference,
         unit_power=1,
         swap=Swap.OPPOSITE,
+        spread=lambda interval, ratio: interval.uncertainty,
     ),
     Metric(
         "log_ratio",
@@ -76,5 +84,6 @@ SCALAR_METRICS = (
         "fds-validation",
         log_ratio,
         swap=Swap.OPPOSITE,
+        spread=_of_logarithm,
     ),
 )

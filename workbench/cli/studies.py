@@ -13,9 +13,9 @@ import typer
 from workbench.cli.output import Answer, InterruptedByUserError, Json, verb
 
 if TYPE_CHECKING:
+    from workbench.assessment import GateVerdict
     from workbench.content.tree import Block
     from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
-    from workbench.study.assess import GateResult
 
 StudyName = Annotated[
     str, typer.Argument(metavar="STUDY", help="Name of a study in ./studies, or a study file.")
@@ -94,7 +94,7 @@ def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]
     from workbench.content.tree import Paragraph
 
     yield _gates(result)
-    for row in result.cells:
+    for row in result.tables["cells"]:
         if row["outcome"] not in ("ok", "out-of-domain", "not run"):
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
@@ -204,52 +204,47 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
     result = assess(chosen, Path(store))
     content = {"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)}
     reasons = tuple(
-        f"{row['verdict']}: {row['gate']}, case {row['case'] or '-'}: {row['note']}"
-        for row in result.gates
-        if row["verdict"] != "pass"
+        f"{case.verdict}: {found.gate.name}, case {case.case}: {case.note}"
+        for found in result.verdicts
+        for case in found.cases
+        if case.verdict != "pass"
     )
     return Answer(content, (_gates(result), Bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
-    """The gates of an assessment, with the row of every case."""
+    """The verdicts of the gates, as the table of verdicts has them."""
     return [
         {
-            "gate": entry.gate,
-            "verdict": entry.verdict.value,
-            "value": entry.value,
-            "uncertainty": entry.uncertainty,
-            "case": entry.case,
-            "bound": entry.bound,
-            "counts": dict(entry.counts),
+            **{name: row[name] for name in ("number", "gate", "verdict", "value", "uncertainty")},
+            **{name: row[name] for name in ("case", "bound")},
+            "counts": found.counts,
+            "reasons": list(found.reasons),
         }
-        for entry in result.results
+        for row, found in zip(result.tables["verdicts"], result.verdicts, strict=True)
     ]
 
 
 def _gates(result: Assessment) -> Block:
     from workbench.content.tree import Column, Paragraph, Table
 
-    if not result.results:
+    if not result.verdicts:
         return Paragraph("The study has no gates.")
     columns = (
         Column("verdict", of=lambda entry: entry.verdict.value),
-        Column("gate", of="gate"),
+        Column("gate", of=lambda entry: entry.gate.name),
         Column("worst", True, of=_interval),
         Column(
             "bound",
             True,
             of=lambda entry: (
-                f"{100.0 * entry.bound:g} %" if _relative(entry) else f"{entry.bound:g}"
+                f"{100.0 * entry.gate.bound:g} %" if _relative(entry) else f"{entry.gate.bound:g}"
             ),
         ),
-        Column("in case", of="case"),
-        Column(
-            "pass / inconclusive / fail",
-            of=lambda entry: "{pass} / {inconclusive} / {fail}".format(**entry.counts),
-        ),
+        Column("in case", of=lambda entry: entry.critical.case if entry.critical else ""),
+        Column("cases", of=_counted),
     )
-    return Table.of("gates", "", columns, result.results)
+    return Table.of("gates", "", columns, result.verdicts)
 
 
 def _chosen(name: str, quick: bool) -> Study:
@@ -282,18 +277,26 @@ def _few(names: list[str]) -> str:
     return shown + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
-def _relative(entry: GateResult) -> bool:
-    return entry.metric != "difference"
+def _counted(entry: GateVerdict) -> str:
+    """How many of the asked cases ended how."""
+    counts = entry.counts
+    ends = [f"{counts[name]} {name}" for name in counts if name != "asked" and counts[name]]
+    return f"{counts['asked']} asked: {', '.join(reversed(ends))}" if ends else "none asked"
 
 
-def _interval(entry: GateResult) -> str:
+def _relative(entry: GateVerdict) -> bool:
+    return entry.gate.metric != "difference"
+
+
+def _interval(entry: GateVerdict) -> str:
     """The critical value of a gate with its uncertainty, in percent where it is relative."""
     from workbench.assessment import METRICS, Scope
 
-    if entry.value is None:
+    top = entry.critical
+    if top is None or top.value is None:
         return "-"
     factor, unit = (100.0, " %") if _relative(entry) else (1.0, "")
-    if METRICS[entry.metric].scope is Scope.RUN:
-        return f"{factor * entry.value:.3g}{unit}"
-    width = "?" if entry.uncertainty is None else f"{factor * entry.uncertainty:.2g}"
-    return f"{factor * entry.value:+.3g} ± {width}{unit}"
+    if METRICS[entry.gate.metric].scope is Scope.RUN:
+        return f"{factor * top.value:.3g}{unit}"
+    width = "?" if top.uncertainty is None else f"{factor * top.uncertainty:.2g}"
+    return f"{factor * top.value:+.3g} ± {width}{unit}"

@@ -54,8 +54,9 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
 def _short(study: Study, stored: Stored) -> Iterator[Block]:
     """The question, the table of verdicts, and what must not be overlooked."""
     yield Paragraph(study.question)
-    rows = verdicts.verdict_rows(stored)
+    rows = stored.rows["verdicts"]
     if rows:
+        yield verdicts.headline(rows)
         yield replace(verdicts.summary_table(rows), caption="")
     else:
         yield Paragraph("The study sets no acceptance gates.")

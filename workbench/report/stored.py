@@ -19,12 +19,12 @@ from workbench.study.store import Store
 
 NOT_RUN = "not run"
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
-_TABLES = ("cells", "findings", "comparisons", "ladder", "gates")
+_TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts")
 _OPTIONAL = ("bias",)
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
-        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
+        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source", "reasons"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
     ),
     str,

@@ -1,7 +1,7 @@
 """Studies: cases answered by models, the runner, the result store, the assessment of it."""
 
 from workbench.assessment.gates import Gate
-from workbench.study.assess import Assessment, GateResult, assess
+from workbench.study.assess import Assessment, assess
 from workbench.study.cells import Cell, cells_of
 from workbench.study.definition import Case, Figure, Study
 from workbench.study.gather import gather
@@ -17,7 +17,6 @@ __all__ = [
     "CellStatus",
     "Figure",
     "Gate",
-    "GateResult",
     "LoadedStudy",
     "RunSummary",
     "State",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from workbench.responses import Outcome, Response, outcome_of
+from workbench.responses import Outcome, Response, findings_of, outcome_of
 from workbench.study.definition import Case, Study
 
 STATIC = ("column-pushover", "frame-static")  # kinds whose answer is a curve over load steps
@@ -35,9 +35,13 @@ class Answers:
     def why_not(self, label: str) -> str:
         """Why there is no answer of a label."""
         response = self.responses.get(label)
+        if label not in self.asked:
+            return f"the study does not ask {label}"
         if response is None:
             return f"{label} has not been run"
-        return f"{label}: {outcome_of(response)}, {response.attrs['message']}"
+        refusals = [finding.text for finding in findings_of(response) if finding.refusal]
+        said = refusals[0] if refusals else response.attrs["message"]
+        return f"{label}: {outcome_of(response)}, {said}"
 
     def levels(self) -> list[str]:
         """Labels of the ladder that answered, coarse to fine, without a gap up to the finest."""

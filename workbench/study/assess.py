@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from workbench.assessment import Verdict, bias_and_scatter
+from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
 from workbench.errors import InputError
 from workbench.responses import SCALARS, TIMES, Response, findings_of, scalars_of
 from workbench.responses.outcome import COLUMNS
 from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
-from workbench.study.comparisons import (
-    comparison_rows,
-    gate_columns,
-    gate_row,
-    ladder_row,
-)
+from workbench.study.comparisons import comparison_rows, ladder_row
 from workbench.study.definition import Study
 from workbench.study.store import Presence, Record, Store
 from workbench.study.tables import Row, write_table
+from workbench.study.verdicts import CASE_COLUMNS, case_rows, verdict_row, verdicts_of
+from workbench.study.verdicts import COLUMNS as VERDICT_COLUMNS
 
 NOT_RUN = "not run"
 
@@ -38,46 +35,20 @@ _BIAS = (
     *("model_scatter", "note"),
 )
 _FEWEST_FOR_BIAS = 3  # cases
-_GATE = (
-    *("gate", "model", "against", "quantity", "metric", "case", "value", "uncertainty", "bound"),
-    *("verdict", "note", "rationale", "source"),
-)
-
-
-@dataclass(frozen=True)
-class GateResult:
-    """A gate over all its cases: the worst verdict, and the largest value met.
-
-    `counts` says how many cases ended in each verdict; `value`, its `uncertainty` and `case` are
-    those of the case with that verdict nearest to (or farthest beyond) the bound with its
-    uncertainty counted in, None if no case could be judged; `metric` is the name of the metric.
-    """
-
-    gate: str
-    verdict: Verdict
-    counts: Mapping[str, int]
-    bound: float
-    value: float | None
-    uncertainty: float | None
-    case: str | None
-    metric: str
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """The rows of all tables (as stored under `directory`) and the results of the gates."""
+    """The rows of all `tables` by name, as stored under `directory`, and the `verdicts`."""
 
     directory: Path
-    cells: tuple[Row, ...]
-    comparisons: tuple[Row, ...]
-    ladders: tuple[Row, ...]
-    gates: tuple[Row, ...]
-    results: tuple[GateResult, ...]
+    tables: Mapping[str, Sequence[Row]]
+    verdicts: tuple[GateVerdict, ...]
 
     @property
     def failed(self) -> bool:
         """Whether a gate failed."""
-        return any(result.verdict is Verdict.FAIL for result in self.results)
+        return any(found.verdict is Verdict.FAIL for found in self.verdicts)
 
 
 def assess(study: Study, root: Path) -> Assessment:
@@ -104,7 +75,7 @@ def assess(study: Study, root: Path) -> Assessment:
     findings: list[Row] = []
     comparisons: list[Row] = []
     ladders: list[Row] = []
-    gates: list[list[Row]] = [[] for _ in study.gates]
+    given: list[Answers] = []
     by_case: dict[str, list[Cell]] = {case.name: [] for case in study.cases}
     for cell in cells:
         by_case[cell.case].append(cell)
@@ -119,43 +90,29 @@ def assess(study: Study, root: Path) -> Assessment:
             cell_rows.append({**answer, **case.parameters})
             if record is not None:
                 who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
-                found = findings_of(responses[cell.label])
-                findings.extend({**who, **finding.as_dict()} for finding in found)
+                said = findings_of(responses[cell.label])
+                findings.extend({**who, **finding.as_dict()} for finding in said)
         asked = tuple(cell.label for cell in by_case[case.name])
         answers = Answers(study, case, asked, responses)
         comparisons.extend(comparison_rows(answers))
         ladders.extend(row for q in study.quantities if (row := ladder_row(answers, q)))
-        for gate, rows in zip(study.gates, gates, strict=True):
-            if gated := gate_row(answers, gate):
-                rows.append(gated)
-    for gate, rows in zip(study.gates, gates, strict=True):
-        if not rows:
-            note = "no case has an answer of both sides"
-            rows.append({**gate_columns(gate), "case": "", "verdict": "inconclusive", "note": note})
-    gate_rows = [row for rows in gates for row in rows]
+        given.append(answers)
+    found = verdicts_of(study, given)
     derived = ("shear_utilisation", "energy_error")
-    tables = (
+    tables: tuple[tuple[str, list[Row], tuple[str, ...]], ...] = (
         ("cells", cell_rows, (*_CELL, "solve_time", *names, *SCALARS, *derived, "key")),
         ("findings", findings, ("case", "label", "model", *COLUMNS)),
         ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
         ("ladder", ladders, ("case", "quantity", *study.steps, *_LADDER)),
-        ("gates", gate_rows, _GATE),
+        ("gates", [row for each in found for row in case_rows(each)], CASE_COLUMNS),
+        ("verdicts", [verdict_row(each) for each in found], VERDICT_COLUMNS),
         ("bias", list(_bias_rows(comparisons, study.reference)), _BIAS),
     )
     store.prepare()
     for name, table, columns in tables:
         write_table(store.tables / f"{name}.csv", table, columns)
-    results = tuple(
-        _result(gate.name, gate.bound, rows) for gate, rows in zip(study.gates, gates, strict=True)
-    )
-    return Assessment(
-        store.directory,
-        tuple(cell_rows),
-        tuple(comparisons),
-        tuple(ladders),
-        tuple(gate_rows),
-        results,
-    )
+    rows = {name: table for name, table, _ in tables}
+    return Assessment(store.directory, rows, found)
 
 
 def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> dict[str, Any]:
@@ -223,31 +180,3 @@ def _bias_rows(comparisons: list[Row], reference: str) -> Iterator[Row]:
             "model_scatter": found.model_scatter,
             "note": "; ".join(notes),
         }
-
-
-def _result(gate: str, bound: float, rows: list[Row]) -> GateResult:
-    verdicts = [Verdict(row["verdict"]) for row in rows]
-    worst = next(
-        verdict
-        for verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE, Verdict.PASS)
-        if verdict in verdicts
-    )
-    counts = {verdict.value: verdicts.count(verdict) for verdict in Verdict}
-    valued = [row for row in rows if row.get("value") is not None]
-    critical = [row for row in valued if row["verdict"] == worst.value] or valued
-    top = max(critical, key=_reach, default=None)
-    return GateResult(
-        gate,
-        worst,
-        counts,
-        bound,
-        None if top is None else top["value"],
-        None if top is None else top["uncertainty"],
-        None if top is None else top["case"],
-        rows[0]["metric"],
-    )
-
-
-def _reach(row: Row) -> float:
-    """How far the interval of a judged gate reaches."""
-    return float(abs(row["value"]) + (row["uncertainty"] or 0.0))

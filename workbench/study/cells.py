@@ -15,8 +15,8 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.models.base import Model, options_of
 from workbench.scenarios import Scenario, scenario_hash
-from workbench.study.comparisons import check_metrics
 from workbench.study.definition import Study
+from workbench.study.verdicts import check_gates
 
 STORE_FORMAT = 2
 
@@ -90,7 +90,7 @@ def cells_of(study: Study) -> list[Cell]:
             raise InputError("study.cases and labels", name, "must not be empty")
     for label, model in study.models.items():
         _check_model(label, model)
-    check_metrics(study)
+    check_gates(study)
     cells = []
     for case, label in study.cells():
         model = study.models[label]

@@ -21,12 +21,13 @@ Metrics of a response alone are numbers about the run: they have no interval.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import inf
 
-from workbench.assessment import METRICS, ErrorInterval, Gate, Metric, Scope, expand, judge
+from workbench.assessment import METRICS, Metric, Scope, expand
 from workbench.errors import InputError
-from workbench.responses import Outcome, Response, outcome_of
+from workbench.responses import Response
 from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
 from workbench.study.answers import Answers, is_static
 from workbench.study.definition import Case, Study
@@ -34,19 +35,6 @@ from workbench.study.sides import by_metric, joined, of_side, own_note, quantity
 from workbench.study.tables import Row
 
 _OF_THE_RUN = "a number about the run itself"
-
-
-def _of_logarithm(interval: ErrorInterval, pair: tuple[float, float]) -> float | None:
-    relative = interval.relative_uncertainty
-    return None if relative is None else relative * abs(pair[1] / pair[0])
-
-
-# How the uncertainty of the two numbers becomes that of a metric of them.
-_SPREAD: dict[str, Callable[[ErrorInterval, tuple[float, float]], float | None]] = {
-    "difference": lambda interval, pair: interval.uncertainty,
-    "relative_error": lambda interval, pair: interval.relative_uncertainty,
-    "log_ratio": _of_logarithm,
-}
 
 
 @dataclass(frozen=True)
@@ -78,14 +66,15 @@ def compare(
     value = metric(response, reference, quantity)
     if metric.scope is Scope.RUN:
         return Comparison(value, 0.0, _OF_THE_RUN)
-    if metric.scope is not Scope.SCALAR:
+    if metric.spread is None:
         return Comparison(value, *by_metric(answers, model, against, quantity, metric))
     pair = float(response[quantity]), float(reference[quantity])
     own, note = of_side(answers, model, quantity)
     other, other_note = of_side(answers, against, quantity)
     notes = joined(note, other_note)
     interval = expand(*pair, simulation_uncertainty=own, data_uncertainty=other)
-    return Comparison(value, _SPREAD[metric.name](interval, pair), notes, *pair)
+    ratio = pair[0] / pair[1] if pair[1] else inf
+    return Comparison(value, metric.spread(interval, ratio), notes, *pair)
 
 
 def comparison_rows(answers: Answers) -> Iterator[Row]:
@@ -170,60 +159,6 @@ def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
         "relative": None if width is None or value == 0.0 else width / abs(value),
         "note": own_note(response, quantity),
     }
-
-
-def gate_row(answers: Answers, gate: Gate) -> Row | None:
-    """The row of a gate for a case; None if the case does not concern it.
-
-    A gate without named cases leaves out those that one of its sides refuses (out-of-domain)
-    or is not asked; every other missing answer makes it inconclusive, never silently smaller.
-    """
-    if gate.cases and answers.case.name not in gate.cases:
-        return None
-    for label in (gate.model, gate.against):
-        response = answers.responses.get(label)
-        refused = response is not None and outcome_of(response) is Outcome.OUT_OF_DOMAIN
-        if not gate.cases and (label not in answers.asked or refused):
-            return None
-    row = {**gate_columns(gate), "case": answers.case.name}
-    try:
-        found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
-    except InputError as error:
-        text = error.allowed if error.field == "answer" else str(error)
-        return {**row, "verdict": "inconclusive", "note": text}
-    verdict = judge(found.value, found.uncertainty, gate.bound)
-    return {
-        **row,
-        "value": found.value,
-        "uncertainty": found.uncertainty,
-        "verdict": verdict.value,
-        "note": found.note,
-    }
-
-
-def gate_columns(gate: Gate) -> dict[str, object]:
-    """What every row of a gate says."""
-    return {
-        "gate": gate.name,
-        "model": gate.model,
-        "against": gate.against,
-        "quantity": gate.quantity,
-        "metric": gate.metric,
-        "bound": gate.bound,
-        "rationale": gate.rationale,
-        "source": gate.source,
-    }
-
-
-def check_metrics(study: Study) -> None:
-    """Hold the gates to metrics that exist. Raises `InputError`."""
-    for gate in study.gates:
-        if gate.metric not in METRICS:
-            raise InputError("gate.metric", gate.metric, "must be one of " + ", ".join(METRICS))
-        if METRICS[gate.metric].scope is Scope.SCALAR and gate.metric not in _SPREAD:
-            raise InputError("gate.metric", gate.metric, "has no rule for its uncertainty")
-        if METRICS[gate.metric].scope is Scope.RUN and gate.model != gate.against:
-            raise InputError("gate.against", gate.against, f"must be {gate.model} as well")
 
 
 def _pairs(study: Study, case: Case) -> Iterator[tuple[str, Metric]]:

@@ -28,12 +28,11 @@ from workbench.content.tree import (
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
-TONES = {"pass": "good", "fail": "bad", "inconclusive": "doubt"}
+TONES = {verdict.value: "doubt" for verdict in Verdict} | {"pass": "good", "fail": "bad"}
 _PRINTED = 30
 _WELL_KNOWN = 0.015  # relative uncertainty below which a reference counts as fine
 _LISTED = 6
 _NOTES = 2  # reasons shown in the summary; the table of cases has all
-_WORST = (Verdict.FAIL, Verdict.INCONCLUSIVE, Verdict.PASS)
 
 
 def asked(study: Study, stored: Stored) -> Section:
@@ -52,55 +51,26 @@ def asked(study: Study, stored: Stored) -> Section:
     )
 
 
-def verdict_rows(stored: Stored) -> list[dict[str, Any]]:
-    """One row per gate: its worst verdict, and the case whose interval reaches farthest."""
-    table = stored.tables["gates"]
-    found = []
-    # gates on other cases may ask the same with other reasons
-    numbers: Any = table.groupby(["gate", "bound", "rationale"], sort=False).ngroup()
-    for gate in dict.fromkeys(numbers):
-        rows = table[numbers == gate]
-        verdicts = list(rows["verdict"])
-        worst = next(verdict.value for verdict in _WORST if verdict in verdicts)
-        valued = rows[rows["value"].notna()]
-        same = valued[valued["verdict"] == worst]
-        valued = valued if same.empty else same
-        reach = valued["value"].abs() + valued["uncertainty"].fillna(0.0)
-        top = None if valued.empty else valued.loc[reach.idxmax()]
-        found.append(
-            {
-                **rows.iloc[0].to_dict(),
-                "verdict": worst,
-                "cases": len(rows),
-                "passed": verdicts.count(Verdict.PASS),
-                "value": None if top is None else float(top["value"]),
-                "uncertainty": None if top is None else float(top["uncertainty"]),
-                "case": "" if top is None else str(top["case"]),
-                "unjudged": list(dict.fromkeys(rows[rows["value"].isna()]["note"])),
-            }
-        )
-    return found
-
-
 def verdicts(stored: Stored, warning: str = "") -> Section:
     """The table of verdicts, critical case of each gate, and every case of every gate.
 
     `warning` is said beside the headline: where all models leave their assumptions.
     """
-    rows = verdict_rows(stored)
+    rows = stored.rows["verdicts"]
     if not rows:
         text = "The study sets no acceptance gates: it reports, it does not judge."
         return Section("verdicts", "Verdicts", (Callout("note", text),))
-    blocks: list[Block] = [_headline(rows)]
+    blocks: list[Block] = [headline(rows)]
     blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
     blocks.append(summary_table(rows))
     if len(stored.tables["gates"]) > len(rows):
         blocks.append(_every_case(stored.tables["gates"]))
     blocks.append(
         Paragraph(
-            "A gate passes if the whole interval, value ± numerical uncertainty, lies within the "
+            "A case passes if the whole interval, value ± numerical uncertainty, lies within the "
             "bound, fails if none of it does, and is inconclusive otherwise, as the validation "
-            "comparison of [@asme-vv20] asks. A gate over several cases has its worst verdict."
+            "comparison of [@asme-vv20] asks. A gate fails if one of its cases fails, and passes "
+            "only if every case that was asked passes: one without an answer may be the worst."
         )
     )
     return Section("verdicts", "Verdicts", tuple(blocks))
@@ -130,12 +100,20 @@ def _share(relative: float) -> str:
     return "unknown" if pd.isna(relative) else f"{100.0 * relative:.1f} %"
 
 
-def _headline(rows: list[dict[str, Any]]) -> Callout:
-    numbers = {tone: [row["verdict"] for row in rows].count(tone) for tone in TONES}
+def headline(rows: list[dict[str, Any]]) -> Callout:
+    """How the gates ended, and how many cases that were asked have no answer, and why."""
+    found = [row["verdict"] for row in rows]
+    numbers = {name: found.count(name) for name in ("pass", "fail", "inconclusive")}
     tone = "bad" if numbers["fail"] else "doubt" if numbers["inconclusive"] else "good"
     parts = [f"{numbers['pass']} passed", f"{numbers['fail']} failed"]
     parts.append(f"{numbers['inconclusive']} inconclusive")
-    return Callout(tone, f"Of {count(len(rows), 'gate')}, {', '.join(parts)}.")
+    text = f"Of {count(len(rows), 'gate')}, {', '.join(parts)}."
+    missing = [row for row in rows if row["refused"] + row["unanswered"]]
+    if missing:
+        lost = {reason: None for row in missing for reason in row["reasons"].splitlines()[:1]}
+        shown = "; ".join(list(lost)[:_NOTES]) + ("; more below" if len(lost) > _NOTES else "")
+        text += f" Answers are missing in {count(len(missing), 'gate')}: {shown}."
+    return Callout(tone, text)
 
 
 def question_of(row: dict[str, Any]) -> str:
@@ -151,14 +129,13 @@ def summary_table(rows: list[dict[str, Any]]) -> Table:
     body = []
     for row in rows:
         value = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
-        if row["case"] and row["cases"] > 1:
+        if row["case"] and row["asked"] > 1:
             value += f"\n({row['case']})"
         if row["value"] is None:
             value = "not judged"
-        passed = f"{row['passed']} of {row['cases']}"
+        passed = f"{row['pass']} of {row['asked']}"
         why = f"{row['rationale']} {cited(row['source'])}".strip()
-        if row["verdict"] == Verdict.INCONCLUSIVE and row["unjudged"]:
-            why += "\nNot judged: " + "; ".join(row["unjudged"][:_NOTES])
+        why = "\n".join([why, *row["reasons"].splitlines()])
         body.append(
             (
                 Cell(row["verdict"], tone=TONES[row["verdict"]]),
@@ -168,7 +145,7 @@ def summary_table(rows: list[dict[str, Any]]) -> Table:
                     "±" + metric_value(row["metric"], row["quantity"], row["bound"], bound=True),
                     row["bound"],
                 ),
-                Cell(passed, row["passed"] / row["cases"]),
+                Cell(passed, row["pass"] / max(row["asked"], 1)),
                 Cell(why),
             )
         )
@@ -186,7 +163,7 @@ def summary_table(rows: list[dict[str, Any]]) -> Table:
 def _every_case(table: pd.DataFrame) -> Table:
     if len(table) > _PRINTED:
         # paper shows the first rows only: what did not pass comes first, then the largest values
-        order = table["verdict"].map(lambda verdict: _WORST.index(Verdict(verdict)))
+        order = table["verdict"].map(lambda verdict: list(Verdict).index(Verdict(verdict)))
         ranked = table.assign(order=order, size=table["value"].abs())
         table = ranked.sort_values(["order", "size"], ascending=[True, False], kind="stable")
     body = []
