@@ -31,7 +31,7 @@ from workbench.scenarios import (
     load_scenario,
     regular_frame,
 )
-from workbench.scenarios.frame_forms import OVERRIDES
+from workbench.scenarios.members import OVERRIDES
 from workbench.sections import section_from
 from workbench.testing import check_model
 
