@@ -7,17 +7,13 @@ import difflib
 import math
 import unicodedata
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from workbench.errors import InputError
 
 
 class Rule:
-    """What a field may hold: `allowed` in words, and `check`, which returns the value or raises.
-
-    `check(path, value)` raises `InputError` naming `path` and gives what the rule allows in one
-    form: numbers as float (int where whole ones are asked), lists as tuples.
-    """
+    """What a field may hold."""
 
     advice: str = ""
 
@@ -26,17 +22,21 @@ class Rule:
         raise NotImplementedError
 
     def check(self, path: str, value: Any) -> Any:
-        """Return the value in the form of the rule, or raise `InputError` naming `path`."""
+        """Return the value in the one form of the rule, or raise `InputError` naming `path`."""
+        if not self._accepts(value):
+            raise self._refusal(path, value)
+        return value
+
+    def _accepts(self, value: Any) -> bool:
         raise NotImplementedError
 
-    def refuse(self, path: str, value: object, advice: str = "") -> InputError:
-        """The error of a value that is not allowed."""
+    def _refusal(self, path: str, value: object, advice: str = "") -> InputError:
         return InputError(path, value, self.allowed(), advice or self.advice)
 
 
 @dataclasses.dataclass(frozen=True)
 class Number(Rule):
-    """Allowed range of a number: bounds, whether the lower one is included, unit, and advice."""
+    """A number (kept as float; as int where whole ones are asked) between two bounds."""
 
     low: float
     high: float
@@ -55,13 +55,13 @@ class Number(Rule):
     def check(self, path: str, value: Any) -> float:
         """Return the value as int or float, or raise `InputError` naming `path`."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self.refuse(path, value, "write a number without quotes or unit")
+            raise self._refusal(path, value, "write a number without quotes or unit")
         if isinstance(value, float) and not math.isfinite(value):
-            raise self.refuse(path, value, "the number must be finite")
+            raise self._refusal(path, value, "the number must be finite")
         # Compared as it is: whole numbers may lie beyond all floats.
         inside = self.low <= value <= self.high and (self.low_included or value > self.low)
         if not inside or (self.integer and value != int(value)):
-            raise self.refuse(path, value)
+            raise self._refusal(path, value)
         return int(value) if self.integer else float(value) + 0.0  # no negative zero
 
 
@@ -76,11 +76,8 @@ class Choice(Rule):
         """The allowed words."""
         return "must be one of " + ", ".join(self.words)
 
-    def check(self, path: str, value: Any) -> str:
-        """Return the word, or raise `InputError` naming `path`."""
-        if not isinstance(value, str) or value not in self.words:
-            raise self.refuse(path, value)
-        return value
+    def _accepts(self, value: Any) -> bool:
+        return isinstance(value, str) and value in self.words
 
 
 @dataclasses.dataclass(frozen=True)
@@ -91,11 +88,8 @@ class Flag(Rule):
         """The allowed values."""
         return "must be true or false"
 
-    def check(self, path: str, value: Any) -> bool:
-        """Return the flag, or raise `InputError` naming `path`."""
-        if not isinstance(value, bool):
-            raise self.refuse(path, value)
-        return value
+    def _accepts(self, value: Any) -> bool:
+        return isinstance(value, bool)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,17 +104,11 @@ class Text(Rule):
         line = f"must be one line of 1 to {self.longest} characters"
         return line + " without a colon, nor a space at its ends" if self.label else line
 
-    def check(self, path: str, value: Any) -> str:
-        """Return the text, or raise `InputError` naming `path`."""
-        if (
-            not isinstance(value, str)
-            or not value.strip()
-            or len(value) > self.longest
-            or any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value)
-            or (self.label and (":" in value or value != value.strip()))
-        ):
-            raise self.refuse(path, value)
-        return value
+    def _accepts(self, value: Any) -> bool:
+        if not isinstance(value, str) or not value.strip() or len(value) > self.longest:
+            return False
+        line = not any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value)
+        return line and not (self.label and (":" in value or value != value.strip()))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,11 +132,8 @@ class Instance(Rule):
         """The allowed class."""
         return f"must be a {self.kind.__name__}"
 
-    def check(self, path: str, value: Any) -> Any:
-        """Return the object, or raise `InputError` naming `path`."""
-        if not isinstance(value, self.kind):
-            raise self.refuse(path, value)
-        return value
+    def _accepts(self, value: Any) -> bool:
+        return isinstance(value, self.kind)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -177,14 +162,14 @@ class Many(Rule):
         """Return the items, or raise `InputError` naming `path` or one place in it."""
         items = value.tolist() if hasattr(value, "tolist") else value
         if not isinstance(items, (list, tuple)):
-            raise self.refuse(path, value, "lists stand in brackets, [ ]")
+            raise self._refusal(path, value, "lists stand in brackets, [ ]")
         if not self.shortest <= len(items) <= (self.longest or len(items)):
-            raise self.refuse(path, None, f"{len(items)} are given")
-        checked = tuple(self.item.check(f"{path}.{i}", item) for i, item in enumerate(items))
-        if self.different and len(set(checked)) < len(checked):
-            twice = next(item for item in checked if checked.count(item) > 1)
+            raise self._refusal(path, None, f"{len(items)} are given")
+        held = tuple(self.item.check(f"{path}.{i}", item) for i, item in enumerate(items))
+        if self.different and len(set(held)) < len(held):
+            twice = next(item for item in held if held.count(item) > 1)
             raise InputError(path, twice, "stands twice")
-        return checked
+        return held
 
 
 def checked(
@@ -201,27 +186,54 @@ def checked(
 
 
 def path_of(field: dataclasses.Field[Any], table: str) -> str:
-    """Path of a field in messages and in files."""
-    declared: str = field.metadata.get("path", "")
+    """Path of a field in files: the declared one, or its name in a table."""
+    declared: str = field.metadata["path"]
     return declared or (f"{table}.{field.name}" if table else field.name)
 
 
-def check_fields(instance: object, table: str, label: str = "") -> str:
+class Declared:
+    """A frozen dataclass whose fields are declared with `checked`, and held to that when made.
+
+    Of a class, `table` is the table of files, and the word of messages, in which its fields stand;
+    `label` the first field of parts that are many, by which messages call one: ``node.A1.x``.
+    """
+
+    TABLE: ClassVar[str] = ""
+    LABEL: ClassVar[str] = ""
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    def __init_subclass__(cls, table: str = "", label: str = "") -> None:
+        cls.TABLE, cls.LABEL = table or cls.TABLE, label or cls.LABEL
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.TABLE)
+        self.check()
+
+    def check(self) -> None:
+        """Refuse what the fields cannot be together. Raises `InputError`."""
+
+    def _path(self, field: dataclasses.Field[Any]) -> str:
+        label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
+        return path_of(field, self.TABLE + label)
+
+    def refusal(self, name: str, allowed: str, advice: str = "") -> InputError:
+        """The error of the field of this name; `allowed` and `advice` as in `InputError`."""
+        field = next(f for f in dataclasses.fields(self) if f.name == name)
+        return InputError(self._path(field), getattr(self, name), allowed, advice)
+
+
+def check_fields(instance: object, table: str) -> None:
     """Hold every checked field of a dataclass instance to its rule, normalising int to float.
 
-    Raises `InputError` with the path ``table.field``; after the field `label` (a name) it is
-    ``table.name.field``. Returns the path that then stands for the instance.
+    Raises `InputError` with the path ``table.field``.
     """
     for field in dataclasses.fields(instance):  # type: ignore[arg-type]
         rule: Rule | None = field.metadata.get("rule")
         value = getattr(instance, field.name)
         if rule is None or (value is None and field.metadata["optional"]):
             continue
-        value = rule.check(path_of(field, table), value)
-        object.__setattr__(instance, field.name, value)
-        if field.name == label:
-            table = f"{table}.{value}"
-    return table
+        path = instance._path(field) if isinstance(instance, Declared) else path_of(field, table)
+        object.__setattr__(instance, field.name, rule.check(path, value))
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import ClassVar
 
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 
 
-@dataclass(frozen=True, slots=True)
-class Steel:
+@dataclass(frozen=True)
+class Steel(Declared, table="steel"):
     """Elastic-perfectly plastic structural steel.
 
     Arguments: `elastic_modulus` in Pa, `yield_stress` in Pa, `density` in kg/m3. Raises
@@ -26,11 +25,6 @@ class Steel:
     density: float = checked(
         Number(1e3, 3e4, "kg/m3", advice="densities are in kg/m3: steel has 7850"), 7850.0
     )
-
-    TABLE: ClassVar[str] = "steel"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
 
     @property
     def shear_yield_stress(self) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from workbench.errors import InputError
-from workbench.fields import Instance, Many, check_keys, path_of
+from workbench.fields import Declared, Instance, Many, check_keys, path_of
 
 
 class Place(NamedTuple):
@@ -25,14 +25,14 @@ class Place(NamedTuple):
     rule: Any
     table: str
     key: str
-    part: type[Any] | None
+    part: Any
 
     def among(self, tables: Mapping[str, Any]) -> bool:
         """Whether a file has this key."""
         return self.key in (tables.get(self.table, {}) if self.table else tables)
 
 
-def read(kind: type[Any], tables: Mapping[str, Any]) -> Any:
+def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
     """An object of this declared class from the tables of a file. Raises `InputError`."""
     known: dict[str, list[str]] = {}
     for place in _leaves(kind):
@@ -61,24 +61,24 @@ def label_of(entry: Mapping[str, Any], number: int) -> str:
     return label if isinstance(label, str) and len(label) <= 60 else str(number)
 
 
-def _places(kind: type[Any], entry: bool = False) -> Iterator[Place]:
+def _places(kind: type[Declared], entry: bool = False) -> Iterator[Place]:
     for field in dataclasses.fields(kind):
         rule = field.metadata["rule"]
         part = None
         if isinstance(rule, Instance) and rule.read is None:
             part = rule.form or rule.kind
-        path = field.name if entry else path_of(field, getattr(kind, "TABLE", ""))
+        path = field.name if entry else path_of(field, kind.TABLE)
         table, _, key = path.rpartition(".")
         yield Place(field, rule, table, key, part)
 
 
-def _leaves(kind: type[Any]) -> Iterator[Place]:
+def _leaves(kind: type[Declared]) -> Iterator[Place]:
     """Places of all keys that files may have for objects of this class."""
     for place in _places(kind):
         yield from (place,) if place.part is None else _leaves(place.part)
 
 
-def _build(kind: type[Any], tables: Mapping[str, Any], entry: str = "") -> Any:
+def _build(kind: type[Declared], tables: Mapping[str, Any], entry: str = "") -> Any:
     """The object whose keys stand in `tables`, those of one entry if its path is given."""
     values = {}
     for place in _places(kind, bool(entry)):

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Instance, Number, Text, check_fields, checked
+from workbench.fields import Choice, Declared, Flag, Instance, Number, Text, checked
 from workbench.materials import Steel
 from workbench.scenarios.members import (
     AREA,
@@ -29,7 +28,7 @@ DURATION = Number(0.0, 10.0, "s", low_included=False, advice="durations are in s
 
 
 @dataclass(frozen=True)
-class Column:
+class Column(Declared, table="column"):
     """A steel column with one point at which it is hit.
 
     Arguments (SI): `section` and `steel`; `length_below` and `length_above` the hit point;
@@ -62,26 +61,16 @@ class Column:
     mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
     impact_mass: float | None = checked(Number(1e-3, 1e7, "kg"), optional=True)
 
-    TABLE: ClassVar[str] = "column"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+    def check(self) -> None:
+        """Refuse loads above the squash load and columns that are no beams."""
         squash = self.properties.squash_load
         if abs(self.axial_load) >= squash:
-            raise InputError(
-                "column.axial_load",
-                self.axial_load,
-                f"must stay below the squash load {squash:.6g} N in tension and compression",
-                "reduce the load or take a stronger section",
-            )
+            text = f"must stay below the squash load {squash:.6g} N in tension and compression"
+            raise self.refusal("axial_load", text, "reduce the load or take a stronger section")
         slenderness = self.length / self.section.height
         if slenderness < 2.0:
-            raise InputError(
-                "column.length_below",
-                self.length_below,
-                f"the column is {slenderness:.2g} section heights long; must be at least 2",
-                "a stockier member is not a beam",
-            )
+            text = f"the column is {slenderness:.2g} section heights long; must be at least 2"
+            raise self.refusal("length_below", text, "a stockier member is not a beam")
 
     @property
     def length(self) -> float:
@@ -105,17 +94,12 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Striker:
+class Striker(Declared, table="striker"):
     """A rigid mass that hits the column: `mass` in kg, `velocity` in m/s, Newton `restitution`."""
 
     mass: float = checked(MASS)
     velocity: float = checked(VELOCITY)
     restitution: float = checked(RESTITUTION, 0.0)
-
-    TABLE: ClassVar[str] = "striker"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
 
 
 class Impact:
@@ -134,7 +118,7 @@ class Impact:
 
 
 @dataclass(frozen=True)
-class ColumnPushover:
+class ColumnPushover(Declared, table="pushover"):
     """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
 
     name: str = checked(Text(), path="name")
@@ -145,22 +129,17 @@ class ColumnPushover:
 
     KIND: ClassVar[str] = "column-pushover"
     STATIC: ClassVar[bool] = True
-    TABLE: ClassVar[str] = "pushover"
 
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+    def check(self) -> None:
+        """Refuse a push past what the column can reach."""
         shorter = min(self.column.length_below, self.column.length_above)
         if self.displacement > 2.0 * shorter:
-            raise InputError(
-                "pushover.displacement",
-                self.displacement,
-                f"must be at most twice the shorter segment, {2 * shorter:g} m",
-                "reduce the displacement",
-            )
+            text = f"must be at most twice the shorter segment, {2 * shorter:g} m"
+            raise self.refusal("displacement", text, "reduce the displacement")
 
 
 @dataclass(frozen=True)
-class ColumnImpact(Impact):
+class ColumnImpact(Impact, Declared, table="time"):
     """A rigid striker hits the column at rest; followed for `duration` (s)."""
 
     name: str = checked(Text(), path="name")
@@ -170,7 +149,3 @@ class ColumnImpact(Impact):
 
     KIND: ClassVar[str] = "column-impact"
     STATIC: ClassVar[bool] = False
-    TABLE: ClassVar[str] = "time"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 from workbench.errors import InputError
-from workbench.fields import Flag, Instance, Many, check_fields, checked, did_you_mean
+from workbench.fields import Declared, Flag, Instance, Many, checked, did_you_mean
 from workbench.materials import Steel
 from workbench.scenarios.frame_parts import PREDEFINED, RIGID, Joint, Load, Member, Node
 from workbench.scenarios.members import (
@@ -25,7 +25,7 @@ ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 
 
 @dataclass(frozen=True)
-class Frame:
+class Frame(Declared, table="frame"):
     """A planar steel frame.
 
     Arguments: `nodes`, `members`; `loads`, dead loads that are brought on first and kept;
@@ -42,20 +42,16 @@ class Frame:
     steel: Steel = checked(Instance(Steel), Steel())
     fillets: bool = checked(Flag(), True)
 
-    TABLE: ClassVar[str] = "frame"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+    def check(self) -> None:
+        """Refuse parts that do not fit together, do not hang together or are not held."""
         for joint in self.joints:
             if joint.name in PREDEFINED:
                 raise InputError("joint.name", joint.name, "is predefined", "choose another name")
         for parts in (self.nodes, self.members, self.joints):
-            seen: set[str] = set()
-            for part in parts:
-                if part.name in seen:
-                    path = f"{type(part).__name__.lower()}.name"
-                    raise InputError(path, part.name, "is given twice", "names must be unique")
-                seen.add(part.name)
+            names = [part.name for part in parts]
+            for number, name in enumerate(names):
+                if name in names[:number]:
+                    raise parts[number].refusal("name", "is given twice", "names must be unique")
         for member in self.members:
             self._check_member(member)
         for load in self.loads:
@@ -66,19 +62,15 @@ class Frame:
 
     def _check_member(self, member: Member) -> None:
         path = f"member.{member.name}"
-        start = self.node(member.start, f"{path}.start")
-        end = self.node(member.end, f"{path}.end")
+        self.node(member.start, f"{path}.start")
+        self.node(member.end, f"{path}.end")
         self.joint(member.joint_start, f"{path}.joint_start")
         self.joint(member.joint_end, f"{path}.joint_end")
-        length = hypot(end.x - start.x, end.y - start.y)
+        length = self.length(member)
         if not LENGTH.low * ROUNDING <= length <= LENGTH.high / ROUNDING:
             ends = f"between {member.start} and {member.end}"
-            raise InputError(
-                path,
-                None,
-                f"is {length:g} m long {ends}; a length {LENGTH.allowed()}",
-                LENGTH.advice,
-            )
+            text = f"is {length:g} m long {ends}; a length {LENGTH.allowed()}"
+            raise InputError(path, None, text, LENGTH.advice)
 
     def _turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
@@ -147,13 +139,9 @@ class Frame:
         length = self.length(whole)
         distance = float(LENGTH.check("split.at", at))
         if not distance <= length - LENGTH.low:
-            raise InputError(
-                "split.at",
-                at,
-                f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m "
-                "from its start",
-                "measure from the start of the member",
-            )
+            on = f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m"
+            advice = "measure from the start of the member"
+            raise InputError("split.at", at, f"{on} from its start", advice)
         if node in self._nodes:
             raise InputError("split.node", node, "is the name of a node already", "choose another")
         start, end = self._nodes[whole.start], self._nodes[whole.end]

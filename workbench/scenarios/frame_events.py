@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from itertools import pairwise
 from math import hypot
 from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Instance, Many, Number, Text, check_fields, checked
+from workbench.fields import Choice, Declared, Instance, Many, Number, Text, checked
 from workbench.scenarios.column import DURATION, Impact, Striker
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_forms import FrameForm
@@ -40,7 +41,7 @@ class FrameStriker(Striker):
 
 
 @dataclass(frozen=True)
-class FrameStatic:
+class FrameStatic(Declared, table="push"):
     """Static loading of a frame by a pattern of loads times a load factor.
 
     Arguments: `name`; `frame`, whose own loads are brought on first and kept; `loads`, the
@@ -64,13 +65,38 @@ class FrameStatic:
 
     KIND: ClassVar[str] = "frame-static"
     STATIC: ClassVar[bool] = True
-    TABLE: ClassVar[str] = "push"
 
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
-        _check_pattern(self.frame, self.loads)
-        _check_motion(self.frame, self.node, self.direction, "push")
-        _check_path(self)
+    def check(self) -> None:
+        """Refuse loads, displacements and targets that the frame cannot have."""
+        self._check_pattern()
+        _check_motion(self.frame, self)
+        self._check_path()
+
+    def _check_pattern(self) -> None:
+        moves = False
+        for load in self.loads:
+            node = self.frame.node(load.node, f"pattern.{load.node}.node")
+            for axis, value in (("x", load.x), ("y", load.y), ("rotation", load.moment)):
+                moves |= value != 0.0 and COMPONENT[axis] not in node.held and node.locked != axis
+        if not moves:
+            text = "no load acts where the frame can move"
+            raise InputError("pattern", None, text, "give x, y or moment")
+
+    def _check_path(self) -> None:
+        if self.control == "arc-length" and len(self.path) != 1:
+            text = "must be one displacement under arc-length control"
+            raise self.refusal("path", text, "use control displacement or load for several")
+        turning = self.direction.endswith("rotation")
+        limit = LARGEST_ROTATION if turning else 2.0 * self.frame.extent
+        for i, (before, target) in enumerate(pairwise((0.0, *self.path))):
+            place = f"push.path.{i}"
+            if target == before:
+                text = "must differ from the one before (at first: from 0)"
+                raise InputError(place, target, text)
+            if self.control != "load" and abs(target) > limit:
+                within = "rotations up to {:g} rad" if turning else "twice the frame, {:g} m"
+                advice = "targets are displacements in m or rad; control load takes load factors"
+                raise InputError(place, target, f"must stay within {within.format(limit)}", advice)
 
     @property
     def magnitude(self) -> float:
@@ -87,7 +113,7 @@ class FrameStatic:
 
 
 @dataclass(frozen=True)
-class FrameImpact(Impact):
+class FrameImpact(Impact, Declared, table="time"):
     """A rigid striker hits a frame at rest under its dead loads; followed for `duration` (s)."""
 
     name: str = checked(Text(), path="name")
@@ -97,15 +123,14 @@ class FrameImpact(Impact):
 
     KIND: ClassVar[str] = "frame-impact"
     STATIC: ClassVar[bool] = False
-    TABLE: ClassVar[str] = "time"
 
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
-        _check_motion(self.frame, self.striker.node, self.striker.direction, "striker")
+    def check(self) -> None:
+        """Refuse a strike where the frame is held."""
+        _check_motion(self.frame, self.striker)
 
 
 @dataclass(frozen=True)
-class FrameGroundMotion:
+class FrameGroundMotion(Declared, table="ground"):
     """The ground under all supports of a frame at rest moves along `direction` (x or y).
 
     Arguments: `name`; `frame`; `acceleration` of the ground in m/s2, at the times 0, `time_step`
@@ -125,13 +150,12 @@ class FrameGroundMotion:
 
     KIND: ClassVar[str] = "frame-ground-motion"
     STATIC: ClassVar[bool] = False
-    TABLE: ClassVar[str] = "ground"
 
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+    def check(self) -> None:
+        """Refuse a ground at rest and displacements that are held; take the duration."""
         if not any(self.acceleration):
             raise InputError("ground.acceleration", None, "must not be zero throughout")
-        _check_motion(self.frame, self.node, self.direction, "ground")
+        _check_motion(self.frame, self)
         if self.duration is None:
             end = (len(self.acceleration) - 1) * self.time_step
             object.__setattr__(self, "duration", RECORD.check("time.duration", end))
@@ -149,54 +173,10 @@ def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ..
     return (*(target for pair in path for target in pair), 0.0)
 
 
-def _check_motion(frame: Frame, node: str, direction: str, table: str) -> None:
+def _check_motion(frame: Frame, motion: FrameStatic | FrameGroundMotion | FrameStriker) -> None:
     """Refuse nodes that are not there or cannot move along a direction."""
-    given, axis = frame.node(node, f"{table}.node"), direction.lstrip("+-")
-    held = COMPONENT[axis] in given.held or given.locked == axis
-    if held:
-        by = f"support {given.support}" if COMPONENT[axis] in given.held else "lock"
-        raise InputError(
-            f"{table}.direction",
-            direction,
-            f"node {node} cannot move there: its {by} holds it",
-            "take another node or direction",
-        )
-
-
-def _check_pattern(frame: Frame, loads: Sequence[Load]) -> None:
-    moves = False
-    for load in loads:
-        node = frame.node(load.node, f"pattern.{load.node}.node")
-        for axis, value in (("x", load.x), ("y", load.y), ("rotation", load.moment)):
-            moves |= value != 0.0 and COMPONENT[axis] not in node.held and node.locked != axis
-    if not moves:
-        raise InputError(
-            "pattern", None, "no load acts where the frame can move", "give x, y or moment"
-        )
-
-
-def _check_path(scenario: FrameStatic) -> None:
-    path, control = scenario.path, scenario.control
-    if control == "arc-length" and len(path) != 1:
-        raise InputError(
-            "push.path",
-            path,
-            "must be one displacement under arc-length control",
-            "use control displacement or load for several",
-        )
-    before = 0.0
-    for i, target in enumerate(path):
-        if target == before:
-            raise InputError(
-                f"push.path.{i}", target, "must differ from the one before (at first: from 0)"
-            )
-        before = target
-    if control == "load":
-        return
-    turning = scenario.direction.endswith("rotation")
-    limit = LARGEST_ROTATION if turning else 2.0 * scenario.frame.extent
-    for i, target in enumerate(path):
-        if abs(target) > limit:
-            what = f"rotations up to {limit:g} rad" if turning else f"twice the frame, {limit:g} m"
-            advice = "targets are displacements in m or rad; control load takes load factors"
-            raise InputError(f"push.path.{i}", target, f"must stay within {what}", advice)
+    node, axis = frame.node(motion.node, f"{motion.TABLE}.node"), motion.direction.lstrip("+-")
+    if COMPONENT[axis] in node.held or node.locked == axis:
+        by = f"support {node.support}" if COMPONENT[axis] in node.held else "lock"
+        text = f"node {node.name} cannot move there: its {by} holds it"
+        raise motion.refusal("direction", text, "take another node or direction")

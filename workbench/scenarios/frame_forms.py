@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Instance, Many, check_fields, checked
+from workbench.fields import Choice, Declared, Flag, Instance, Many, checked
 from workbench.materials import Steel
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_parts import NAME, RIGID, Joint, Load, Member, Node
@@ -19,7 +18,7 @@ SPANS = Many(LENGTH, 1, 100)
 
 
 @dataclass(frozen=True)
-class RegularForm:
+class RegularForm(Declared, table="frame"):
     """A frame of columns on axes A, B, ... and of beams on every level; see `regular_frame`."""
 
     bays: tuple[float, ...] = checked(SPANS)
@@ -28,11 +27,6 @@ class RegularForm:
     beam: Section = checked(SECTION)
     base: str = checked(Choice(("clamped", "pinned")), "clamped")
     beam_joint: str = checked(NAME, RIGID.name)
-
-    TABLE: ClassVar[str] = "frame"
-
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
 
     def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
         """The frame, its beams joined by one of `joints`. Raises `InputError`."""
@@ -66,7 +60,7 @@ class RegularForm:
 
 
 @dataclass(frozen=True)
-class Split:
+class Split(Declared, table="split"):
     """A new `node` on a `member`, `at` m from its start."""
 
     member: str = checked(NAME)
@@ -75,7 +69,7 @@ class Split:
 
 
 @dataclass(frozen=True)
-class FrameForm:
+class FrameForm(Declared):
     """A frame as files show it; written with nodes and members, read in both forms."""
 
     fillets: bool = checked(Flag(), True, path="frame.fillets")

@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Number, Text, check_fields, checked
+from workbench.fields import Choice, Declared, Number, Text, checked
 from workbench.scenarios.members import (
     AREA,
     MASS_PER_LENGTH,
@@ -36,7 +35,7 @@ COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
 
 
 @dataclass(frozen=True)
-class Node:
+class Node(Declared, table="node", label="name"):
     """A point where members meet.
 
     Arguments (SI): `name`; `x`, `y`; `support`, free, clamped, pinned, roller-x (free along x and
@@ -57,24 +56,16 @@ class Node:
     spring_rotation: float = checked(ROTATIONAL_SPRING, 0.0)
     locked: str = checked(Choice(("none", "x", "y")), "none")
 
-    def __post_init__(self) -> None:
-        path = check_fields(self, "node", "name")
+    def check(self) -> None:
+        """Refuse springs and locks where the support holds the node."""
         for direction, component in COMPONENT.items():
             name = f"spring_{direction}"
-            if component in self.held and (stiffness := getattr(self, name)) > 0.0:
-                raise InputError(
-                    f"{path}.{name}",
-                    stiffness,
-                    f"acts where the support {self.support} already holds the node",
-                    "drop the spring or change the support",
-                )
+            if component in self.held and getattr(self, name) > 0.0:
+                text = f"acts where the support {self.support} already holds the node"
+                raise self.refusal(name, text, "drop the spring or change the support")
         if self.locked != "none" and COMPONENT[self.locked] in self.held:
-            raise InputError(
-                f"{path}.locked",
-                self.locked,
-                f"the support {self.support} already holds the node there",
-                "write none or change the support",
-            )
+            text = f"the support {self.support} already holds the node there"
+            raise self.refusal("locked", text, "write none or change the support")
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -83,7 +74,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Joint:
+class Joint(Declared, table="joint", label="name"):
     """How the end of a member is joined to its node.
 
     Arguments (SI): `name`; `rotational_stiffness` (N m/rad, zero for a pin) and `axial_stiffness`
@@ -100,14 +91,12 @@ class Joint:
     tension_resistance: float | None = checked(SQUASH_LOAD, optional=True)
     compression_resistance: float | None = checked(SQUASH_LOAD, optional=True)
 
-    def __post_init__(self) -> None:
-        path = check_fields(self, "joint", "name")
-        if self.rotational_stiffness != 0.0:
-            return
+    def check(self) -> None:
+        """Refuse a pin that carries a moment."""
         for name in ("plastic_moment", "plastic_moment_negative"):
-            if (moment := getattr(self, name)) is not None:
+            if self.rotational_stiffness == 0.0 and getattr(self, name) is not None:
                 advice = "drop it or give a rotational stiffness"
-                raise InputError(f"{path}.{name}", moment, "a pin carries no moment", advice)
+                raise self.refusal(name, "a pin carries no moment", advice)
 
 
 RIGID, PINNED = Joint("rigid"), Joint("pinned", rotational_stiffness=0.0)
@@ -115,7 +104,7 @@ PREDEFINED = {joint.name: joint for joint in (RIGID, PINNED)}
 
 
 @dataclass(frozen=True)
-class Member:
+class Member(Declared, table="member", label="name"):
     """A straight member from node `start` to node `end`, bent about its strong axis.
 
     Arguments (SI): `name`; names of the two nodes; `section`; names of the joints at its ends;
@@ -136,23 +125,20 @@ class Member:
     squash_load: float | None = checked(SQUASH_LOAD, optional=True)
     mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
 
-    def __post_init__(self) -> None:
-        path = check_fields(self, "member", "name")
+    def check(self) -> None:
+        """Refuse a member from a node to itself."""
         if self.start == self.end:
-            raise InputError(f"{path}.end", self.end, "must be another node than the start")
+            raise self.refusal("end", "must be another node than the start")
 
 
 @dataclass(frozen=True)
-class Load:
+class Load(Declared, table="load", label="node"):
     """Forces `x` and `y` (N) and a `moment` (N m) on the node of that name."""
 
     node: str = checked(NAME)
     x: float = checked(Number(-1e9, 1e9, "N"), 0.0)
     y: float = checked(Number(-1e9, 1e9, "N"), 0.0)
     moment: float = checked(Number(-1e9, 1e9, "N m"), 0.0)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "load", "node")
 
     @property
     def resultant(self) -> tuple[float, float]:

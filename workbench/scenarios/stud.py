@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Many, Number, Text, check_fields, checked
+from workbench.fields import Choice, Declared, Many, Number, Text, checked
 
 CSV = ".csv"
 ASKED = ("strength", "load-slip", "interaction", "residual-strength", "residual-stiffness")
@@ -16,7 +16,7 @@ NAMES = Many(Text(), different=True)
 
 
 @dataclass(frozen=True)
-class StudTests:
+class StudTests(Declared, table="tests"):
     """Tests on studs and what they are used for.
 
     Arguments: `asked`, what models are to answer; `tables` of tests and `curves`, tables of
@@ -38,12 +38,11 @@ class StudTests:
 
     KIND: ClassVar[str] = "stud-tests"
     STATIC: ClassVar[bool] = False
-    TABLE: ClassVar[str] = "tests"
 
-    def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+    def check(self) -> None:
+        """Refuse campaigns that do both and files that have changed; take the digests."""
         if not self.tables and not self.curves:
-            raise InputError("tests.tables", None, "must name a table or a CSV file")
+            raise self.refusal("tables", "must name a table or a CSV file")
         for campaign in self.validate:
             if campaign in self.calibrate:
                 text = "calibrates: a fit is not validated by its own rows"

@@ -5,12 +5,11 @@ All are doubly symmetric, so each states the layers of its upper half only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import pi, sin
 from typing import ClassVar
 
-from workbench.errors import InputError
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.sections.bands import Band, Layers
 
 DIMENSION = Number(0.002, 5.0, "m", advice="lengths are in metres, not millimetres")
@@ -18,7 +17,7 @@ FILLET = Number(0.0, 1.0, "m", advice="lengths are in metres, not millimetres")
 _SMALLEST_FILLET = 1e-4  # m; smaller ones only cost digits
 
 
-class Shape:
+class Shape(Declared, table="section"):
     """What all shapes have: `height` and `width` in m, and the following."""
 
     WORD: ClassVar[str]
@@ -42,13 +41,17 @@ class Shape:
     @property
     def dimensions(self) -> dict[str, float]:
         """The dimensions by name, in m; those that are zero are left out."""
-        sizes = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
-        return {name: size for name, size in sizes.items() if size}
+        return {name: size for name, size in vars(self).items() if size}
 
     def describe(self) -> str:
         """Name for sections outside the catalogue, dimensions in millimetres."""
         sizes = " x ".join(f"{1e3 * size:g}" for size in self.dimensions.values())
         return f"{self.WORD} {sizes} mm"
+
+    def _below(self, name: str, limit: float, words: str) -> None:
+        if not getattr(self, name) < limit:
+            text = f"must be below {words}, {limit:.4g} m"
+            raise self.refusal(name, text, "check the order of the dimensions")
 
 
 @dataclass(frozen=True)
@@ -66,15 +69,15 @@ class ISection(Shape):
 
     WORD: ClassVar[str] = "I"
 
-    def __post_init__(self) -> None:
-        check_fields(self, "section")
-        _below("flange", self.flange, self.height / 2.0, "half the height")
-        _below("web", self.web, self.width, "the width")
+    def check(self) -> None:
+        """Refuse what does not fit into the outline."""
+        self._below("flange", self.height / 2.0, "half the height")
+        self._below("web", self.width, "the width")
         room = min(self.height / 2.0 - self.flange, (self.width - self.web) / 2.0)
         if self.fillet > room or 0.0 < self.fillet < _SMALLEST_FILLET:
             least = f"must be 0, or at least {_SMALLEST_FILLET:g} m"
             allowed = f"{least} and at most {room:.4g} m to fit between web and flange"
-            raise InputError("section.fillet", self.fillet, allowed, "check the root radius")
+            raise self.refusal("fillet", allowed, "check the root radius")
 
     @property
     def shear_area(self) -> float:
@@ -101,9 +104,6 @@ class Rectangle(Shape):
 
     WORD: ClassVar[str] = "rectangle"
 
-    def __post_init__(self) -> None:
-        check_fields(self, "section")
-
     @property
     def shear_area(self) -> float:
         """The whole area, in m2."""
@@ -127,10 +127,10 @@ class RectangularTube(Shape):
 
     WORD: ClassVar[str] = "tube"
 
-    def __post_init__(self) -> None:
-        check_fields(self, "section")
+    def check(self) -> None:
+        """Refuse what does not fit into the outline."""
         least = min(self.height, self.width)
-        _below("wall", self.wall, least / 2.0, "half the smaller side")
+        self._below("wall", least / 2.0, "half the smaller side")
 
     @property
     def shear_area(self) -> float:
@@ -154,9 +154,9 @@ class CircularTube(Shape):
 
     WORD: ClassVar[str] = "tube, circular,"
 
-    def __post_init__(self) -> None:
-        check_fields(self, "section")
-        _below("wall", self.wall, self.diameter / 2.0, "half the diameter")
+    def check(self) -> None:
+        """Refuse what does not fit into the outline."""
+        self._below("wall", self.diameter / 2.0, "half the diameter")
 
     @property
     def height(self) -> float:  # type: ignore[override]
@@ -188,9 +188,3 @@ def _plates(shape: Shape, web: float, flange: float, half_count: int) -> tuple[L
     clear = shape.height / 2.0 - flange
     upright, end = Band(0.0, clear, web), Band(clear, shape.height / 2.0, shape.width)
     return upright.cut(half_count - across), end.cut(across)
-
-
-def _below(name: str, value: float, limit: float, words: str) -> None:
-    if not value < limit:
-        allowed = f"must be below {words}, {limit:.4g} m"
-        raise InputError(f"section.{name}", value, allowed, "check the order of the dimensions")

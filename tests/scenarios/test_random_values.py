@@ -1,0 +1,265 @@
+"""Any TOML value at any key, option or override: an object or one InputError, nothing else."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from workbench.cli import main
+from workbench.errors import InputError
+from workbench.models.base import with_options
+from workbench.registry import model_kind, model_names
+from workbench.scenarios import load_scenario, scenario_from, scenario_hash, to_tables, to_toml
+
+COLUMN: dict[str, Any] = {
+    "column": {
+        "section": {"height": 0.3, "width": 0.2, "web": 0.01, "flange": 0.015, "fillet": 0.02},
+        "length_below": 0.8, "length_above": 3.2, "fillets": False, "base": "pinned",
+        "head": "fixed", "axial_load": 2e5, "restraint_stiffness": 1e7, "head_mass": 100.0,
+        "area": 9e-3, "second_moment": 8e-5, "plastic_moment": 3e5, "squash_load": 3e6,
+        "mass_per_length": 70.0, "impact_mass": 90.0,
+    },
+    "steel": {"elastic_modulus": 210e9, "yield_stress": 355e6, "density": 7850.0},
+}  # fmt: skip
+STRIKER = {"mass": 1500.0, "velocity": 15.0, "restitution": 0.2}
+LOAD = {"node": "top", "x": 1e3, "y": -1e4, "moment": 5.0}
+FRAME: dict[str, Any] = {
+    "frame": {"fillets": True},
+    "steel": COLUMN["steel"],
+    "node": [
+        {"name": "foot", "x": 0.0, "y": 0.0, "support": "clamped"},
+        {"name": "top", "x": 1.0, "y": 4.0, "mass": 10.0, "rotary_inertia": 1.0, "spring_x": 1e5,
+         "spring_y": 1e5, "spring_rotation": 1e5, "locked": "none"},
+    ],
+    "member": [
+        {"name": "post", "start": "foot", "end": "top", "section": {"side": 0.2},
+         "joint_start": "soft", "joint_end": "rigid",
+         **{key: COLUMN["column"][key] for key in ("area", "second_moment", "plastic_moment")},
+         **{key: COLUMN["column"][key] for key in ("squash_load", "mass_per_length")}},
+    ],
+    "joint": [
+        {"name": "soft", "rotational_stiffness": 2e6, "axial_stiffness": 1e9,
+         "plastic_moment": 1e5, "plastic_moment_negative": 1e5, "tension_resistance": 1e6,
+         "compression_resistance": 1e6},
+    ],
+    "load": [LOAD],
+    "split": [{"member": "post", "at": 1.0, "node": "hit"}],
+}  # fmt: skip
+REGULAR: dict[str, Any] = {
+    "frame": {"bays": [6.0, 5.0], "storeys": [4.0], "column": "HEB 220", "beam": {"diameter": 0.3,
+              "wall": 0.01}, "base": "pinned", "beam_joint": "soft", "fillets": False},
+    "joint": [{"name": "soft", "rotational_stiffness": 2e6}],
+    "split": [{"member": "A0-A1", "at": 0.8, "node": "hit"}],
+}  # fmt: skip
+GROUND = {"acceleration": [0.0, 1.0, -1.0], "time_step": 0.02, "node": "hit", "direction": "x"}
+TESTS = {"asked": "strength", "tables": ["stud-push-out"], "curves": ["stud-load-slip"],
+         "calibrate": ["a"], "validate": ["b"], "confidence": 0.9, "digests": []}  # fmt: skip
+FLIGHT = {**STRIKER, "node": "hit", "direction": "-x"}
+SCENARIOS: dict[str, dict[str, Any]] = {
+    "pushover": {"kind": "column-pushover", **COLUMN, "pushover": {"displacement": 0.1}},
+    "impact": {"kind": "column-impact", **COLUMN, "striker": STRIKER, "time": {"duration": 0.1}},
+    "static": {"kind": "frame-static", **FRAME, "pattern": [LOAD],
+               "push": {"node": "top", "direction": "-x", "path": [0.1, -0.1],
+                        "control": "displacement"}},
+    "frame": {"kind": "frame-impact", **FRAME, "striker": FLIGHT, "time": {"duration": 0.1}},
+    "regular": {"kind": "frame-impact", **REGULAR, "striker": FLIGHT, "time": {"duration": 0.1}},
+    "ground": {"kind": "frame-ground-motion", **FRAME, "ground": {**GROUND, "damping": 0.1},
+               "time": {"duration": 1.0}},
+    "studs": {"kind": "stud-tests", "tests": TESTS},
+}  # fmt: skip
+
+
+def places(tables: Any, before: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    """Paths of all tables, entries and values in nested tables."""
+    keys = tables if isinstance(tables, dict) else range(len(tables))
+    found = []
+    for key in keys:
+        found.append((*before, key))
+        if isinstance(tables[key], (dict, list)):
+            found += places(tables[key], (*before, key))
+    return found
+
+
+PLACES = [(name, place) for name, tables in SCENARIOS.items() for place in places(tables)]
+HUGE = [10**400, -(10**400), 2**1024, 2**63, -(2**63)]
+UNPRINTABLE = [10**5000, -(16**4999)]  # more digits than Python prints
+ODD = [-0.0, 0.0, float("nan"), float("inf"), -float("inf"), 5e-324, 1.8e308, -1e300]
+MOMENTS = [datetime.datetime(2026, 1, 1), datetime.date(2026, 1, 1), datetime.time(12)]
+WORDS = ["", " ", "\n", "\x00", "a.b", "a:b", "a\tb", "\u2028", "٣", "HEB ٣", "HEB " + "9" * 5000]
+SCALARS = st.one_of(
+    st.sampled_from([*HUGE, *ODD, *MOMENTS, *WORDS, True, False]),
+    st.integers(),
+    st.floats(),
+    st.text(max_size=300),
+)
+VALUES = st.one_of(
+    SCALARS,
+    st.recursive(
+        SCALARS,
+        lambda inner: st.one_of(
+            st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=8), inner, max_size=4)
+        ),
+        max_leaves=12,
+    ),
+)
+
+
+def deep(depth: int) -> Any:
+    """Arrays nested so deep that Python cannot print them."""
+    value: Any = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+AWKWARD = [*HUGE, *UNPRINTABLE, *ODD, *MOMENTS, *WORDS, True, [], deep(5), deep(5000), {}]
+AWKWARD += [[10**5000], {"a": {"b": 10**5000}}, {"name": 10**5000, "node": 10**5000}]
+
+
+def attempt(make: Any, *arguments: Any) -> Any:
+    """The object, or None where one readable line refuses it."""
+    try:
+        return make(*arguments)
+    except InputError as error:
+        message = str(error)
+    assert message.isprintable()
+    assert len(message) < 5000
+    return None
+
+
+def check_scenario(tables: dict[str, Any]) -> bool:
+    """Whether the tables give a scenario, which then writes itself and reads back as itself."""
+    scenario = attempt(scenario_from, tables)
+    if scenario is None:
+        return False
+    again = scenario_from(tomllib.loads(to_toml(scenario)))
+    assert again == scenario
+    assert scenario_hash(again) == scenario_hash(scenario)
+    return True
+
+
+def put(tables: Any, place: tuple[Any, ...], value: Any) -> Any:
+    """The tables with another value in one place."""
+    changed = dict(tables) if isinstance(tables, dict) else list(tables)
+    key, *rest = place
+    changed[key] = put(changed[key], tuple(rest), value) if rest else value
+    return changed
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_tables_that_are_disturbed_are_good_and_complete(name: str) -> None:
+    tables = SCENARIOS[name]
+    assert check_scenario(tables)
+    written = to_tables(scenario_from(tables))
+    if name != "regular":
+        for table in written.keys() - {"kind", "name"}:
+            first = written[table][0] if isinstance(written[table], list) else written[table]
+            given_first = tables[table][0] if isinstance(tables[table], list) else tables[table]
+            assert first.keys() <= given_first.keys()
+
+
+@settings(max_examples=800, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.sampled_from(PLACES), VALUES)
+def test_any_value_at_any_key_of_any_scenario(where: tuple[str, tuple[Any, ...]], value) -> None:
+    name, place = where
+    check_scenario(put(SCENARIOS[name], place, value))
+
+
+@pytest.mark.parametrize(("name", "place"), PLACES, ids=lambda v: ".".join(map(str, v)))
+def test_every_key_meets_every_awkward_value(name: str, place: tuple[Any, ...]) -> None:
+    answered = 0
+    for value in AWKWARD:
+        tables = put(SCENARIOS[name], place, value)
+        answered += check_scenario(tables)
+    assert answered < 10
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.sampled_from(PLACES), st.text(max_size=20), VALUES)
+def test_unknown_keys_are_refused(where, key: str, value) -> None:
+    name, place = where
+    holder: Any = SCENARIOS[name]
+    for step in place:
+        holder = holder[step]
+    if isinstance(holder, dict) and key not in holder:
+        assert attempt(scenario_from, put(SCENARIOS[name], (*place, key), value)) is None
+
+
+MODELS = {name: model_kind(name) for name in model_names()}
+OPTIONS = [(name, field.name) for name in MODELS for field in dataclasses.fields(MODELS[name])]
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.sampled_from(OPTIONS), VALUES)
+def test_any_value_of_any_option_of_any_model(option: tuple[str, str], value) -> None:
+    model, name = option
+    attempt(with_options, MODELS[model], {name: value})
+
+
+@pytest.mark.parametrize(("model", "name"), OPTIONS)
+def test_every_option_meets_every_awkward_value(model: str, name: str) -> None:
+    for value in AWKWARD:
+        attempt(with_options, MODELS[model], {name: value})
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.sampled_from(PLACES),
+    st.one_of(
+        st.text(),
+        st.sampled_from(
+            [f"1{'0' * 400}", f"1{'0' * 5000}", f"0x{'f' * 5000}", "[" * 5000, "1e999"]
+        ),
+    ),
+)
+def test_any_text_of_any_override(
+    tmp_path_factory: pytest.TempPathFactory, where, text: str
+) -> None:
+    name, place = where
+    path = tmp_path_factory.getbasetemp() / f"{name}.toml"
+    if not path.exists():
+        path.write_text(tomli_w.dumps(SCENARIOS[name]), encoding="utf-8")
+    attempt(load_scenario, path, [".".join(map(str, place)) + "=" + text])
+
+
+@pytest.mark.parametrize("text", ["[" * 5000, f"a = 1{'0' * 5000}", "a = 1\n" * 2, "\x00", "é" * 9])
+def test_any_file(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "scenario.toml"
+    path.write_text(text, encoding="utf-8")
+    assert attempt(load_scenario, path) is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--set", f"striker.velocity=1{'0' * 400}"), "striker.velocity = 1000"),
+        (("--set", f"striker.velocity=0x{'f' * 5000}"), "must be a number above 0 to 300 m/s"),
+        (("--set", f"column.length_below=1{'0' * 5000}"), "column.length_below = inf"),
+        (("--set", "column.base=\n"), "column.base = '': must be one of"),
+        (("--set", "column.section=HEB " + "9" * 5000), "must be a profile of the catalogue"),
+        (("--set", f"column.area={'[' * 5000}"), "column.area = '[[["),
+        (("--option", f"beta=1{'0' * 400}"), "option.beta = 1000"),
+    ],
+    ids=lambda v: str(v)[:40],
+)
+def test_the_command_line_refuses_in_one_line(
+    tmp_path: Path, monkeypatch, capsys, arguments: tuple[str, ...], said: str
+) -> None:
+    path = tmp_path / "scenario.toml"
+    path.write_text(tomli_w.dumps(SCENARIOS["impact"]), encoding="utf-8")
+    verb = ["workbench", "simulate", str(path), "--model", "four-dof", *arguments]
+    monkeypatch.setattr("sys.argv", verb)
+    with pytest.raises(SystemExit) as left:
+        main()
+    printed = capsys.readouterr()
+    assert (left.value.code, printed.out) == (2, "")
+    assert printed.err.count("\n") == 1
+    assert said in printed.err
