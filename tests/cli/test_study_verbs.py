@@ -247,7 +247,7 @@ def test_report_hands_the_store_to_the_builder(
         seen.extend((directory, formats, out))
         return {"html": directory / "report.html"}
 
-    monkeypatch.setattr("workbench.report.build_report", build, raising=False)
+    monkeypatch.setattr("workbench.report.build.build_report", build)
     where = ["--store", str(tmp_path / "store")]
     assert run(["report", str(study_file), *where]) == 2
     assert "run it first" in capsys.readouterr().err

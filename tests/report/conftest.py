@@ -28,7 +28,7 @@ def frames(tmp_path_factory) -> Stored:
 
 @pytest.fixture(scope="session")
 def built(small, tmp_path_factory) -> dict[str, Path]:
-    from workbench.report import build_report
+    from workbench.report.build import build_report
 
     out = tmp_path_factory.mktemp("report")
     return build_report(small.directory, small.study, out=out)

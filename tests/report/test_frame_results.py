@@ -17,7 +17,7 @@ from workbench.content.tree import Document, Listing, Picture, Section, Table, w
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.report import build_report
+from workbench.report.build import build_report
 from workbench.report.chapters import configuration, limits
 from workbench.report.figures import draw
 from workbench.report.figures.drawing import thinned, to_svg

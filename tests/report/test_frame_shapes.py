@@ -19,7 +19,7 @@ from test_report_figures import request
 
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.report import build_report
+from workbench.report.build import build_report
 from workbench.report.figures import draw
 from workbench.report.figures.film import LARGEST, film
 from workbench.report.figures.hinge_states import YIELDING, YIELDS, colour_of, hinge_places

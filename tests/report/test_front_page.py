@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from workbench.report import summary
+from workbench.report.front_page import summary
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from workbench.errors import InputError
-from workbench.report import build_report
+from workbench.report.build import build_report
 from workbench.report.stored import Stored
 
 

@@ -12,7 +12,7 @@ from synthetic_study import store_of
 from workbench.assessment import Gate
 from workbench.content.bibliography import bibliography
 from workbench.content.tree import Bullets, Callout, Table, walk
-from workbench.report import build_report
+from workbench.report.build import build_report
 from workbench.report.chapters import stud_design, stud_evidence
 from workbench.report.figures import Request, draw
 from workbench.report.figures.drawing import to_svg

@@ -170,11 +170,10 @@ def report(
     from workbench.errors import InputError
 
     wanted = tuple(part.strip() for part in formats.split(","))
-    for part in wanted:
-        if part not in ("html", "pdf"):
-            raise InputError("--format", formats, "must be html, pdf or html,pdf")
-    from workbench.report import build_report
-    from workbench.report import summary as write_summary
+    if not set(wanted) <= {"html", "pdf"}:
+        raise InputError("--format", formats, "must be html, pdf or html,pdf")
+    from workbench.report.build import build_report
+    from workbench.report.front_page import summary as write_summary
     from workbench.study import assess
 
     chosen = _chosen(study, quick)

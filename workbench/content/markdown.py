@@ -4,20 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Callout,
-    Cell,
-    Definitions,
-    Document,
-    Listing,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
-    spoken,
-)
+from workbench.content import tree
+from workbench.content.tree import Block, Cell, Document, Section, Table, spoken
 
 _MARKS = {"good": "✅ ", "bad": "❌ ", "doubt": "❔ "}
 
@@ -47,17 +35,17 @@ def _block(block: Block, level: int) -> Iterator[str]:
             for inner in block.blocks:
                 yield from _block(inner, level + 1)
             return
-        case Paragraph():
+        case tree.Paragraph():
             yield escaped(block.text)
-        case Bullets():
+        case tree.Bullets():
             yield from (f"- {escaped(item)}" for item in block.items)
-        case Callout():
+        case tree.Callout():
             yield f"> {escaped(block.text)}"
-        case Definitions():
+        case tree.Definitions():
             yield from (f"- {escaped(term)}: {escaped(text)}" for term, text in block.pairs)
-        case Listing():
+        case tree.Listing():
             yield from (escaped(block.title), "", "```", block.text, "```")
-        case Picture():
+        case tree.Picture():
             yield from (f"![{escaped(block.alt)}]({block.image})", "", escaped(block.caption))
             if block.statements:
                 yield ""

@@ -12,18 +12,8 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Callout,
-    Definitions,
-    Listing,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
-    spoken,
-)
+from workbench.content import tree
+from workbench.content.tree import Block, Section, Table, spoken
 
 _STYLES = {"good": "green", "bad": "red", "doubt": "yellow", "muted": "dim"}
 _UNBOUNDED = 100_000  # columns of a file or a pipe, where no line is broken
@@ -75,18 +65,18 @@ def _block(block: Block) -> Iterator[RenderableType]:
             if block.title:
                 yield Text(spoken(block.title), style="bold")
             yield from _all(block.blocks)
-        case Paragraph():
+        case tree.Paragraph():
             yield Text(spoken(block.text))
-        case Callout():
+        case tree.Callout():
             yield Text(spoken(block.text), style=_STYLES.get(block.tone, ""))
-        case Bullets():
+        case tree.Bullets():
             yield _pairs((("-", item) for item in block.items), gap=1)
-        case Definitions():
+        case tree.Definitions():
             yield _pairs(block.pairs, gap=2)
-        case Listing():
+        case tree.Listing():
             yield Text(spoken(block.title))
             yield Padding(Text(block.text), (0, 0, 0, 2), expand=False)
-        case Picture():
+        case tree.Picture():
             yield Text(spoken(block.alt))
         case Table():
             yield from _table(block)

@@ -5,17 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from workbench.content.formatting import count
 from workbench.content.html import render_html
+from workbench.content.tree import Document, Picture, Section
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.report.assemble import document
+from workbench.report.chapters import (
+    configuration,
+    cost,
+    limits,
+    reference,
+    results,
+    stud_design,
+    stud_evidence,
+    verdicts,
+)
 from workbench.report.gallery import draw_all, save_all
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.files import write_atomically
 
 _FORMAT = Choice(("html", "pdf"))
+# figures of these kinds stand in chapters of their own
+_ELSEWHERE = ("convergence", "cost")
 
 
 def build_report(
@@ -38,7 +51,8 @@ def build_report(
     stored = Stored(Path(directory), study)
     plates = draw_all(study, stored)
     pictures = {plate.figure.key: plate.picture() for plate in plates}
-    content = document(study, stored, tuple(plate.figure for plate in plates), pictures)
+    kinds = {plate.figure.key: plate.figure.kind for plate in plates}
+    content = document(study, stored, [(kinds[key], pictures[key]) for key in kinds])
     written = {}
     try:
         target.mkdir(parents=True, exist_ok=True)
@@ -54,3 +68,30 @@ def build_report(
         reason = error.strerror or "unknown reason"
         raise InputError("--out", str(target), f"cannot be written: {reason}") from error
     return written
+
+
+def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
+    """The content tree of a study, from stored results and drawn figures with their kinds."""
+    own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
+    shear = limits.shear_demand(study, stored)
+    parts: list[Section | None] = [
+        verdicts.asked(study, stored),
+        stud_evidence.in_short(study, stored),
+        verdicts.verdicts(stored, shear.headline),
+        limits.missing(study, stored),
+        limits.domain(stored, shear),
+        limits.notes(study),
+        results.pictures([picture for of, picture in drawn if of not in own]),
+        stud_design.design(study, stored),
+        results.numbers(study, stored),
+        reference.convergence(study, stored, own["convergence"]),
+        cost.cost(study, stored, own["cost"]),
+        configuration.configuration(study, stored),
+    ]
+    sections = tuple(part for part in parts if part is not None)
+    facts = (
+        f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
+        f"reference: {study.reference}",
+        f"study: {study.name}",
+    )
+    return Document(study.title, "Validation report", facts, sections)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from statistics import median
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ _COLUMNS = (
 )
 
 
-def cost(study: Study, stored: Stored, figures: list[Block]) -> Section:
+def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section:
     """Wall times per model and the figures that set them against errors."""
     rows = list(_times(study, stored))
     caption = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from workbench.content.formatting import axis_label, share, unit_of, valued
@@ -21,13 +21,13 @@ _FIRST_ORDER = (
 )
 
 
-def convergence(study: Study, stored: Stored, figures: list[Block]) -> Section:
+def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Section:
     """The table of the ladder and the figures that show it."""
     blocks = tuple(_convergence(study, stored, figures))
     return Section("convergence", "How good is the reference?", blocks)
 
 
-def _convergence(study: Study, stored: Stored, figures: list[Block]) -> Iterator[Block]:
+def _convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Iterator[Block]:
     name = study.models[study.reference].name
     if name in _MEASURED:
         yield Paragraph(f"{study.reference} are measured numbers: there is no mesh to refine.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Any
 
@@ -26,9 +26,9 @@ _ONE_LINE = 4  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
 
 
-def pictures(drawn: dict[str, Picture], keys: list[str]) -> Section:
+def pictures(drawn: Iterable[Picture]) -> Section:
     """The figures of the study, each under its title."""
-    sections = tuple(Section(f"figure-{key}", drawn[key].title, (drawn[key],)) for key in keys)
+    sections = tuple(Section(f"figure-{each.key}", each.title, (each,)) for each in drawn)
     return Section("results", "Results", sections)
 
 
