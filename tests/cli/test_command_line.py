@@ -188,7 +188,14 @@ def test_bad_settings(
 
 KEYS = {
     *("model", "outcome", "message", "peak_displacement", "time_of_peak"),
-    *("residual_displacement", "peak_force", "impulse", "energies", "shear_utilisation"),
+    *(
+        "residual_displacement",
+        "peak_force",
+        "resistance",
+        "impulse",
+        "energies",
+        "shear_utilisation",
+    ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
 }
 

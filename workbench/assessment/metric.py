@@ -15,7 +15,7 @@ from workbench.responses import Response
 
 Array = NDArray[np.float64]
 Compute = Callable[[Response, Response, str], float]
-# (the error of value and reference with its uncertainty, value over reference) -> half-width
+# (error of value and reference with a known uncertainty, value over reference) -> half-width
 Spread = Callable[[ErrorInterval, float], float | None]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.assessment.metric import Metric, Scope, Swap, present
-from workbench.assessment.numerical import ErrorInterval
 from workbench.errors import InputError
 from workbench.responses import Response
 
@@ -50,11 +49,6 @@ def log_ratio(response: Response, reference: Response, quantity: str) -> float:
     return float(np.log(value / held_against))
 
 
-def _of_logarithm(interval: ErrorInterval, ratio: float) -> float | None:
-    relative = interval.relative_uncertainty
-    return None if relative is None else relative / abs(ratio)
-
-
 SCALAR_METRICS = (
     Metric(
         "relative_error",
@@ -84,6 +78,6 @@ SCALAR_METRICS = (
         "fds-validation",
         log_ratio,
         swap=Swap.OPPOSITE,
-        spread=_of_logarithm,
+        spread=lambda interval, ratio: (interval.relative_uncertainty or 0.0) / ratio,
     ),
 )

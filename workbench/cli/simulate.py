@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from workbench.responses import Response
     from workbench.scenarios import Scenario
 
-_HEADLINES = (
-    *("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse"),
-)
-
 
 @verb
 def simulate(
@@ -75,7 +71,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "model": response.attrs["model"],
         "outcome": outcome_of(response).value,
         "message": response.attrs["message"],
-        **{name: last(name) for name in _HEADLINES},
+        **{name: last(name) for name in _headlines()},
         "numerical_uncertainty": _attribute(response, "numerical_uncertainty"),
         "refinement": _attribute(response, "refinement"),
         "energies": {
@@ -102,6 +98,14 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         for name in ("displacement", "force"):
             result[name] = response[name].values.tolist() if name in response else None
     return result
+
+
+def _headlines() -> list[str]:
+    """The scalars of structures; the input energy stands with the energies."""
+    from workbench.responses import SCALARS
+    from workbench.responses.stud_tests import STUD_TESTS
+
+    return [name for name in SCALARS if name not in STUD_TESTS and name != "input_energy"]
 
 
 def _shear_utilisation(response: Response) -> dict[str, float] | None:
@@ -158,7 +162,7 @@ def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
     from workbench.responses.stud_tests import STUD_TESTS
 
     widths = _attribute(response, "numerical_uncertainty") or {}
-    for name in (*_HEADLINES, "input_energy", *STUD_TESTS):
+    for name in (*_headlines(), "input_energy", *STUD_TESTS):
         if name in response:
             known = VARIABLES[name]
             text = quantity(float(response[name]), known.units, widths.get(name, 0.0))

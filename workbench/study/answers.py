@@ -8,13 +8,6 @@ from dataclasses import dataclass
 from workbench.responses import Outcome, Response, findings_of, outcome_of
 from workbench.study.definition import Case, Study
 
-STATIC = ("column-pushover", "frame-static")  # kinds whose answer is a curve over load steps
-
-
-def is_static(case: Case) -> bool:
-    """Whether a case is answered by a curve over load steps, not by a history in time."""
-    return case.scenario.KIND in STATIC
-
 
 @dataclass(frozen=True)
 class Answers:

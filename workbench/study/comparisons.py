@@ -29,7 +29,7 @@ from workbench.assessment import METRICS, Metric, Scope, expand
 from workbench.errors import InputError
 from workbench.responses import Response
 from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
-from workbench.study.answers import Answers, is_static
+from workbench.study.answers import Answers
 from workbench.study.definition import Case, Study
 from workbench.study.sides import by_metric, joined, of_side, own_note, quantity_ladder
 from workbench.study.tables import Row
@@ -73,6 +73,8 @@ def compare(
     other, other_note = of_side(answers, against, quantity)
     notes = joined(note, other_note)
     interval = expand(*pair, simulation_uncertainty=own, data_uncertainty=other)
+    if interval.uncertainty is None:
+        return Comparison(value, None, notes, *pair)
     ratio = pair[0] / pair[1] if pair[1] else inf
     return Comparison(value, metric.spread(interval, ratio), notes, *pair)
 
@@ -116,7 +118,7 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
     if finest is not None and directions_of(finest):
         return _own_ladder(answers.case, finest, quantity)
     present = [label for label in answers.study.ladder if label in answers.responses]
-    static = is_static(answers.case)  # has no peak in time
+    static = answers.case.scenario.STATIC  # has no peak in time
     if len(present) < 2 or (static and not any(quantity in answers.responses[p] for p in present)):
         return None
     row: dict[str, object] = {"case": answers.case.name, "quantity": quantity}
@@ -164,7 +166,7 @@ def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
 def _pairs(study: Study, case: Case) -> Iterator[tuple[str, Metric]]:
     for quantity in study.quantities:
         yield quantity, METRICS["relative_error"]
-    static = is_static(case)
+    static = case.scenario.STATIC
     quantity, scope = ("force", Scope.CURVE) if static else ("displacement", Scope.HISTORY)
     for metric in METRICS.values():
         if metric.scope is scope:

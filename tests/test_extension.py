@@ -1,0 +1,193 @@
+"""What an addition costs: one of each is added to a copy of the package, and the files counted."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FIGURE = '''
+"""Bars of one quantity."""
+
+from workbench.report.figures.drawing import Drawing, Request, nothing
+
+
+def draw(request: Request) -> Drawing:
+    """Nothing but a sentence."""
+    return nothing(f"Bars of {request.study.quantities[0]}.")
+'''
+MODEL = '''
+"""A spring for the whole column."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.responses import build_response
+from workbench.scenarios import ColumnImpact
+
+
+@dataclass(frozen=True)
+class OneSpring:
+    """A mass on an elastic spring."""
+
+    stiffness: float = 5e6
+
+    name: ClassVar[str] = "one-spring"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = ("Elastic.",)
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    def domain(self, scenario):
+        """Those of all member models."""
+        return member_findings(scenario)
+
+    def simulate(self, scenario):
+        """Answer an impact."""
+        return respond(self, scenario, self._solve)
+
+    def _solve(self, scenario):
+        mass, speed = scenario.striker.mass, scenario.striker.velocity
+        omega = (self.stiffness / mass) ** 0.5
+        time = np.linspace(0.0, np.pi / omega, 200)
+        moved = speed / omega * np.sin(omega * time)
+        return build_response({"displacement": moved}, time=time)
+'''
+METRIC = '''
+
+def squared_error(response: Response, reference: Response, quantity: str) -> float:
+    """Relative error squared."""
+    return relative_error(response, reference, quantity) ** 2
+
+
+SCALAR_METRICS += (
+    Metric(
+        "squared_error",
+        "squared error",
+        "relative error squared",
+        Scope.SCALAR,
+        "asme-vv20",
+        squared_error,
+        low=0.0,
+        spread=lambda interval, ratio: 2.0 * abs(ratio - 1.0) * interval.uncertainty,
+    ),
+)
+'''
+USE = """
+import json
+from pathlib import Path
+from workbench.registry import make_model
+from workbench.report import build_report
+from workbench.scenarios import load_scenario
+from workbench.study import Case, Figure, Gate, Study, assess, run_study
+
+study = Study(
+    "added", "Added", "What does an addition cost?",
+    (Case("hit", load_scenario("data/published/heng2017_impact_column.toml")),),
+    {"one": make_model("one-spring"), "other": make_model("energy-estimate")},
+    "other",
+    quantities=("largest_velocity",),
+    gates=(Gate("one", "other", "peak_displacement", "squared_error", 1e3, "why", "where"),),
+    figures=(Figure("bars", "bars", "Bars", "Bars."),),
+)
+run_study(study, Path("reports"), jobs=0)
+found = assess(study, Path("reports"))
+html = build_report(found.directory, study, formats=("html",))["html"].read_text("utf-8")
+print(json.dumps({
+    "outcomes": [row["outcome"] for row in found.tables["cells"]],
+    "velocities": [row.get("largest_velocity") for row in found.tables["cells"]],
+    "squared": found.verdicts[0].cases[0].value,
+    "drawn": "Bars of largest_velocity." in html,
+}))
+"""
+
+
+def append(path: Path, text: str) -> None:
+    path.write_text(path.read_text(encoding="utf-8") + text, encoding="utf-8")
+
+
+def swap(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def add_metric(root: Path) -> None:
+    append(root / "workbench/assessment/scalars.py", METRIC)
+
+
+def add_figure(root: Path) -> None:
+    (root / "workbench/report/figures/bars.py").write_text(FIGURE)
+    swap(root / "workbench/report/kinds.py", "KINDS = {\n", 'KINDS = {\n    "bars": "bars",\n')
+
+
+def add_model(root: Path) -> None:
+    (root / "workbench/models/one_spring.py").write_text(MODEL)
+    heading = '[project.entry-points."workbench.models"]\n'
+    entry = 'one-spring = "workbench.models.one_spring:OneSpring"\n'
+    swap(root / "pyproject.toml", heading, heading + entry)
+    (root / "docs/theory/one-spring.md").write_text("# `one-spring`\n")
+
+
+def add_scalar(root: Path) -> None:
+    line = '    "impulse": Variable((), "N s", "total impulse of the contact"),\n'
+    more = '    "largest_velocity": Variable((), "m/s", "largest velocity of the striker"),\n'
+    swap(root / "workbench/responses/variables.py", line, line + more)
+    swap(
+        root / "workbench/models/energy_estimate.py",
+        '"peak_displacement": ',
+        '"largest_velocity": scenario.striker.velocity, "peak_displacement": ',
+    )
+
+
+def test_what_additions_cost(tmp_path: Path) -> None:
+    for part in ("workbench", "data", "docs"):
+        skipped = shutil.ignore_patterns("__pycache__", "_data")
+        shutil.copytree(ROOT / part, tmp_path / part, ignore=skipped)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for add, files in ((add_metric, 1), (add_figure, 2), (add_model, 3), (add_scalar, 2)):
+        before = contents(tmp_path)
+        add(tmp_path)
+        after = contents(tmp_path)
+        changed = [path.name for path in after if before.get(path) != after[path]]
+        assert len(changed) == files, (add.__name__, changed)
+    install(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-c", USE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["outcomes"] == ["ok", "ok"]
+    assert found["velocities"] == [None, 15.0]
+    assert found["squared"] > 0.0
+    assert found["drawn"]
+
+
+def contents(root: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def install(root: Path) -> None:
+    """Do what an installation does with the declared entry points."""
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    directory = root / f"workbench-{project['version']}.dist-info"
+    directory.mkdir()
+    points = project["entry-points"]["workbench.models"]
+    lines = "".join(f"{name} = {target}\n" for name, target in points.items())
+    (directory / "entry_points.txt").write_text(f"[workbench.models]\n{lines}")
+    (directory / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: workbench\nVersion: {project['version']}\n"
+    )
