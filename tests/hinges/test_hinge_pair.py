@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.hinges import GeneralizedHinge, YieldSurface, _kernels
-from workbench.hinges._pair_kernels import project_pair
+from workbench.hinges import GeneralizedHinge, YieldSurface, _kernels, _pair_kernels
 
 NP, MP = 3133230.0, 284720.0
 KN, KT = 4.7775e9, 1.2743325e8
@@ -36,10 +35,8 @@ class Pair:
 
     def solve(self, elastic):
         forces, tangent, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
-        branch = project_pair(
-            self.flexibility, np.array(elastic, float), self.bounds, self.exponents, self.pinned,
-            forces, tangent, flow,
-        )  # fmt: skip
+        pair = _pair_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
+        branch = _pair_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
         return forces, tangent, flow.reshape(2, 2), branch
 
     def used(self, forces) -> np.ndarray:

@@ -17,58 +17,89 @@ keeps full relative accuracy at both ends of its curve.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from workbench.hinges import _kernels as surface
 from workbench.hinges._kernels import APEX, AXIS, CURVE, ELASTIC, capacity
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_Z_LIMIT = 340.0
-_ITERATIONS = 200
-_ROUNDING = 4e-16
 _NO_MOMENT = 1e-14  # of a plastic moment; a trial that is closer to a smooth apex is at it
+
+
+class Pair(NamedTuple):
+    """Two hinges and the bar between them.
+
+    `flexibility` (4,): f_N, f_11, f_14, f_44 (those of a pinned end are not used); `bounds`
+    (2, 4) of each hinge: N in tension and in compression, M_h positive and negative, all as
+    positive numbers; `exponents` (2, 2): alpha, beta >= 1 of each; `pinned` (2,): ends that
+    carry no moment.
+    """
+
+    flexibility: Vector
+    bounds: Matrix
+    exponents: Matrix
+    pinned: NDArray[np.bool_]
+
+
+class End(NamedTuple):
+    """One hinge for the sign of N at hand: yield surface, flexibility and trial rotation."""
+
+    Np: float
+    low: float
+    high: float
+    alpha: float
+    beta: float
+    pinned: bool
+    f: float
+    e: float
+
+
+@njit(cache=True, error_model="numpy")
+def _end(pair: Pair, h: int, e: Vector) -> End:
+    """Hinge 1 (h = 0) or hinge 4 (h = 1) of the pair."""
+    Np, low, high = pair.bounds[h, 0 if e[0] >= 0.0 else 1], -pair.bounds[h, 3], pair.bounds[h, 2]
+    alpha, beta = pair.exponents[h]
+    return End(Np, low, high, alpha, beta, pair.pinned[h], pair.flexibility[1 + 2 * h], e[1 + h])
+
+
+@njit(cache=True, error_model="numpy")
+def _clipped(end: End, share: float) -> tuple[float, float, bool]:
+    """Moment, plastic rotation and whether it is at a bound, of one hinge by itself."""
+    moment, low, high = end.e / end.f, end.low * share, end.high * share
+    if moment > high or moment < low:
+        moment = high if moment > high else low
+        return moment, end.e - end.f * moment, True
+    return moment, 0.0, False
 
 
 @njit(cache=True, error_model="numpy")
 def moments_in_box(
-    f11: float,
-    f14: float,
-    f44: float,
-    e1: float,
-    e4: float,
-    low1: float,
-    high1: float,
-    low4: float,
-    high4: float,
-    pin1: bool,
-    pin4: bool,
+    one: End, four: End, f14: float, share1: float, share4: float
 ) -> tuple[float, float, float, float, bool, bool]:
     """Moments that minimise (e - f M) f^-1 (e - f M) / 2 between bounds; pinned ends carry none.
 
-    Arguments: flexibility; elastic trial rotations; bounds. Result: both moments, the plastic
-    rotations r = e - f M, and which moments are at a bound.
+    The bounds are the `share` of the plastic moments. Result: both moments, the plastic rotations
+    r = e - f M, and which moments are at a bound.
     """
-    if pin1 or pin4:
+    if one.pinned or four.pinned:
         m1, m4, r1, r4, at1, at4 = 0.0, 0.0, 0.0, 0.0, False, False
-        if not pin1:
-            m1 = e1 / f11
-            if m1 > high1 or m1 < low1:
-                m1, at1 = (high1 if m1 > high1 else low1), True
-                r1 = e1 - f11 * m1
-        if not pin4:
-            m4 = e4 / f44
-            if m4 > high4 or m4 < low4:
-                m4, at4 = (high4 if m4 > high4 else low4), True
-                r4 = e4 - f44 * m4
-        if pin1:
-            r1 = e1 - f14 * m4
-        if pin4:
-            r4 = e4 - f14 * m1
+        if not one.pinned:
+            m1, r1, at1 = _clipped(one, share1)
+        if not four.pinned:
+            m4, r4, at4 = _clipped(four, share4)
+        if one.pinned:
+            r1 = one.e - f14 * m4
+        if four.pinned:
+            r4 = four.e - f14 * m1
         return m1, m4, r1, r4, at1, at4
+    f11, e1, low1, high1 = one.f, one.e, one.low * share1, one.high * share1
+    f44, e4, low4, high4 = four.f, four.e, four.low * share4, four.high * share4
     determinant = f11 * f44 - f14 * f14
     t1 = (f44 * e1 - f14 * e4) / determinant
     t4 = (f11 * e4 - f14 * e1) / determinant
@@ -87,15 +118,12 @@ def moments_in_box(
         if low1 <= m1 <= high1:
             return m1, m4, 0.0, e4 - f14 * m1 - f44 * m4, False, True
     # both at a bound: the corner whose plastic rotations point outwards
-    best = -np.inf
-    m1, m4, r1, r4 = high1, high4, 0.0, 0.0
+    best, m1, m4, r1, r4 = -np.inf, high1, high4, 0.0, 0.0
     for i in range(2):
         for j in range(2):
-            b1 = high1 if i == 0 else low1
-            b4 = high4 if j == 0 else low4
-            p1 = e1 - f11 * b1 - f14 * b4
-            p4 = e4 - f14 * b1 - f44 * b4
-            outward = min(p1 if i == 0 else -p1, p4 if j == 0 else -p4)
+            b1, b4 = low1 if i else high1, low4 if j else high4
+            p1, p4 = e1 - f11 * b1 - f14 * b4, e4 - f14 * b1 - f44 * b4
+            outward = min(-p1 if i else p1, -p4 if j else p4)
             if outward > best:
                 best, m1, m4, r1, r4 = outward, b1, b4, p1, p4
     return m1, m4, r1, r4, True, True
@@ -119,294 +147,198 @@ def _moment_block(
 
 @njit(cache=True, error_model="numpy")
 def _slope(
-    bound: float, alpha: float, beta: float, force: float, power: float, rest: float, m: float
+    end: End, r: float, N: float, power: float, rest: float, m: float
 ) -> tuple[float, float]:
-    """|d(M_p m)/dN| and the ratio of the second derivative to it, times N.
+    """|d(M_p m)/dN| of a hinge, and the ratio of the second derivative to it, times N.
 
-    `power` is n^beta, `rest` is 1 - n^beta, `m` its capacity.
+    `power` is n^beta, `rest` is 1 - n^beta, `m` its capacity; the sign of `r` chooses M_p.
     """
-    slope = bound * beta / alpha * power * m / (rest * force)
-    return slope, (beta - 1.0) + (1.0 - 1.0 / alpha) * beta * power / rest
+    bound = end.high if r > 0.0 else -end.low
+    slope = bound * end.beta / end.alpha * power * m / (rest * N)
+    return slope, (end.beta - 1.0) + (1.0 - 1.0 / end.alpha) * end.beta * power / rest
+
+
+@njit(cache=True, error_model="numpy")
+def _push_at_axis(end: End, M: float, r: float) -> tuple[float, float]:
+    """What a hinge at its plastic moment pushes on N = 0, and its curvature there."""
+    slope = abs(M) / (end.alpha * end.Np)
+    push = slope * abs(r) if end.beta == 1.0 else 0.0
+    if end.beta < 2.0:
+        return push, np.inf
+    return push, 2.0 * slope / end.Np * abs(r) if end.beta == 2.0 else 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def _at_axis(
-    flexibility: Vector,
-    e: Vector,
-    squash: tuple[float, float],
-    bounds: Matrix,
-    exponents: Matrix,
-    pin1: bool,
-    pin4: bool,
-    forces: Vector,
-    tangent: Matrix,
-    flow: Vector,
+    pair: Pair, one: End, four: End, e: Vector, forces: Vector, tangent: Matrix, flow: Vector
 ) -> bool:
     """N = 0 with full plastic moments, if the minimiser is there."""
-    f_n, f11, f14, f44 = flexibility
-    m1, m4, r1, r4, at1, at4 = moments_in_box(
-        f11, f14, f44, e[1], e[2],
-        -bounds[0, 3], bounds[0, 2], -bounds[1, 3], bounds[1, 2], pin1, pin4,
-    )  # fmt: skip
-    push1 = push4 = 0.0
-    curvature = 0.0
-    for h in range(2):
-        at, r, m = (at1, r1, m1) if h == 0 else (at4, r4, m4)
-        if not at:
-            continue
-        alpha, beta = exponents[h]
-        slope = abs(m) / (alpha * squash[h])
-        if beta == 1.0:
-            if h == 0:
-                push1 = slope * abs(r)
-            else:
-                push4 = slope * abs(r)
-        if beta < 2.0:
-            curvature = np.inf
-        elif beta == 2.0:
-            curvature += 2.0 * slope / squash[h] * abs(r)
+    f_n, f11, f14, f44 = pair.flexibility
+    m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, 1.0, 1.0)
+    push1, curvature1 = _push_at_axis(one, m1, r1) if at1 else (0.0, 0.0)
+    push4, curvature4 = _push_at_axis(four, m4, r4) if at4 else (0.0, 0.0)
     pushed = push1 + push4
     if pushed < abs(e[0]):
         return False
     forces[0], forces[1], forces[2] = 0.0, m1, m4
-    _moment_block(f11, f14, f44, at1 or pin1, at4 or pin4, tangent)
-    tangent[0, 0] = 1.0 / (f_n + curvature)
+    _moment_block(f11, f14, f44, at1 or one.pinned, at4 or four.pinned, tangent)
+    tangent[0, 0] = 1.0 / (f_n + (curvature1 + curvature4))
     share = push1 / pushed if pushed > 0.0 else 0.5
     flow[0], flow[1], flow[2], flow[3] = share * e[0], r1, (1.0 - share) * e[0], r4
     return True
 
 
 @njit(cache=True, error_model="numpy")
+def _push_at_apex(end: End, N: float, m: float, r: float, at: bool) -> tuple[bool, float, bool]:
+    """At N = N_p of the weaker hinge: whether this one is admitted, what it pushes on N.
+
+    Further whether its moment is fixed.
+    """
+    if end.pinned or not at:
+        return True, 0.0, end.pinned
+    if end.Np > N:
+        power = (N / end.Np) ** end.beta
+        slope, _ = _slope(end, r, N, power, 1.0 - power, m)
+        return True, slope * abs(r), True
+    bound = end.high if r > 0.0 else -end.low
+    if end.alpha == 1.0:
+        return True, bound * end.beta / N * abs(r), True
+    return abs(r) <= _NO_MOMENT * end.f * bound, 0.0, False
+
+
+@njit(cache=True, error_model="numpy")
+def _softening(end: End, N: float, total: float) -> float:
+    """Flexibility that the curvature of the surface adds at a smooth apex (inf: M is fixed)."""
+    if end.pinned or end.Np > N or end.alpha > 2.0:
+        return 0.0
+    if end.alpha < 2.0:
+        return np.inf
+    return total * 2.0 * N / (end.beta * min(end.high, -end.low) ** 2)
+
+
+@njit(cache=True, error_model="numpy")
 def _at_apex(
-    flexibility: Vector,
-    e: Vector,
-    squash: tuple[float, float],
-    bounds: Matrix,
-    exponents: Matrix,
-    pin1: bool,
-    pin4: bool,
-    forces: Vector,
-    tangent: Matrix,
-    flow: Vector,
+    pair: Pair, one: End, four: End, e: Vector, forces: Vector, tangent: Matrix, flow: Vector
 ) -> bool:
     """|N| = N_p of the weaker hinge, if the minimiser is there."""
-    f_n, f11, f14, f44 = flexibility
-    N = min(squash[0], squash[1])
-    m1 = 0.0 if pin1 else capacity(N / squash[0], exponents[0, 0], exponents[0, 1])
-    m4 = 0.0 if pin4 else capacity(N / squash[1], exponents[1, 0], exponents[1, 1])
-    M1, M4, r1, r4, at1, at4 = moments_in_box(
-        f11, f14, f44, e[1], e[2],
-        -bounds[0, 3] * m1, bounds[0, 2] * m1, -bounds[1, 3] * m4, bounds[1, 2] * m4, pin1, pin4,
-    )  # fmt: skip
+    f_n, f11, f14, f44 = pair.flexibility
+    N = min(one.Np, four.Np)
+    c1, c4 = capacity(N / one.Np, one.alpha, one.beta), capacity(N / four.Np, four.alpha, four.beta)
+    m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, c1, c4)
     total = abs(e[0]) - f_n * N
-    left = total
-    slope1 = slope4 = 0.0
-    for h in range(2):
-        pin, at, r = (pin1, at1, r1) if h == 0 else (pin4, at4, r4)
-        if pin or not at:
-            continue
-        alpha, beta = exponents[h]
-        bound = bounds[h, 2] if r > 0.0 else bounds[h, 3]
-        if squash[h] > N:
-            power = (N / squash[h]) ** beta
-            m = m1 if h == 0 else m4
-            slope, _ = _slope(bound, alpha, beta, N, power, 1.0 - power, m)
-        elif alpha == 1.0:
-            slope = bound * beta / N
-        elif abs(r) <= _NO_MOMENT * (f11 if h == 0 else f44) * bound:
-            slope = 0.0
-            if h == 0:
-                at1 = False
-            else:
-                at4 = False
-        else:
-            return False
-        if h == 0:
-            slope1 = slope * abs(r)
-        else:
-            slope4 = slope * abs(r)
-        left -= slope * abs(r)
-    if not left >= 0.0:
+    admits1, push1, fixed1 = _push_at_apex(one, N, c1, r1, at1)
+    admits4, push4, fixed4 = _push_at_apex(four, N, c4, r4, at4)
+    left = total - push1 - push4
+    if not (admits1 and admits4 and left >= 0.0):
         return False
-    forces[0], forces[1], forces[2] = math.copysign(N, e[0]), M1, M4
-    # smooth apexes: the curvature of the surface there adds to the flexibility of the moment
-    soft1 = soft4 = 0.0
-    fixed1, fixed4 = at1 or pin1, at4 or pin4
-    for h in range(2):
-        if squash[h] > N or (pin1 if h == 0 else pin4):
-            continue
-        alpha, beta = exponents[h]
-        soft = 0.0
-        if alpha == 2.0:
-            soft = total * 2.0 * N / (beta * min(bounds[h, 2], bounds[h, 3]) ** 2)
-        if h == 0:
-            fixed1, soft1 = fixed1 or alpha < 2.0, soft
-        else:
-            fixed4, soft4 = fixed4 or alpha < 2.0, soft
+    forces[0], forces[1], forces[2] = math.copysign(N, e[0]), m1, m4
+    soft1, soft4 = _softening(one, N, total), _softening(four, N, total)
+    fixed1, fixed4 = fixed1 or soft1 == np.inf, fixed4 or soft4 == np.inf
     _moment_block(f11 + soft1, f14, f44 + soft4, fixed1, fixed4, tangent)
     # only the sum is determined when both hinges are at the apex: the rest is shared equally
-    share = 0.5 if squash[0] == squash[1] else (1.0 if squash[0] < squash[1] else 0.0)
-    flow[0] = math.copysign(slope1 + share * left, e[0])
-    flow[2] = math.copysign(slope4 + (1.0 - share) * left, e[0])
+    share = 0.5 if one.Np == four.Np else (1.0 if one.Np < four.Np else 0.0)
+    flow[0] = math.copysign(push1 + share * left, e[0])
+    flow[2] = math.copysign(push4 + (1.0 - share) * left, e[0])
     flow[1], flow[3] = r1, r4
     return True
 
 
 @njit(cache=True, error_model="numpy")
-def project_pair(
-    flexibility: Vector,
-    e: Vector,
-    bounds: Matrix,
-    exponents: Matrix,
-    pinned: NDArray[np.bool_],
-    forces: Vector,
-    tangent: Matrix,
-    flow: Vector,
-) -> int:
+def project_pair(pair: Pair, e: Vector, forces: Vector, tangent: Matrix, flow: Vector) -> int:
     """Project elastic trial deformations of two hinges and a bar onto both yield surfaces.
 
-    Arguments: `flexibility` (4,): f_N, f_11, f_14, f_44 (those of a pinned end are not used);
-    elastic trial deformations `e` (3,): elongation (m), end rotations; `bounds` (2, 4) of each
-    hinge: N in tension and in compression, M_h positive and negative, all as positive numbers;
-    `exponents` (2, 2): alpha, beta >= 1 of each; `pinned` (2,): ends that carry no moment.
-    Writes `forces` (3,): N, M_1, M_4; `tangent` (3, 3), their derivative by `e`, symmetric and
-    positive semi-definite; `flow` (4,): increments of plastic elongation and rotation of hinge 1,
-    then of hinge 4 (the whole rotation of a pin). Returns the branch.
+    Elastic trial deformations `e` (3,): elongation (m), end rotations. Writes `forces` (3,):
+    N, M_1, M_4; `tangent` (3, 3), their derivative by `e`, symmetric and positive semi-definite;
+    `flow` (4,): increments of plastic elongation and rotation of hinge 1, then of hinge 4 (the
+    whole rotation of a pin). Returns the branch.
     """
-    f_n, f11, f14, f44 = flexibility
-    pin1, pin4 = pinned[0], pinned[1]
-    for i in range(3):
-        for j in range(3):
-            tangent[i, j] = 0.0
-    side = 0 if e[0] >= 0.0 else 1
-    Np1, Np4 = bounds[0, side], bounds[1, side]
-    alpha1, beta1 = exponents[0]
-    alpha4, beta4 = exponents[1]
-    high1, low1, high4, low4 = bounds[0, 2], bounds[0, 3], bounds[1, 2], bounds[1, 3]
-
-    # elastic
-    T = abs(e[0]) / f_n
-    if not max(T / Np1, T / Np4) > 1.0:
-        c1, c4 = capacity(T / Np1, alpha1, beta1), capacity(T / Np4, alpha4, beta4)
-        m1, m4, r1, r4, at1, at4 = moments_in_box(
-            f11, f14, f44, e[1], e[2],
-            -low1 * c1, high1 * c1, -low4 * c4, high4 * c4, pin1, pin4,
-        )  # fmt: skip
+    f_n, f11, f14, f44 = pair.flexibility
+    one, four = _end(pair, 0, e), _end(pair, 1, e)
+    tangent[:] = 0.0
+    eN = abs(e[0])
+    T = eN / f_n
+    if not max(T / one.Np, T / four.Np) > 1.0:
+        c1, c4 = (
+            capacity(T / one.Np, one.alpha, one.beta),
+            capacity(T / four.Np, four.alpha, four.beta),
+        )
+        m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, c1, c4)
         if not (at1 or at4):
             forces[0], forces[1], forces[2] = e[0] / f_n, m1, m4
             tangent[0, 0] = 1.0 / f_n
-            _moment_block(f11, f14, f44, pin1, pin4, tangent)
+            _moment_block(f11, f14, f44, one.pinned, four.pinned, tangent)
             flow[0], flow[1], flow[2], flow[3] = 0.0, r1, 0.0, r4
             return ELASTIC
-
-    squash = (Np1, Np4)
-    if _at_axis(flexibility, e, squash, bounds, exponents, pin1, pin4, forces, tangent, flow):
+    if _at_axis(pair, one, four, e, forces, tangent, flow):
         return AXIS
-    if f_n * min(Np1, Np4) < abs(e[0]) and _at_apex(
-        flexibility, e, squash, bounds, exponents, pin1, pin4, forces, tangent, flow
-    ):
+    if f_n * min(one.Np, four.Np) < eN and _at_apex(pair, one, four, e, forces, tangent, flow):
         return APEX
 
     # the weaker hinge leads; of two equal ones the one whose capacity drops more steeply
-    leads1 = Np1 < Np4 or (Np1 == Np4 and alpha1 >= alpha4)
-    Na, beta_a, alpha_a = (Np1, beta1, alpha1) if leads1 else (Np4, beta4, alpha4)
-    Nb, beta_b = (Np4, beta4) if leads1 else (Np1, beta1)
-    alike = Na == Nb and beta_a == beta_b
-    ratio = math.log(Na / Nb)
-    steep = 1.0 - 1.0 / alpha_a
-    eN = abs(e[0])
+    leads1 = one.Np < four.Np or (one.Np == four.Np and one.alpha >= four.alpha)
+    a, b = (one, four) if leads1 else (four, one)
+    alike = a.Np == b.Np and a.beta == b.beta
+    ratio = math.log(a.Np / b.Np)
+    steep = 1.0 - 1.0 / a.alpha
 
-    m1, m4, r1, r4, at1, at4 = moments_in_box(
-        f11, f14, f44, e[1], e[2], -np.inf, np.inf, -np.inf, np.inf, pin1, pin4
-    )
-    largest = max(
-        m1 / high1 if m1 > 0.0 else -m1 / low1,
-        m4 / high4 if m4 > 0.0 else -m4 / low4,
-    )
-    z = 0.5 * (beta_a * math.log(T / Na) - alpha_a * math.log(largest))
-    z = min(max(z, -300.0), 300.0)
+    m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, np.inf, np.inf)
+    largest1 = m1 / (one.high if m1 > 0.0 else one.low)
+    largest4 = m4 / (four.high if m4 > 0.0 else four.low)
+    z = surface.first_on_curve(T / a.Np, max(largest1, largest4), a.alpha, a.beta)
     if not math.isfinite(z):
         z = 5.0
-    low, high = -_Z_LIMIT, _Z_LIMIT
-    last = False
-    N = kappa = d1 = d4 = H = 0.0
-    for _ in range(_ITERATIONS):
-        w = math.exp(-2.0 * abs(z))
-        big = 1.0 / (1.0 + w)
-        S, C = (big, w * big) if z >= 0.0 else (w * big, big)
-        log_n = (math.log1p(-C) if C < 0.5 else math.log(S)) / beta_a
-        N = Na * math.exp(log_n)
+    low, high, last = -surface.Z_LIMIT, surface.Z_LIMIT, False
+    N = kappa = d1 = d4 = push1 = push4 = H = 0.0
+    for _ in range(surface.ITERATIONS):
+        S, C = surface.on_curve(z)
+        log_n = (math.log1p(-C) if C < 0.5 else math.log(S)) / a.beta
+        N = a.Np * math.exp(log_n)
         Sb, Cb = S, C
         if not alike:
-            Sb = math.exp(beta_b * (log_n + ratio))
-            Cb = -math.expm1(beta_b * (log_n + ratio))
+            Sb = math.exp(b.beta * (log_n + ratio))
+            Cb = -math.expm1(b.beta * (log_n + ratio))
         S1, C1, S4, C4 = (S, C, Sb, Cb) if leads1 else (Sb, Cb, S, C)
-        c1 = C1 if alpha1 == 1.0 else C1 ** (1.0 / alpha1)
-        c4 = C4 if alpha4 == 1.0 else C4 ** (1.0 / alpha4)
-        m1, m4, r1, r4, at1, at4 = moments_in_box(
-            f11, f14, f44, e[1], e[2],
-            -low1 * c1, high1 * c1, -low4 * c4, high4 * c4, pin1, pin4,
-        )  # fmt: skip
+        c1 = C1 if one.alpha == 1.0 else C1 ** (1.0 / one.alpha)
+        c4 = C4 if four.alpha == 1.0 else C4 ** (1.0 / four.alpha)
+        m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, c1, c4)
         kappa = 1.0 if steep == 0.0 else C**steep
         # G = kappa (f_N N - e_N + sum |b_h'| |r_h|); its slope H kappa^2 in N, scaled likewise
-        axial = kappa * (f_n * N - eN)
+        slope1, curve1 = _slope(one, r1, N, S1, C1, c1) if at1 else (0.0, 0.0)
+        slope4, curve4 = _slope(four, r4, N, S4, C4, c4) if at4 else (0.0, 0.0)
+        d1, d4 = kappa * slope1, kappa * slope4
+        push1, push4 = d1 * abs(r1), d4 * abs(r4)
+        G = kappa * (f_n * N - eN) + push1 + push4
         size = kappa * (f_n * N + eN)
-        G = axial
-        d1 = d4 = 0.0
-        bend = 0.0
-        if at1:
-            slope, curve = _slope(high1 if r1 > 0.0 else low1, alpha1, beta1, N, S1, C1, c1)
-            d1 = kappa * slope
-            G += d1 * abs(r1)
-            size += d1 * (abs(e[1]) + f11 * abs(m1) + abs(f14 * m4))
-            bend += d1 * abs(r1) * curve / N
-            d1 = -math.copysign(d1, r1)
-        if at4:
-            slope, curve = _slope(high4 if r4 > 0.0 else low4, alpha4, beta4, N, S4, C4, c4)
-            d4 = kappa * slope
-            G += d4 * abs(r4)
-            size += d4 * (abs(e[2]) + f44 * abs(m4) + abs(f14 * m1))
-            bend += d4 * abs(r4) * curve / N
-            d4 = -math.copysign(d4, r4)
+        size += d1 * (abs(one.e) + f11 * abs(m1) + abs(f14 * m4))
+        size += d4 * (abs(four.e) + f44 * abs(m4) + abs(f14 * m1))
+        bend = push1 * curve1 / N + push4 * curve4 / N
+        d1, d4 = -math.copysign(d1, r1), -math.copysign(d4, r4)
         if at1 and at4:
             square = f11 * d1 * d1 + 2.0 * f14 * d1 * d4 + f44 * d4 * d4
         elif at1:
-            square = (f11 if pin4 else f11 - f14 * f14 / f44) * d1 * d1
+            square = (f11 if four.pinned else f11 - f14 * f14 / f44) * d1 * d1
         else:
-            square = (f44 if pin1 else f44 - f14 * f14 / f11) * d4 * d4
+            square = (f44 if one.pinned else f44 - f14 * f14 / f11) * d4 * d4
         H = kappa * kappa * f_n + kappa * bend + square
-        if last or abs(G) <= _ROUNDING * size:
+        if last or abs(G) <= surface.ROUNDING * size:
             break
-        if G < 0.0:
-            low = z
-        else:
-            high = z
-        dG = 2.0 / beta_a * N * C * (kappa * f_n + bend + square / kappa) - 2.0 * steep * S * G
-        new = z - G / dG if dG > 0.0 else low - 1.0
-        if not (low < new < high):
-            new = 0.5 * (low + high)
-        small = 2e-16 * max(1.0, abs(z))
-        last = abs(new - z) <= small or high - low <= small
-        z = new
+        dG = 2.0 / a.beta * N * C * (kappa * f_n + bend + square / kappa) - 2.0 * steep * S * G
+        z, low, high, last = surface.newton_in_bracket(z, G, dG, low, high)
 
-    forces[0], forces[1], forces[2] = math.copysign(N, e[0]), m1, m4
-    # rank one along the curve, plus the moments that stay elastic
-    _moment_block(f11, f14, f44, at1 or pin1, at4 or pin4, tangent)
-    x0 = math.copysign(kappa, e[0])
-    x1, x4 = d1, d4
-    if not (at1 or pin1):
-        x1 = -f14 * d4 / f11
-    if not (at4 or pin4):
-        x4 = -f14 * d1 / f44
+    # tangent: rank one along the curve, plus the moments that stay elastic
+    fixed1, fixed4 = at1 or one.pinned, at4 or four.pinned
+    _moment_block(f11, f14, f44, fixed1, fixed4, tangent)
+    along = (
+        math.copysign(kappa, e[0]),
+        d1 if fixed1 else -f14 * d4 / f11,
+        d4 if fixed4 else -f14 * d1 / f44,
+    )
     if H > 0.0 and math.isfinite(H):
-        tangent[0, 0] = x0 * x0 / H
-        tangent[0, 1] = tangent[1, 0] = x0 * x1 / H
-        tangent[0, 2] = tangent[2, 0] = x0 * x4 / H
-        tangent[1, 1] += x1 * x1 / H
-        tangent[2, 2] += x4 * x4 / H
-        tangent[1, 2] = tangent[2, 1] = tangent[1, 2] + x1 * x4 / H
+        for i in range(3):
+            for j in range(3):
+                tangent[i, j] += along[i] * along[j] / H
+    forces[0], forces[1], forces[2] = math.copysign(N, e[0]), m1, m4
     total = eN - f_n * N
-    push1, push4 = abs(d1 * r1), abs(d4 * r4)
     share = push1 / (push1 + push4) if push1 + push4 > 0.0 else 0.5
     flow[0] = math.copysign(share * total, e[0])
     flow[2] = math.copysign(total, e[0]) - flow[0]

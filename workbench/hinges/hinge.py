@@ -67,19 +67,17 @@ class GeneralizedHinge:
             raise InputError("hinge.deformation", total.shape, f"must have shape {stiffness.shape}")
         if not (np.all(np.isfinite(total)) and np.all(np.isfinite(old))):
             raise InputError("hinge.deformation", total.tolist(), "must be finite")
-        forces, tangent = np.empty_like(stiffness), np.empty((stiffness.size, stiffness.size))
-        bounds = np.tile(self.surface.moment_bounds, (stiffness.size - 1, 1))
-        branch = _kernels.project(
+        surface = self.surface
+        hinges = _kernels.Hinges(
             stiffness[0],
-            stiffness[1:].copy(),
-            np.array(self.surface.axial_bounds),
-            bounds,
-            self.surface.alpha,
-            self.surface.beta,
-            stiffness * (total - old),
-            forces,
-            tangent,
+            stiffness[1:],
+            np.array(surface.axial_bounds),
+            np.tile(surface.moment_bounds, (stiffness.size - 1, 1)),
+            surface.alpha,
+            surface.beta,
         )
+        forces, tangent = np.empty_like(stiffness), np.empty((stiffness.size, stiffness.size))
+        branch = _kernels.project(hinges, stiffness * (total - old), forces, tangent)
         elastic = np.divide(forces, stiffness, out=total - old, where=stiffness > 0.0)
         new = old if branch == _kernels.ELASTIC else total - elastic
         return HingeUpdate(forces, new, tangent, _BRANCHES[branch])

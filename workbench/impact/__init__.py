@@ -1,5 +1,12 @@
 """Unilateral contact with Newton restitution, shared by all impact models."""
 
-from workbench.impact.collision import Collision, collide
+from workbench.impact.restitution import (
+    Collision,
+    collide,
+    contact_loss,
+    explicit_percussion,
+    rebound,
+    touches,
+)
 
-__all__ = ["Collision", "collide"]
+__all__ = ["Collision", "collide", "contact_loss", "explicit_percussion", "rebound", "touches"]

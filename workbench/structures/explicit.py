@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from workbench.errors import SolverError
-from workbench.impact import _kernels as contact
+from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.impact import PointMass, TimeStep
 from workbench.structures.ledger import StepEnergies

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError
-from workbench.impact import _kernels as contact
+from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.ledger import StepEnergies
 from workbench.structures.time_steps import Advance, Pull, Trial, march, solve_step

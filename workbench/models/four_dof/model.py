@@ -1,10 +1,10 @@
 """The impacted column as two rigid bars and four generalized hinges, with four unknowns.
 
 Heng 2017, section 5.1: hinges at the base (1), on both sides of the hit point (2, 3) and at the
-head (4). Large rotations are exact. Each hinge of a bar of length l has the rotational stiffness
-6 EI / l and shares the axial stiffness EA / l of the bar with the other one; a bar with one
-pinned end has the single stiffness 3 EI / l at the other. The impact mass m1 (a third of the
-column) sits at the hit point, the head mass at the head.
+head (4). Each hinge of a bar of length l has the rotational stiffness 6 EI / l and shares the
+axial stiffness EA / l of the bar with the other one; a bar with one pinned end has the single
+stiffness 3 EI / l at the other. The impact mass m1 (a third of the column) sits at the hit point,
+the head mass at the head. Derivation: `kinematics`, `statics`, `dynamics`, in this order.
 """
 
 from __future__ import annotations
@@ -21,17 +21,18 @@ from workbench.fields import Choice, Flag, Number, check_fields, checked
 from workbench.hinges import YieldSurface
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.models.four_dof import _impact_kernels, _kernels
+from workbench.models.four_dof import dynamics, statics
+from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
-HINGES = ("base", "hit-below", "hit-above", "head")
+HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
 SEGMENTS = ("below", "above")
 _SCHEMES = {
-    "midpoint": _impact_kernels.MIDPOINT,
-    "moreau": _impact_kernels.MOREAU,
-    "gear-gupta-leimkuhler": _impact_kernels.GEAR_GUPTA_LEIMKUHLER,
+    "midpoint": dynamics.MIDPOINT,
+    "moreau": dynamics.MOREAU,
+    "gear-gupta-leimkuhler": dynamics.GEAR_GUPTA_LEIMKUHLER,
 }
 _BALANCE = 1e-7  # of the input energy; the midpoint step is refined until its ledger closes
 _PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
@@ -109,93 +110,62 @@ class FourDof:
             return self._pushover(scenario)
         return self._impact(scenario)
 
-    def _assembly(self, column: Column) -> tuple[dict[str, Any], Array]:
-        """Arrays of the kernels and the preloaded state q (straight column under its load)."""
+    def _bars(self, column: Column) -> tuple[Any, Array]:
+        """The column as the kernels take it, and its preloaded (straight) state q."""
         properties, surface = column.properties, self.surface(column)
         lengths = np.array([column.length_below, column.length_above])
-        pinned = (column.base == "pinned", column.head == "pinned")
         axial = column.steel.elastic_modulus * properties.area / lengths
         bending = column.steel.elastic_modulus * properties.second_moment / lengths
-        factor = self.rotational_stiffness
-        stiffness = np.array(
-            [
-                [axial[i], 0.0 if pinned[i] else factor * bending[i], factor * bending[i]]
-                for i in range(2)
-            ]
-        )
-        for i in range(2):
-            if pinned[i]:
-                stiffness[i, 2] *= 0.5  # 3 EI / l: the far end turns freely
+        bars = np.zeros(1, statics.COLUMN)[0]
+        bars["lengths"] = lengths
+        bars["stiffness"] = np.stack([axial, *[self.rotational_stiffness * bending] * 2], axis=1)
+        for bar, end in enumerate((column.base, column.head)):
+            if end == "pinned":
+                bars["stiffness"][bar, 1:] *= [0.0, 0.5]  # 3 EI / l: the far end turns freely
+        bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
+        bars["alpha"], bars["beta"] = surface.alpha, surface.beta
+        bars["free_head"] = column.head != "fixed"
+        bars["spring"] = column.restraint_stiffness if bars["free_head"] else 0.0
+        bars["load"] = force = column.axial_load
+        bars["mass"] = properties.impact_mass, properties.impact_mass, 0.0, column.head_mass
+        bars["small_rotations"] = self.small_rotations
         flexibility = float(np.sum(1.0 / axial))
-        spring = column.restraint_stiffness if column.head != "fixed" else 0.0
-        load = column.axial_load
         if self.spring_shares_load:
-            force = load / (1.0 + spring * flexibility)
-            unstressed = 0.0
+            force = force / (1.0 + bars["spring"] * flexibility)
         else:
-            force = load
-            unstressed = -load * flexibility
-        q = np.array([0.0, -force / axial[0], 0.0, -force * flexibility])
-        kernel = {
-            "lengths": lengths,
-            "stiffness": stiffness,
-            "bounds": np.array([surface.axial_bounds] + [surface.moment_bounds] * 2),
-            "exponents": np.array([surface.alpha, surface.beta]),
-            "small": self.small_rotations,
-            "free_u2": column.head != "fixed",
-            "head": np.array([load, spring, unstressed]),
-        }
-        return kernel, q
+            bars["unstressed"] = -force * flexibility
+        return bars, np.array([0.0, -force / axial[0], 0.0, -force * flexibility])
 
     def _highest_frequency(self, column: Column) -> float:
         """Bound of the highest (axial) circular frequency, in rad/s."""
-        kernel, _ = self._assembly(column)
-        axial = kernel["stiffness"][:, 0]
+        bars, _ = self._bars(column)
+        axial = bars["stiffness"][:, 0]
         square = float(np.sum(axial)) / column.properties.impact_mass
-        if column.head_mass > 0.0 and column.head != "fixed":
-            head = (axial[1] + column.restraint_stiffness) / column.head_mass
-            square = max(square, head)
+        if column.head_mass > 0.0 and bars["free_head"]:
+            square = max(square, (axial[1] + column.restraint_stiffness) / column.head_mass)
         return float(np.sqrt(square))
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
-        kernel, q = self._assembly(column)
+        bars, q = self._bars(column)
         steps = max(200, int(np.ceil(scenario.displacement / _PUSH_STEP)))
         path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
-        records = np.zeros((steps + 1, 12))
-        records[0, :4] = q
-        records[0, [5, 8]] = -column.axial_load if not self.spring_shares_load else (
-            q[_kernels.U1] * kernel["stiffness"][0, 0]
-        )  # fmt: skip
-        status, last, residual = _kernels.pushover(
-            path, **kernel, q=q, plastic=np.zeros((2, 3)), records=records[1:]
-        )
-        if status != _kernels.OK:
-            raise SolverError(
-                f"displacement {path[last]:.5g} m", residual, "increments down to 1/1024"
-            )
-        state, stress = records[:, :4], records[:, 5:11].reshape(-1, 2, 3)
-        external = np.concatenate(
-            [[0.0], np.cumsum(0.5 * (records[1:, 4] + records[:-1, 4]) * np.diff(state[:, 0]))]
-        )
-        dead = -column.axial_load * (state[:, 3] - state[0, 3])
-        elastic = np.array(
-            [
-                _kernels.elastic_energy(forces, kernel["stiffness"], kernel["head"], u2)
-                for forces, u2 in zip(stress, state[:, 3], strict=True)
-            ]
-        )
-        values: dict[str, Any] = {
-            "displacement": state[:, 0],
-            "force": records[:, 4],
-            "shortening": -state[:, 3],
-            "elastic": elastic,
-            "dissipated": records[:, 11],
-            "external_work": external + dead,
-            "input_energy": external[-1],
-            **self._hinge_values(column, kernel, state, stress, None),
-        }
-        return build_response(values, steps=steps + 1, hinges=HINGES, segments=SEGMENTS)
+        records = np.zeros(steps + 1, statics.STATE)
+        records["q"][0] = q
+        shared = q[U1] * bars["stiffness"][0, 0]
+        records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
+        status, last, residual = statics.pushover(bars, path, records, statics.scratch())
+        if status != statics.OK:
+            where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
+            raise SolverError(where, residual, tried)
+        values = _histories(column, records)
+        force = values["force"]
+        pieces = 0.5 * (force[1:] + force[:-1]) * np.diff(values["displacement"])
+        external = np.concatenate([[0.0], np.cumsum(pieces)])
+        values["elastic"] = _elastic_energy(bars, records)
+        values["external_work"] = external + _dead_work(column, records)
+        values["input_energy"] = external[-1]
+        return build_response(values, steps=steps + 1, hinges=tuple(HINGES), segments=SEGMENTS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
@@ -204,95 +174,100 @@ class FourDof:
         step = min(self.time_step or share / frequency, scenario.duration / 20)
         error = np.inf
         for _ in range(5):
-            records, time = self._march(scenario, step)
-            total = records[:, 19] + records[:, 20] + records[:, 21] + records[:, 22]
-            dead = -scenario.column.axial_load * (records[:, 3] - records[0, 3])
-            balance = total[0] + dead - total
-            error = float(np.max(np.abs(balance))) / scenario.input_energy
+            records, energies = self._march(scenario, step)
+            error = float(np.max(np.abs(energies["balance_error"]))) / scenario.input_energy
             exact = self.integrator == "midpoint" and self.time_step is None
             if not exact or error < _BALANCE:
-                solved = perf_counter() - started
-                response = self._impact_response(scenario, time, records, balance, dead)
-                response.attrs["solve_time"] = solved
-                return response
+                break
             step *= 0.5
-        raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
+        else:
+            raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
+        solved = perf_counter() - started
+        values = {
+            **_histories(scenario.column, records),
+            **energies,
+            "velocity": records["w"][:, V],
+            "striker_velocity": records["striker_velocity"],
+            "percussion": records["percussion"],
+            "contact_loss": records["contact_loss"],
+            "input_energy": scenario.input_energy,
+            "plastic_rotation": _at_hinges(records["plastic"]),
+        }
+        time = np.linspace(0.0, scenario.duration, len(records))
+        response = build_response(values, time=time, hinges=tuple(HINGES), segments=SEGMENTS)
+        response.attrs["solve_time"] = solved
+        return response
 
-    def _march(self, scenario: ColumnImpact, step: float) -> tuple[Array, Array]:
-        """Records (steps + 1, columns of the kernel) and times of one run."""
+    def _march(self, scenario: ColumnImpact, step: float) -> tuple[Any, dict[str, Array]]:
+        """Records (steps + 1,) of one run, and its energies."""
         column, striker = scenario.column, scenario.striker
-        kernel, q = self._assembly(column)
+        bars, q = self._bars(column)
+        bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
         steps = int(np.ceil(scenario.duration / step))
         step = scenario.duration / steps
-        records = np.zeros((steps + 1, _impact_kernels.COLUMNS))
-        masses = np.array([column.properties.impact_mass, column.head_mass, striker.mass])
-        status, last, residual, cuts = _impact_kernels.impact(
-            _SCHEMES[self.integrator], steps, step, striker.velocity, masses,
-            striker.restitution, q=q, records=records, **kernel,
-        )  # fmt: skip
-        if status == _kernels.NO_CONVERGENCE:
+        records = np.zeros(steps + 1, statics.STATE)
+        records["q"][0], records["striker_velocity"][0] = q, striker.velocity
+        status, last, residual, cuts = dynamics.impact(
+            bars, _SCHEMES[self.integrator], step, records, statics.scratch()
+        )
+        if status == statics.NO_CONVERGENCE:
             raise SolverError(
                 f"time {last * step:.6g} s (step {last} of {step:.3g} s)",
                 residual,
                 f"nested rotation balance, line search and 64 substeps ({cuts} cuts in all)",
             )
-        if status == _kernels.COLLAPSE:
+        if status == statics.COLLAPSE:
             raise OutOfDomainError(
-                f"collapse at {last * step:.4g} s and {records[last, 0]:.4g} m: a bar reaches its "
-                "squash load or the displacement nine tenths of the shorter segment; the model "
+                f"collapse at {last * step:.4g} s and {records['q'][last, V]:.4g} m: a bar reaches "
+                "its squash load or the displacement nine tenths of the shorter segment; the model "
                 "means nothing beyond"
             )
-        return records, np.linspace(0.0, scenario.duration, steps + 1)
-
-    def _impact_response(
-        self,
-        scenario: ColumnImpact,
-        time: Array,
-        records: Array,
-        balance: Array,
-        dead_work: Array,
-    ) -> Response:
-        column = scenario.column
-        kernel, _ = self._assembly(column)
-        state, stress = records[:, :4], records[:, 7:13].reshape(-1, 2, 3)
-        plastic = records[:, 13:19].reshape(-1, 2, 3)
-        values: dict[str, Any] = {
-            "displacement": state[:, 0],
-            "velocity": records[:, 4],
-            "striker_velocity": records[:, 5],
-            "percussion": records[:, 6],
-            "force": records[:, 23],
-            "shortening": -state[:, 3],
-            "kinetic": records[:, 19],
-            "elastic": records[:, 20],
-            "dissipated": records[:, 21],
-            "contact_loss": records[:, 22],
-            "external_work": dead_work,
-            "balance_error": balance,
-            "input_energy": scenario.input_energy,
-            **self._hinge_values(column, kernel, state, stress, plastic),
-        }
-        return build_response(values, time=time, hinges=HINGES, segments=SEGMENTS)
-
-    @staticmethod
-    def _hinge_values(
-        column: Column, kernel: dict[str, Any], state: Array, stress: Array, plastic: Array | None
-    ) -> dict[str, Any]:
-        """Forces of the four hinges and the shear of the two bars from a record."""
-        v, u1, u2 = state[:, 0], state[:, 1], state[:, 3]
-        chords = np.hypot(
-            np.stack([column.length_below + u1, column.length_above + u2 - u1]), v[None, :]
+        m, w = bars["mass"], records["w"]
+        twice = (
+            m[V] * (w[:, V] ** 2 + w[:, U1] ** 2) + striker.mass * records["striker_velocity"] ** 2
         )
-        shear = np.abs(stress[:, :, 1] - stress[:, :, 2]).T / chords
-        values = {
-            "axial_force": stress[:, [0, 0, 1, 1], 0].T,
-            "moment": np.stack(
-                [stress[:, 0, 1], stress[:, 0, 2], stress[:, 1, 2], stress[:, 1, 1]]
-            ),
-            "shear_utilisation": shear.max(axis=1) / column.properties.shear_resistance,
+        kinetic = 0.5 * (twice + m[U2] * w[:, U2] ** 2 * bars["free_head"])
+        elastic, dead = _elastic_energy(bars, records), _dead_work(column, records)
+        total = kinetic + elastic + records["dissipated"] + records["contact_loss"]
+        return records, {
+            "kinetic": kinetic,
+            "elastic": elastic,
+            "external_work": dead,
+            "balance_error": total[0] + dead - total,
         }
-        if plastic is not None:
-            values["plastic_rotation"] = np.stack(
-                [plastic[:, 0, 1], plastic[:, 0, 2], plastic[:, 1, 2], plastic[:, 1, 1]]
-            )
-        return values
+
+
+def _dead_work(column: Column, records: Any) -> Array:
+    """Work of the axial load, in J."""
+    return np.asarray(-column.axial_load * (records["q"][:, U2] - records["q"][0, U2]))
+
+
+def _elastic_energy(bars: Any, records: Any) -> Array:
+    """Energy stored in the hinges and in the restraint spring, in J."""
+    energy = 0.5 * bars["spring"] * (records["q"][:, U2] - bars["unstressed"]) ** 2
+    for (bar, j), stiffness in np.ndenumerate(bars["stiffness"]):
+        if stiffness > 0.0:
+            energy = energy + 0.5 * records["stress"][:, bar, j] ** 2 / stiffness
+    return np.asarray(energy)
+
+
+def _at_hinges(values: Array) -> Array:
+    """Moments or rotations of the four hinges out of the records of the bars."""
+    return np.stack([values[:, bar, j] for bar, j in HINGES.values()])
+
+
+def _histories(column: Column, records: Any) -> dict[str, Any]:
+    """What pushovers and impacts have in common: displacements, forces, shear of the two bars."""
+    v, u1, u2 = (records["q"][:, i] for i in (V, U1, U2))
+    stress = records["stress"]
+    along = np.stack([column.length_below + u1, column.length_above + u2 - u1])
+    shear = np.abs(stress[:, :, 1] - stress[:, :, 2]).T / np.hypot(along, v[None, :])
+    return {
+        "displacement": v,
+        "force": records["force"],
+        "shortening": -u2,
+        "dissipated": records["dissipated"],
+        "axial_force": np.stack([stress[:, bar, 0] for bar, _ in HINGES.values()]),
+        "moment": _at_hinges(stress),
+        "shear_utilisation": shear.max(axis=1) / column.properties.shear_resistance,
+    }

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from workbench.impact._kernels import contact_loss, explicit_percussion, rebound, touches
+from workbench.impact import contact_loss, explicit_percussion, rebound, touches
 from workbench.models.resistance._kernels import (
     START,
     force_in,

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from workbench.hinges._pair_kernels import project_pair
+from workbench.hinges._pair_kernels import Pair, project_pair
 from workbench.structures.corotation._kernels import (
     add_force,
     add_tangent,
@@ -73,7 +73,7 @@ def hinge_bar_law(
     trial[0] = deformation[0] - plastic_old[0] - plastic_old[2]
     trial[1] = deformation[1] - plastic_old[1]
     trial[2] = deformation[2] - plastic_old[3]
-    project_pair(flexibility, trial, bounds, exponents, pinned, carried, k, flow)
+    project_pair(Pair(flexibility, bounds, exponents, pinned), trial, carried, k, flow)
     for i in range(4):
         plastic_new[i] = plastic_old[i] + flow[i]
     rest = 1.0 - eta

@@ -1,0 +1,248 @@
+"""Time stepping of the impacted column (Heng 2017, chapter 3).
+
+The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
+The striker (mass m_c, position x_c) may touch the hit point: gap g = v1 - x_c >= 0, gap velocity
+gamma, with the contact law of `workbench.impact.restitution`.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from workbench.impact import restitution as law
+from workbench.models.four_dof import kinematics as geometry
+from workbench.models.four_dof import statics
+from workbench.models.four_dof.kinematics import BETA, U1, U2, V
+from workbench.models.four_dof.statics import Column, State, Work
+
+_EPS = 2.220446049250313e-16
+_PIECES = 64  # into which a step may be cut
+MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
+
+
+@njit(cache=True, error_model="numpy")
+def mean_forces(column: Column, state: State, work: Work) -> None:
+    """Energy-consistent mean forces of a step: averaged stresses, discrete gradients."""
+    lengths, a, b = column.lengths, work.stress0, state.stress
+    for bar in range(2):
+        N = 0.5 * (a[bar, 0] + b[bar, 0])
+        M = 0.5 * (a[bar, 1] + b[bar, 1] - a[bar, 2] - b[bar, 2])
+        v0, x0, _ = geometry.place(work.q0, lengths, bar)
+        v1, x1, _ = geometry.place(state.q, lengths, bar)
+        small = column.small_rotations
+        ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
+        work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px
+    statics.add_up(column, work.f, 0.5 * (work.q0[U2] + state.q[U2]), work.mean)
+
+
+@njit(cache=True, error_model="numpy")
+def step_residual(
+    column: Column, dt: float, nested: bool, closed: bool, jump: float, state: State, work: Work
+) -> float:
+    """Residual `work.R` (impulses) of a midpoint step and its Newton matrix; its scaled norm.
+
+    With (3.31) to (3.33) w = 2 (q - q_0) / dt - w_0 and m (w - w_0) + dt F_mean = P for a massive
+    unknown, F(q) = 0 for a massless one. A closed contact eliminates the percussion P = -m_c
+    (change of striker velocity), with x_c' = v1' + eps gamma_0 and `jump` (1 + eps) gamma_0.
+    `nested`: the rotation is balanced inside.
+    """
+    q, F, K, R, J = state.q, work.F, work.K, work.R, work.J
+    if nested:
+        statics.balance_rotation(column, state, work)
+    else:
+        statics.internal_forces(column, state, work)
+    mean_forces(column, state, work)
+    for i in range(4):
+        m = column.mass[i]
+        for k in range(4):
+            J[i, k] = (0.5 * dt if m > 0.0 else dt) * K[i, k]
+        if m > 0.0:
+            R[i] = m * 2.0 * ((q[i] - work.q0[i]) / dt - work.w0[i]) + dt * work.mean[i]
+            J[i, i] += 2.0 * m / dt
+        else:
+            R[i] = dt * F[i]
+    if closed:
+        change = 2.0 * ((q[V] - work.q0[V]) / dt - work.w0[V])
+        R[V] += column.striker_mass * (change + jump)
+        J[V, V] += 2.0 * column.striker_mass / dt
+    if not column.free_head:
+        R[U2] = 0.0
+        statics.hold(J, U2)
+    if statics.rotation_is_free(column, K):
+        statics.hold(J, BETA)
+        if nested:
+            R[BETA] = 0.0
+    axial = max(abs(R[V]), max(abs(R[U1]), abs(R[U2]))) / (dt * column.squash_loads[0])
+    norm: float = max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0, 0]))
+    return norm
+
+
+@njit(cache=True, error_model="numpy")
+def solve_step(
+    column: Column, dt: float, nested: bool, closed: bool, jump: float, state: State, work: Work
+) -> tuple[bool, float]:
+    """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual)."""
+    q, step, old = state.q, work.step, work.old
+    q[:] = work.q0
+    total = 2.0 * column.mass[V] + column.mass[U2] + column.striker_mass
+    norm = step_residual(column, dt, nested, closed, jump, state, work)
+    for _ in range(30):
+        size = abs(q[V]) + abs(q[U2]) + 1e-3
+        rounding = 8.0 * _EPS * total * size / (dt**2 * column.squash_loads[0])
+        tolerance = max(statics.TOLERANCE, rounding)
+        if norm <= tolerance:
+            return True, norm
+        for i in range(4):
+            step[i], old[i] = -work.R[i], q[i]
+        factor, new, better = 1.0, norm, False
+        for _half in range(12 if statics.solve(work.J, step) else 0):
+            for i in range(4):
+                q[i] = old[i] + factor * step[i]
+            new = step_residual(column, dt, nested, closed, jump, state, work)
+            better = new < norm or new <= tolerance
+            if better:
+                break
+            factor *= 0.5
+        if not better:
+            break
+        norm = new
+    return False, norm
+
+
+@njit(cache=True, error_model="numpy")
+def midpoint_step(
+    column: Column, dt: float, closing: bool, state: State, work: Work
+) -> tuple[bool, float]:
+    """One energy-conserving step (eqs 3.31-3.33) of `state`; returns (converged, residual).
+
+    If the gap forecast for its middle is closed, the contact is; it opens if it would pull.
+    `closing`: a gap that is negative afterwards is closed (Gear-Gupta-Leimkuhler).
+    """
+    q, w, mass = state.q, state.w, column.striker_mass
+    work.q0[:], work.w0[:], work.stress0[:] = q, w, state.stress
+    before = state.striker_velocity
+    gamma = w[V] - before
+    eps = law.rebound(gamma, column.restitution)
+    closed = law.touches(q[V] - state.striker, gamma, dt)
+    while True:
+        jump, percussion = (1.0 + eps) * gamma, 0.0
+        done, residual = solve_step(column, dt, False, closed, jump, state, work)
+        if not done:
+            done, residual = solve_step(column, dt, True, closed, jump, state, work)
+        if not done:
+            return False, residual
+        if closed:
+            velocity = 2.0 * (q[V] - work.q0[V]) / dt - work.w0[V]
+            percussion = -mass * (velocity + eps * gamma - before)
+        if percussion >= 0.0:
+            break
+        closed = False
+    for i in range(4):
+        w[i] = 2.0 * (q[i] - work.q0[i]) / dt - work.w0[i]
+    state.striker_velocity = before - percussion / mass
+    state.striker += 0.5 * dt * (before + state.striker_velocity)
+    statics.commit(column, work.stress0, state)
+    state.percussion += percussion
+    state.contact_loss += law.contact_loss(percussion, gamma, w[V] - state.striker_velocity)
+    if closing and percussion > 0.0 and q[V] < state.striker:
+        return close_gap(column, state, work)
+    return True, residual
+
+
+@njit(cache=True, error_model="numpy")
+def close_gap(column: Column, state: State, work: Work) -> tuple[bool, float]:
+    """Move a penetrating contact back (eqs 3.34-3.35); the massless unknowns follow.
+
+    The distances are as the inverse masses, so that the centre of mass stays; (3.34) prints
+    equal ones.
+    """
+    mass, striker = column.mass, column.striker_mass
+    push = (state.striker - state.q[V]) / (1.0 / mass[V] + 1.0 / striker)
+    state.q[V] += push / mass[V]
+    state.striker -= push / striker
+    return follow(column, state, work)
+
+
+@njit(cache=True, error_model="numpy")
+def follow(column: Column, state: State, work: Work) -> tuple[bool, float]:
+    """Equilibrium of the massless unknowns, and its plastic flow."""
+    massless = column.free_head and column.mass[U2] == 0.0
+    residual = statics.axial_equilibrium(column, False, massless, state, work)
+    if residual > statics.TOLERANCE:
+        return False, residual
+    statics.commit(column, state.stress, state)
+    return True, residual
+
+
+@njit(cache=True, error_model="numpy")
+def drift(column: Column, dt: float, state: State) -> None:
+    """Move all masses with their velocities."""
+    for i in (V, U1, U2):
+        if i != U2 or (column.free_head and column.mass[U2] > 0.0):
+            state.q[i] += dt * state.w[i]
+    state.striker += dt * state.striker_velocity
+
+
+@njit(cache=True, error_model="numpy")
+def moreau_step(column: Column, dt: float, state: State, work: Work) -> tuple[bool, float]:
+    """One explicit Moreau midpoint step (eqs 3.26-3.30); returns (converged, residual).
+
+    (3.30) adds the old velocity once more in print.
+    """
+    w, m, striker = state.w, column.mass, column.striker_mass
+    drift(column, 0.5 * dt, state)
+    done, residual = follow(column, state, work)
+    if not done:
+        return False, residual
+    gamma = w[V] - state.striker_velocity
+    for i in (V, U1, U2):
+        if i != U2 or (column.free_head and m[U2] > 0.0):
+            w[i] -= dt * work.F[i] / m[i]
+    if state.q[V] - state.striker <= 0.0:
+        free, eps = w[V] - state.striker_velocity, column.restitution
+        percussion = law.explicit_percussion(free, gamma, eps, m[V], striker)
+        w[V] += percussion / m[V]
+        state.striker_velocity -= percussion / striker
+        state.percussion += percussion
+        state.contact_loss += law.contact_loss(percussion, gamma, w[V] - state.striker_velocity)
+    drift(column, 0.5 * dt, state)
+    return True, residual
+
+
+@njit(cache=True, error_model="numpy")
+def impact(
+    column: Column, scheme: int, dt: float, records: State, work: Work
+) -> tuple[int, int, float, int]:
+    """Follow the impact in steps of `dt`; returns (status, last step, residual, cuts).
+
+    `records` (steps + 1,) of STATE begin with the preloaded column and the velocity of the
+    striker. A step that does not converge is redone with 2, 4, ... 64 substeps. Stops with
+    COLLAPSE when a bar squashes or v1 passes nine tenths of the shorter bar.
+    """
+    statics.internal_forces(column, records[0], work)
+    records[0].force = work.F[V]
+    limit = 0.9 * min(column.lengths[0], column.lengths[1])
+    squashed = -column.squash_loads[1] * (1.0 - 1e-9)
+    residual, cuts = 0.0, 0
+    for n in range(1, records.size):
+        state, pieces, done = records[n], 1, False
+        while not done:
+            records[n] = records[n - 1]
+            state.percussion = 0.0
+            for _ in range(pieces):
+                if scheme == MOREAU:
+                    done, residual = moreau_step(column, dt / pieces, state, work)
+                else:
+                    closing = scheme == GEAR_GUPTA_LEIMKUHLER
+                    done, residual = midpoint_step(column, dt / pieces, closing, state, work)
+                if not done:
+                    break
+            if not done:
+                pieces *= 2
+                cuts += 1
+                if pieces > _PIECES:
+                    return statics.NO_CONVERGENCE, n, residual, cuts
+        state.force = work.F[V]
+        if state.q[V] > limit or min(state.stress[0, 0], state.stress[1, 0]) <= squashed:
+            return statics.COLLAPSE, n, residual, cuts
+    return statics.OK, records.size - 1, residual, cuts

@@ -1,0 +1,79 @@
+"""Kinematics of the column: two rigid bars, exact for any rotation (Heng 2017, section 5.1).
+
+Degrees of freedom (eq. 5.1) q = (v1, u1, beta1, u2): lateral and axial displacement of the hit
+point, rotation of the rigid surface between its two hinges, axial displacement of the head. Both
+bars are the same element with a hinge at its end and one at the hit point, mirrored:
+
+    bar below, hinges 1 and 2:   v = v1,  x = L_a + u1,       b = beta1
+    bar above, hinges 4 and 3:   v = v1,  x = L_b + u2 - u1,  b = -beta1
+
+From length l = sqrt(x^2 + v^2) and angle psi = atan2(v, x) of the chord follow the elongation
+e = l - L and the hinge rotations theta_end = psi, theta_mid = b - psi.
+With small rotations e = x - L + v^2 / 2L and psi = v / L.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Four = tuple[float, float, float, float]
+V, U1, BETA, U2 = 0, 1, 2, 3
+BELOW, ABOVE = 0, 1
+
+
+@njit(cache=True, error_model="numpy")
+def place(q: Vector, lengths: Vector, bar: int) -> tuple[float, float, float]:
+    """Coordinates (v, x, b) of a bar."""
+    if bar == BELOW:
+        return q[V], lengths[BELOW] + q[U1], q[BETA]
+    return q[V], lengths[ABOVE] + q[U2] - q[U1], -q[BETA]
+
+
+@njit(cache=True, error_model="numpy")
+def stretch_and_angle(v: float, x: float, length: float, small: bool) -> tuple[float, float]:
+    """Elongation e (m) and rotation psi (rad) of the chord."""
+    if small:
+        return (x - length) + 0.5 * v * v / length, v / length
+    chord = np.sqrt(x * x + v * v)
+    return ((x - length) * (x + length) + v * v) / (chord + length), np.arctan2(v, x)
+
+
+@njit(cache=True, error_model="numpy")
+def gradients(v: float, x: float, length: float, small: bool) -> Four:
+    """Gradients de/dv, de/dx, dpsi/dv, dpsi/dx."""
+    if small:
+        return v / length, 1.0, 1.0 / length, 0.0
+    chord = np.sqrt(x * x + v * v)
+    return v / chord, x / chord, x / chord**2, -v / chord**2
+
+
+@njit(cache=True, error_model="numpy")
+def geometric_stiffness(
+    v: float, x: float, length: float, small: bool, N: float, M: float
+) -> tuple[float, float, float]:
+    """Second derivatives vv, vx, xx of N e + M psi, for forces that do not change."""
+    if small:
+        return N / length, 0.0, 0.0
+    chord = np.sqrt(x * x + v * v)
+    s, c, l4 = v / chord, x / chord, chord**4
+    vv = N * c * c / chord - M * 2.0 * x * v / l4
+    vx = -N * s * c / chord + M * (v * v - x * x) / l4
+    return vv, vx, N * s * s / chord + M * 2.0 * x * v / l4
+
+
+@njit(cache=True, error_model="numpy")
+def step_gradients(v0: float, x0: float, v1: float, x1: float, length: float, small: bool) -> Four:
+    """Discrete `gradients` over a step from (v0, x0) to (v1, x1).
+
+    de = e_v dv + e_x dx and dpsi = psi_v dv + psi_x dx hold exactly for the differences.
+    """
+    if small:
+        return 0.5 * (v0 + v1) / length, 1.0, 1.0 / length, 0.0
+    l0, l1 = np.sqrt(x0 * x0 + v0 * v0), np.sqrt(x1 * x1 + v1 * v1)
+    vm, xm = 0.5 * (v0 + v1), 0.5 * (x0 + x1)
+    sine = (x0 * v1 - x1 * v0) / (l0 * l1)
+    chi = 1.0 + sine * sine / 6.0 if abs(sine) < 1e-4 else np.arcsin(sine) / sine
+    return 2.0 * vm / (l0 + l1), 2.0 * xm / (l0 + l1), chi * xm / (l0 * l1), -chi * vm / (l0 * l1)

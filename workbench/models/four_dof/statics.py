@@ -1,0 +1,299 @@
+"""Equilibrium of the column: hinge forces, internal forces, massless unknowns, pushover.
+
+Each bar is two generalized hinges in series (Heng 2017, section 2.3). With the forces N, M_end and
+M_mid of the closest-point projection and its tangent D, virtual work gives the forces of a bar
+over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, dpsi, db - dpsi.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numba import njit
+
+from workbench.hinges._kernels import Hinges, newton_in_bracket, project
+from workbench.models.four_dof import kinematics as geometry
+from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V, Vector
+
+OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
+TOLERANCE = 1e-10  # of the squash load
+_FLOWS = 1e-13  # of the elastic stiffness; below it both middle hinges flow
+COLUMN = np.dtype(
+    [
+        ("lengths", float, 2),  # of the bars below and above, m
+        ("stiffness", float, (2, 3)),  # k_N, k_end, k_mid of each bar, N/m and N m/rad
+        ("squash_loads", float, 2),  # of all hinges, in tension and compression, N
+        ("plastic_moments", float, (2, 2)),  # of the hinges of a bar, for both signs, N m
+        ("alpha", float),  # exponents of the yield surface
+        ("beta", float),
+        ("load", float),  # at the head, compression positive, N
+        ("spring", float),  # axial restraint at the head, N/m
+        ("unstressed", float),  # displacement of the head without force in the spring, m
+        ("mass", float, 4),  # of the degrees of freedom, kg
+        ("striker_mass", float),  # kg
+        ("restitution", float),
+        ("small_rotations", bool),
+        ("free_head", bool),  # to move along the column
+    ]
+)
+STATE = np.dtype(
+    [
+        ("q", float, 4),  # degrees of freedom
+        ("w", float, 4),  # their velocities
+        ("stress", float, (2, 3)),  # N, M_end, M_mid of the bars below and above
+        ("plastic", float, (2, 3)),  # plastic elongation and rotations
+        ("force", float),  # F_v, the resistance to the hit, N
+        ("striker", float),  # position, m
+        ("striker_velocity", float),
+        ("percussion", float),  # of the step, N s
+        ("dissipated", float),  # since the start, J
+        ("contact_loss", float),
+    ]
+)
+WORK = np.dtype(
+    [
+        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0")),
+        *((name, float, (4, 4)) for name in ("K", "J")),
+        *((name, float, (2, 3)) for name in ("f", "stress0")),
+        ("k", float, (2, 3, 3)),
+        ("D", float, (3, 3)),
+        ("trial", float, 3),
+    ]
+)
+Column: TypeAlias = Any  # a record of COLUMN
+State: TypeAlias = Any  # of STATE, or an array of them
+Work: TypeAlias = Any  # of WORK
+
+
+def scratch() -> Work:
+    """Room for the numbers of one evaluation."""
+    return np.zeros(1, WORK)[0]
+
+
+@njit(cache=True, error_model="numpy")
+def bar_forces(column: Column, bar: int, state: State, work: Work) -> None:
+    """Forces `work.f` and tangent `work.k` of a bar over (v, x, b); its `state.stress`."""
+    k, plastic, stress = column.stiffness, state.plastic, state.stress
+    small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial, work.D
+    v, x, b = geometry.place(state.q, column.lengths, bar)
+    stretch, angle = geometry.stretch_and_angle(v, x, length, small)
+    trial[0] = k[bar, 0] * (stretch - plastic[bar, 0])
+    trial[1] = k[bar, 1] * (angle - plastic[bar, 1])
+    trial[2] = k[bar, 2] * (b - angle - plastic[bar, 2])
+    bounds = column.squash_loads, column.plastic_moments
+    hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
+    project(hinges, trial, stress[bar], D)
+    N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
+    ev, ex, pv, px = geometry.gradients(v, x, length, small)
+    f, K = work.f[bar], work.k[bar]
+    f[0], f[1], f[2] = N * ev + M * pv, N * ex + M * px, stress[bar, 2]
+    for j in range(3):  # D B, in its place
+        DN, DM = D[j, 0], D[j, 1] - D[j, 2]
+        D[j, 0], D[j, 1] = DN * ev + DM * pv, DN * ex + DM * px
+    for j in range(3):
+        K[0, j] = ev * D[0, j] + pv * (D[1, j] - D[2, j])
+        K[1, j] = ex * D[0, j] + px * (D[1, j] - D[2, j])
+        K[2, j] = D[2, j]
+    vv, vx, xx = geometry.geometric_stiffness(v, x, length, small, N, M)
+    K[0, 0] += vv
+    K[0, 1] += vx
+    K[1, 0] += vx
+    K[1, 1] += xx
+
+
+@njit(cache=True, error_model="numpy")
+def add_up(column: Column, f: Vector, u2: float, F: Vector) -> None:
+    """Forces `F` (4,) of the column from those of its bars, the restraint and the dead load."""
+    F[V] = f[BELOW, 0] + f[ABOVE, 0]
+    F[U1] = f[BELOW, 1] - f[ABOVE, 1]
+    F[BETA] = f[BELOW, 2] - f[ABOVE, 2]
+    F[U2] = f[ABOVE, 1] + column.spring * (u2 - column.unstressed) + column.load
+
+
+@njit(cache=True, error_model="numpy")
+def internal_forces(column: Column, state: State, work: Work) -> None:
+    """Internal forces `work.F` (4,) and tangent `work.K` (4, 4) at `state.q`."""
+    bar_forces(column, BELOW, state, work)
+    bar_forces(column, ABOVE, state, work)
+    add_up(column, work.f, state.q[U2], work.F)
+    K, a, b = work.K, work.k[BELOW], work.k[ABOVE]
+    K[V, V] = a[0, 0] + b[0, 0]
+    K[V, U1] = K[U1, V] = a[0, 1] - b[0, 1]
+    K[V, BETA] = K[BETA, V] = a[0, 2] - b[0, 2]
+    K[V, U2] = K[U2, V] = b[0, 1]
+    K[U1, U1] = a[1, 1] + b[1, 1]
+    K[U1, BETA] = K[BETA, U1] = a[1, 2] + b[1, 2]
+    K[U1, U2] = K[U2, U1] = -b[1, 1]
+    K[BETA, BETA] = a[2, 2] + b[2, 2]
+    K[BETA, U2] = K[U2, BETA] = -b[1, 2]
+    K[U2, U2] = b[1, 1] + column.spring
+
+
+@njit(cache=True, error_model="numpy")
+def rotation_is_free(column: Column, K: Vector) -> bool:
+    """Whether both middle hinges flow: then any rotation balances them."""
+    stiffest = max(column.stiffness[BELOW, 2], column.stiffness[ABOVE, 2])
+    return K[BETA, BETA] <= _FLOWS * stiffest  # type: ignore[no-any-return]
+
+
+@njit(cache=True, error_model="numpy")
+def balance_rotation(column: Column, state: State, work: Work) -> None:
+    """Rotate the rigid surface until its two hinges balance: F_beta(q) = 0, q[BETA] changed.
+
+    F_beta does not decrease with beta1, and its root lies between the rotations at which the
+    trial moment of hinge 2 or of hinge 3 vanishes: safeguarded Newton in that bracket.
+    """
+    q, F, lengths = state.q, work.F, column.lengths
+    v, x, _ = geometry.place(q, lengths, BELOW)
+    _, below = geometry.stretch_and_angle(v, x, lengths[BELOW], column.small_rotations)
+    v, x, _ = geometry.place(q, lengths, ABOVE)
+    _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
+    one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
+    low, high = min(one, two), max(one, two)
+    q[BETA] = min(max(q[BETA], low), high)
+    for _ in range(100):
+        internal_forces(column, state, work)
+        closed = high - low <= 4e-16 * max(1.0, abs(q[BETA]))
+        if closed or abs(F[BETA]) <= 1e-12 * column.plastic_moments[0, 0]:
+            return
+        new, low, high, _ = newton_in_bracket(q[BETA], F[BETA], work.K[BETA, BETA], low, high)
+        if new == q[BETA]:
+            return
+        q[BETA] = new
+
+
+@njit(cache=True, error_model="numpy")
+def solve(A: Vector, b: Vector) -> bool:
+    """Solve A x = b in place by Gaussian elimination with row pivoting; False if singular."""
+    for i in range(4):
+        pivot = i
+        for r in range(i + 1, 4):
+            if abs(A[r, i]) > abs(A[pivot, i]):
+                pivot = r
+        if A[pivot, i] == 0.0 or not np.isfinite(A[pivot, i]):
+            return False
+        if pivot != i:
+            for k in range(4):
+                A[i, k], A[pivot, k] = A[pivot, k], A[i, k]
+            b[i], b[pivot] = b[pivot], b[i]
+        for r in range(i + 1, 4):
+            factor = A[r, i] / A[i, i]
+            for k in range(i, 4):
+                A[r, k] -= factor * A[i, k]
+            b[r] -= factor * b[i]
+    for i in range(3, -1, -1):
+        for k in range(i + 1, 4):
+            b[i] -= A[i, k] * b[k]
+        b[i] /= A[i, i]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def hold(A: Vector, i: int) -> None:
+    """Take the unknown i out of a system: its row and column become those of the identity."""
+    for k in range(4):
+        A[i, k] = A[k, i] = 0.0
+    A[i, i] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def axial_equilibrium(
+    column: Column, free_u1: bool, free_u2: bool, state: State, work: Work
+) -> float:
+    """Solve F_u1 = F_u2 = F_beta = 0 at fixed v1 (and fixed u1 or u2 where not free).
+
+    Newton on the axial unknowns with the rotation balanced inside every evaluation, backtracking
+    on the larger residual over N_p, and a growing diagonal shift where backtracking fails.
+    Returns the residual over N_p that is left.
+    """
+    q, F, K, J, step, old = state.q, work.F, work.K, work.J, work.step, work.old
+    Np, shift = column.squash_loads[0], 0.0
+    balance_rotation(column, state, work)
+    norm = max(abs(F[U1]) * free_u1, abs(F[U2]) * free_u2) / Np
+    for _ in range(60):
+        if norm <= TOLERANCE:
+            break
+        r1, r2, k11, k12, k22 = F[U1], F[U2], K[U1, U1], K[U1, U2], K[U2, U2]
+        if not rotation_is_free(column, K):
+            k11 -= K[U1, BETA] ** 2 / K[BETA, BETA]
+            k12 -= K[U1, BETA] * K[U2, BETA] / K[BETA, BETA]
+            k22 -= K[U2, BETA] ** 2 / K[BETA, BETA]
+        old[:] = q
+        better = False
+        while not better and shift < 1e3:
+            more = shift * column.stiffness[BELOW, 0]
+            J[U1, U1], J[U1, U2], J[U2, U1], J[U2, U2] = k11 + more, k12, k12, k22 + more
+            step[V], step[U1], step[BETA], step[U2] = 0.0, -r1 * free_u1, 0.0, -r2 * free_u2
+            for i in range(4):
+                if not ((i == U1 and free_u1) or (i == U2 and free_u2)):
+                    hold(J, i)
+            factor = 1.0
+            for _half in range(12 if solve(J, step) else 0):
+                for i in range(4):
+                    q[i] = old[i] + factor * step[i]
+                balance_rotation(column, state, work)
+                new = max(abs(F[U1]) * free_u1, abs(F[U2]) * free_u2) / Np
+                if new < norm * (1.0 - 1e-4 * factor):
+                    norm, better = new, True
+                    break
+                factor *= 0.5
+            if better:
+                shift = 0.0 if shift < 1e-8 else shift / 30.0
+            else:
+                shift = 1e-8 if shift == 0.0 else shift * 30.0
+        if not better:
+            break
+    return norm  # type: ignore[no-any-return]
+
+
+@njit(cache=True, error_model="numpy")
+def commit(column: Column, start: Vector, state: State) -> None:
+    """Plastic deformations from the converged forces, total less elastic, and what they dissipate.
+
+    `start` (2, 3): the forces with which the step began; their mean with those at the end works.
+    """
+    for bar in range(2):
+        v, x, b = geometry.place(state.q, column.lengths, bar)
+        length, small = column.lengths[bar], column.small_rotations
+        stretch, angle = geometry.stretch_and_angle(v, x, length, small)
+        total = (stretch, angle, b - angle)
+        for j in range(3):
+            new = total[j]  # a pin: all of its rotation is free
+            if column.stiffness[bar, j] > 0.0:
+                new -= state.stress[bar, j] / column.stiffness[bar, j]
+            mean = 0.5 * (start[bar, j] + state.stress[bar, j])
+            state.dissipated += mean * (new - state.plastic[bar, j])
+            state.plastic[bar, j] = new
+
+
+@njit(cache=True, error_model="numpy")
+def pushover(column: Column, path: Vector, records: State, work: Work) -> tuple[int, int, float]:
+    """Static path under imposed v1 = path[i]; returns (status, last step, residual).
+
+    `records` (steps + 1,) of STATE begin with the preloaded column. Increments that do not
+    converge are halved down to 1/1024.
+    """
+    residual = 0.0
+    for i in range(path.size):
+        records[i + 1] = records[i]
+        state = records[i + 1]
+        q, origin = state.q, state.q[V]
+        at, stride = 0.0, 1.0
+        while at < 1.0:
+            work.q0[:] = q
+            stride = min(stride, 1.0 - at)
+            q[V] = origin + (at + stride) * (path[i] - origin)
+            residual = axial_equilibrium(column, True, column.free_head, state, work)
+            if residual <= TOLERANCE:
+                commit(column, work.stress0, state)
+                work.stress0[:] = state.stress
+                at += stride
+                stride *= 2.0
+            else:
+                q[:] = work.q0
+                stride *= 0.5
+                if stride < 1.0 / 1024.0:
+                    return NO_CONVERGENCE, i, residual
+        state.force = work.F[V]
+    return OK, path.size - 1, residual
