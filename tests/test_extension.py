@@ -64,29 +64,25 @@ class OneSpring:
 '''
 METRIC = '''
 
+@metric(
+    "squared error",
+    Scope.SCALAR,
+    "asme-vv20",
+    low=0.0,
+    spread=lambda interval, ratio: 2.0 * abs(ratio - 1.0) * interval.uncertainty,
+)
 def squared_error(response: Response, reference: Response, quantity: str) -> float:
     """Relative error squared."""
     return relative_error(response, reference, quantity) ** 2
 
 
-SCALAR_METRICS += (
-    Metric(
-        "squared_error",
-        "squared error",
-        "relative error squared",
-        Scope.SCALAR,
-        "asme-vv20",
-        squared_error,
-        low=0.0,
-        spread=lambda interval, ratio: 2.0 * abs(ratio - 1.0) * interval.uncertainty,
-    ),
-)
+SCALAR_METRICS += (squared_error,)
 '''
 USE = """
 import json
 from pathlib import Path
 from workbench.registry import make_model
-from workbench.report import build_report
+from workbench.report.build import build_report
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Gate, Study, assess, run_study
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.assessment.metric import Array, Metric, Scope, present
+from workbench.assessment.metric import Array, Scope, metric, present
 from workbench.errors import InputError
 from workbench.responses import Response
 
@@ -62,6 +62,7 @@ def absolute_area(x: Array, y: Array) -> float:
     return float(np.sum(np.diff(x) * area))
 
 
+@metric("area between the curves", Scope.CURVE, "jekel2019", low=0.0)
 def area_difference(response: Response, reference: Response, quantity: str) -> float:
     """Area between both curves over the area under the reference.
 
@@ -71,10 +72,11 @@ def area_difference(response: Response, reference: Response, quantity: str) -> f
     return absolute_area(x, values - held_against) / _area(x, held_against, quantity)
 
 
+@metric("difference of work", Scope.CURVE, "jekel2019")
 def work_difference(response: Response, reference: Response, quantity: str) -> float:
-    """Signed area between both curves over the area under the reference: the work too much.
+    """Signed area between both curves over the area under the reference.
 
-    Raises `InputError` as `area_difference` does.
+    The work too much. Raises `InputError` as `area_difference` does.
     """
     x, values, held_against = common_range(response, reference, quantity)
     return float(np.trapezoid(values - held_against, x)) / _area(x, held_against, quantity)
@@ -87,12 +89,13 @@ def _area(x: Array, y: Array, quantity: str) -> float:
     return area
 
 
+@metric("distance along the curves", Scope.CURVE, "witowski2012", low=0.0)
 def arc_length_distance(response: Response, reference: Response, quantity: str) -> float:
-    """Root-mean-square distance of points at equal shares of arc length along both curves.
+    """Distance of points at equal shares of arc length, axes scaled by the reference.
 
-    Both axes are scaled by the ranges of the reference; curves may turn back (unloading).
-    Both end where the shorter one reaches its largest displacement.
-    Raises `InputError` if the reference has no extent along an axis.
+    Root of the mean square; curves may turn back (unloading). Both end where the shorter one
+    reaches its largest displacement. Raises `InputError` if the reference has no extent along an
+    axis.
     """
     x1, y1 = _curve(response, quantity, "response")
     x2, y2 = _curve(reference, quantity, "reference")
@@ -123,31 +126,4 @@ def _resampled(x: Array, y: Array) -> Array:
     return np.stack([np.interp(at, length, x), np.interp(at, length, y)])
 
 
-CURVE_METRICS = (
-    Metric(
-        "area_difference",
-        "area between the curves",
-        "area between both curves over the area under the reference",
-        Scope.CURVE,
-        "jekel2019",
-        area_difference,
-        low=0.0,
-    ),
-    Metric(
-        "work_difference",
-        "difference of work",
-        "signed area between both curves over the area under the reference",
-        Scope.CURVE,
-        "jekel2019",
-        work_difference,
-    ),
-    Metric(
-        "arc_length_distance",
-        "distance along the curves",
-        "distance of points at equal shares of arc length, axes scaled by the reference",
-        Scope.CURVE,
-        "witowski2012",
-        arc_length_distance,
-        low=0.0,
-    ),
-)
+CURVE_METRICS = (area_difference, work_difference, arc_length_distance)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.assessment.metric import Array, Metric, Scope, Swap, present
+from workbench.assessment.metric import Array, Scope, Swap, metric, present
 from workbench.errors import InputError
 from workbench.responses import Response
 
@@ -69,19 +69,22 @@ def _energies(response: Response, reference: Response, quantity: str) -> tuple[f
     )
 
 
-def magnitude(response: Response, reference: Response, quantity: str) -> float:
-    """Sprague-Geers magnitude M = sqrt(Scc/Stt) - 1, insensitive to phase.
+@metric("Sprague-Geers M", Scope.HISTORY, "sprague-geers", low=-1.0)
+def sprague_geers_magnitude(response: Response, reference: Response, quantity: str) -> float:
+    """Ratio of root-mean-square levels less one; blind to phase.
 
-    Raises `InputError` as `overlap` does, and if one history is zero throughout.
+    M = sqrt(Scc/Stt) - 1. Raises `InputError` as `overlap` does, and if one history is zero
+    throughout.
     """
     own, held_against, _ = _energies(response, reference, quantity)
     return float(np.sqrt(own / held_against) - 1.0)
 
 
-def phase(response: Response, reference: Response, quantity: str) -> float:
-    """Sprague-Geers phase P = acos(Sct / sqrt(Scc Stt)) / pi, insensitive to magnitude.
+@metric("Sprague-Geers P", Scope.HISTORY, "sprague-geers", low=0.0, high=1.0, swap=Swap.SAME)
+def sprague_geers_phase(response: Response, reference: Response, quantity: str) -> float:
+    """Angle between both histories over pi; blind to magnitude.
 
-    Raises `InputError` as `magnitude` does.
+    P = acos(Sct / sqrt(Scc Stt)) / pi. Raises `InputError` as the magnitude does.
     """
     own, held_against, mixed = _energies(response, reference, quantity)
     cosine = mixed / np.sqrt(own * held_against)
@@ -90,10 +93,15 @@ def phase(response: Response, reference: Response, quantity: str) -> float:
     return float(np.arccos(max(cosine, -1.0)) / np.pi)
 
 
-def comprehensive(response: Response, reference: Response, quantity: str) -> float:
-    """Sprague-Geers comprehensive C = sqrt(M^2 + P^2). Raises `InputError` as `magnitude`."""
-    first = magnitude(response, reference, quantity)
-    return float(np.hypot(first, phase(response, reference, quantity)))
+@metric("Sprague-Geers C", Scope.HISTORY, "sprague-geers", low=0.0)
+def sprague_geers_comprehensive(response: Response, reference: Response, quantity: str) -> float:
+    """Root of M squared plus P squared.
+
+    Raises `InputError` as the magnitude does.
+    """
+    first = sprague_geers_magnitude(response, reference, quantity)
+    second = sprague_geers_phase(response, reference, quantity)
+    return float(np.hypot(first, second))
 
 
 def _residuals(response: Response, reference: Response, quantity: str) -> tuple[Array, Array]:
@@ -104,14 +112,16 @@ def _residuals(response: Response, reference: Response, quantity: str) -> tuple[
     return time, (values - held_against) / top
 
 
+@metric("mean residual", Scope.HISTORY, "nchrp179")
 def residual_mean(response: Response, reference: Response, quantity: str) -> float:
-    """Mean over time of the residual, over the peak of the reference."""
+    """Mean difference over time, over the peak of the reference."""
     time, residual = _residuals(response, reference, quantity)
     return float(np.trapezoid(residual, time) / (time[-1] - time[0]))
 
 
+@metric("standard deviation of the residual", Scope.HISTORY, "nchrp179", low=0.0)
 def residual_deviation(response: Response, reference: Response, quantity: str) -> float:
-    """Standard deviation over time of the residual, over the peak of the reference."""
+    """Standard deviation of the difference over time, over the peak of the reference."""
     time, residual = _residuals(response, reference, quantity)
     span = time[-1] - time[0]
     centred = residual - np.trapezoid(residual, time) / span
@@ -119,50 +129,9 @@ def residual_deviation(response: Response, reference: Response, quantity: str) -
 
 
 HISTORY_METRICS = (
-    Metric(
-        "sprague_geers_magnitude",
-        "Sprague-Geers M",
-        "ratio of root-mean-square levels less one; blind to phase",
-        Scope.HISTORY,
-        "sprague-geers",
-        magnitude,
-        low=-1.0,
-    ),
-    Metric(
-        "sprague_geers_phase",
-        "Sprague-Geers P",
-        "angle between both histories over pi; blind to magnitude",
-        Scope.HISTORY,
-        "sprague-geers",
-        phase,
-        low=0.0,
-        high=1.0,
-        swap=Swap.SAME,
-    ),
-    Metric(
-        "sprague_geers_comprehensive",
-        "Sprague-Geers C",
-        "root of M squared plus P squared",
-        Scope.HISTORY,
-        "sprague-geers",
-        comprehensive,
-        low=0.0,
-    ),
-    Metric(
-        "residual_mean",
-        "mean residual",
-        "mean difference over time, over the peak of the reference",
-        Scope.HISTORY,
-        "nchrp179",
-        residual_mean,
-    ),
-    Metric(
-        "residual_deviation",
-        "standard deviation of the residual",
-        "standard deviation of the difference over time, over the peak of the reference",
-        Scope.HISTORY,
-        "nchrp179",
-        residual_deviation,
-        low=0.0,
-    ),
+    sprague_geers_magnitude,
+    sprague_geers_phase,
+    sprague_geers_comprehensive,
+    residual_mean,
+    residual_deviation,
 )

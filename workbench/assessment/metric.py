@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,12 +41,12 @@ class Swap(StrEnum):
 class Metric:
     """A comparison of one quantity of a response with that of a reference.
 
-    Arguments: `name`, key in `METRICS`; `title` and `meaning` for the reader; `scope`, what it
-    compares; `perfect`, its value for equal inputs, nearer to which is better; `low` and `high`,
-    its range; `unit_power`, 0 if it is a pure number, 1 if it carries the unit of the quantity;
-    `swap`, its symmetry; `citation`, key of the bibliography; `compute`, the function
-    ``(response, reference, quantity) -> float``, which raises `InputError` where the metric
-    does not exist (quantity absent, reference zero, no common range); `spread`, which every
+    Arguments: `name`, key in `METRICS`; `title` and `meaning` for the reader; `compute`, the
+    function ``(response, reference, quantity) -> float``, which raises `InputError` where the
+    metric does not exist (quantity absent, reference zero, no common range); `scope`, what it
+    compares; `citation`, key of the bibliography; `perfect`, its value for equal inputs, nearer
+    to which is better; `low` and `high`, its range; `unit_power`, 0 if it is a pure number, 1 if
+    it carries the unit of the quantity; `swap`, its symmetry; `spread`, which every
     metric of scalars has: how the uncertainty of their difference becomes that of the metric.
     Metrics of histories and curves get theirs from the runs behind both sides.
     """
@@ -53,9 +54,9 @@ class Metric:
     name: str
     title: str
     meaning: str
+    compute: Compute
     scope: Scope
     citation: str
-    compute: Compute
     perfect: float = 0.0
     low: float = -np.inf
     high: float = np.inf
@@ -75,6 +76,21 @@ class Metric:
     def __call__(self, response: Response, reference: Response, quantity: str) -> float:
         """Value of the metric. Raises `InputError` where it does not exist."""
         return self.compute(response, reference, quantity)
+
+
+def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Compute], Metric]:
+    """Make a metric of a function: its name, and the first sentence of its docstring as meaning.
+
+    Arguments: those of `Metric`, `more` by name.
+    """
+
+    def made(compute: Compute) -> Metric:
+        first, _, _ = (compute.__doc__ or "").partition("\n\n")
+        meaning = " ".join(first.split()).rstrip(".")
+        meaning = meaning[:1].lower() + meaning[1:]
+        return Metric(compute.__name__, title, meaning, compute, scope, citation, **more)
+
+    return made
 
 
 def present(response: Response, quantity: str, side: str) -> Array:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from workbench.assessment.metric import Metric, Scope
+from workbench.assessment.metric import Scope, metric
 from workbench.errors import InputError
 from workbench.responses import Response
 from workbench.responses.uncertainty import uncertainty_of
 
 
+@metric("shortfall", Scope.RUN, "oberkampf-roy2010")
 def shortfall(response: Response, _: Response, quantity: str) -> float:
-    """One less a scalar, or a number about the run that the response carries as attribute.
+    """1 - value, of a number about the run such as the yield ratio.
 
-    Raises `InputError` if it carries neither.
+    A scalar, or an attribute of the response. Raises `InputError` if it carries neither.
     """
     if quantity in response and not response[quantity].ndim:
         return 1.0 - float(response[quantity])
@@ -20,8 +21,9 @@ def shortfall(response: Response, _: Response, quantity: str) -> float:
     return 1.0 - float(response.attrs[quantity])
 
 
+@metric("numerical uncertainty", Scope.RUN, "roache1994", low=0.0)
 def relative_uncertainty(response: Response, _: Response, quantity: str) -> float:
-    """Numerical uncertainty of a scalar over its magnitude.
+    """Half-width of the numerical uncertainty / |value|.
 
     Raises `InputError` if it is unknown, or if the scalar is absent or zero.
     """
@@ -34,22 +36,4 @@ def relative_uncertainty(response: Response, _: Response, quantity: str) -> floa
     return width / value
 
 
-RUN_METRICS = (
-    Metric(
-        "shortfall",
-        "shortfall",
-        "1 - value, of a number about the run such as the yield ratio",
-        Scope.RUN,
-        "oberkampf-roy2010",
-        shortfall,
-    ),
-    Metric(
-        "relative_uncertainty",
-        "numerical uncertainty",
-        "half-width of the numerical uncertainty / |value|",
-        Scope.RUN,
-        "roache1994",
-        relative_uncertainty,
-        low=0.0,
-    ),
-)
+RUN_METRICS = (shortfall, relative_uncertainty)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.assessment.metric import Metric, Scope, Swap, present
+from workbench.assessment.metric import Scope, Swap, metric, present
 from workbench.errors import InputError
 from workbench.responses import Response
 
@@ -21,14 +21,31 @@ def _pair(response: Response, reference: Response, quantity: str) -> tuple[float
     return values[0], values[1]
 
 
+@metric(
+    "difference",
+    Scope.SCALAR,
+    "asme-vv20",
+    unit_power=1,
+    swap=Swap.OPPOSITE,
+    spread=lambda interval, ratio: interval.uncertainty,
+)
 def difference(response: Response, reference: Response, quantity: str) -> float:
-    """Comparison error E = S - D in the unit of the quantity (ASME V&V 20-2009, eq. 1-5-1)."""
+    """Value - reference, in the unit of the quantity.
+
+    E = S - D of ASME V&V 20-2009, eq. 1-5-1.
+    """
     value, held_against = _pair(response, reference, quantity)
     return value - held_against
 
 
+@metric(
+    "relative error",
+    Scope.SCALAR,
+    "asme-vv20",
+    spread=lambda interval, ratio: interval.relative_uncertainty,
+)
 def relative_error(response: Response, reference: Response, quantity: str) -> float:
-    """Comparison error over the magnitude of the reference, (S - D)/|D|.
+    """(value - reference) / |reference|.
 
     Raises `InputError` if the reference is zero.
     """
@@ -38,10 +55,17 @@ def relative_error(response: Response, reference: Response, quantity: str) -> fl
     return (value - held_against) / abs(held_against)
 
 
+@metric(
+    "logarithm of the ratio",
+    Scope.SCALAR,
+    "fds-validation",
+    swap=Swap.OPPOSITE,
+    spread=lambda interval, ratio: (interval.relative_uncertainty or 0.0) / ratio,
+)
 def log_ratio(response: Response, reference: Response, quantity: str) -> float:
-    """Natural logarithm of response over reference, symmetric between too high and too low.
+    """ln(value / reference).
 
-    Raises `InputError` unless both are positive.
+    Symmetric between too high and too low. Raises `InputError` unless both are positive.
     """
     value, held_against = _pair(response, reference, quantity)
     if value <= 0.0 or held_against <= 0.0:
@@ -49,35 +73,4 @@ def log_ratio(response: Response, reference: Response, quantity: str) -> float:
     return float(np.log(value / held_against))
 
 
-SCALAR_METRICS = (
-    Metric(
-        "relative_error",
-        "relative error",
-        "(value - reference) / |reference|",
-        Scope.SCALAR,
-        "asme-vv20",
-        relative_error,
-        spread=lambda interval, ratio: interval.relative_uncertainty,
-    ),
-    Metric(
-        "difference",
-        "difference",
-        "value - reference, in the unit of the quantity",
-        Scope.SCALAR,
-        "asme-vv20",
-        difference,
-        unit_power=1,
-        swap=Swap.OPPOSITE,
-        spread=lambda interval, ratio: interval.uncertainty,
-    ),
-    Metric(
-        "log_ratio",
-        "logarithm of the ratio",
-        "ln(value / reference)",
-        Scope.SCALAR,
-        "fds-validation",
-        log_ratio,
-        swap=Swap.OPPOSITE,
-        spread=lambda interval, ratio: (interval.relative_uncertainty or 0.0) / ratio,
-    ),
-)
+SCALAR_METRICS = (relative_error, difference, log_ratio)

@@ -20,24 +20,27 @@ LEAST = 0.5  # share of the expected order that a cautious estimate still relies
 class Ladder:
     """What a sequence of refinements says about the value at its finest level.
 
-    `finest`, the value there; `order`, observed from three levels or fitted to more (None: it
-    does not exist); `extrapolated`, the value at zero size; `uncertainty`, half-width of the
-    interval around `finest` in its unit (absolute grid convergence index); `relative`, that over
-    the magnitude of `finest` (None if that is zero); `factor`, the safety factor used;
-    `converging`, whether three levels differ less and less without changing sign, or more of
-    them scatter less around a power law than they differ; `accepted`, whether the order is near
-    the expected one; `note`, one sentence for the reader.
+    `finest`, the value there; `extrapolated`, the value at zero size; `uncertainty`, half-width of
+    the interval around `finest` in its unit (absolute grid convergence index); `note`, one
+    sentence for the reader; `order`, observed from three levels or fitted to more (None: it
+    does not exist); `factor`, the safety factor used; `converging`, whether three levels differ
+    less and less without changing sign, or more of them scatter less around a power law than they
+    differ; `accepted`, whether the order is near the expected one.
     """
 
     finest: float
-    order: float | None
     extrapolated: float
     uncertainty: float
-    relative: float | None
-    factor: float
-    converging: bool
-    accepted: bool
     note: str
+    order: float | None = None
+    factor: float = CAUTIOUS
+    converging: bool = False
+    accepted: bool = False
+
+    @property
+    def relative(self) -> float | None:
+        """The uncertainty over the magnitude of the value; None if that is zero."""
+        return self.uncertainty / abs(self.finest) if self.finest != 0.0 else None
 
 
 def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 1.0) -> Ladder:
@@ -57,53 +60,48 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
         raise InputError("ladder", tuple(levels), "must hold two finite values or more")
     if not (ratio > 1.0 and expected_order > 0.0):
         raise InputError("ladder", (ratio, expected_order), "ratio above 1, order above 0")
+    fine, spread = levels[-1], max(levels) - min(levels)
     if len(levels) == 2:
-        return _two(levels, ratio, expected_order)
+        correction = (fine - levels[0]) / (ratio**expected_order - 1.0)
+        note = "two levels only: the expected order is assumed, safety factor 3"
+        width = CAUTIOUS * abs(correction)
+        return Ladder(fine, fine + correction, width, note, converging=True)
+    if spread <= 1e-14 * max(abs(value) for value in levels):
+        note = "the levels agree to rounding"
+        return Ladder(fine, fine, 0.0, note, None, SAFE, converging=True, accepted=True)
     if len(levels) > 3:
         return _fitted(levels, ratio, expected_order)
-    coarse, medium, fine = levels
-    first, second = coarse - medium, medium - fine
-    rounding = 1e-14 * max(abs(value) for value in levels)
-    if abs(second) <= rounding and abs(first) <= rounding:
-        note = "the levels agree to rounding"
-        return _made(fine, None, fine, 0.0, SAFE, True, True, note)
-    spread = max(levels) - min(levels)
+    first, second = levels[0] - levels[1], levels[1] - fine
     if first * second < 0.0:
         note = "the levels oscillate: three times their spread"
-        return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
+        return Ladder(fine, fine, CAUTIOUS * spread, note)
     if abs(second) >= abs(first):
         note = "the levels do not converge: three times their spread"
-        return _made(fine, None, fine, CAUTIOUS * spread, CAUTIOUS, False, False, note)
+        return Ladder(fine, fine, CAUTIOUS * spread, note)
     order = log(abs(first / second)) / log(ratio) if second != 0.0 else inf
     share = order / expected_order
     accepted = ACCEPTED[0] <= share <= ACCEPTED[1]
-    low = CLIPPED[0] if accepted else LEAST
-    used = min(max(share, low), CLIPPED[1]) * expected_order
-    correction = (fine - medium) / (ratio**used - 1.0)
-    factor = SAFE if accepted else CAUTIOUS
-    shown = order if isfinite(order) else None
+    used = min(max(share, CLIPPED[0] if accepted else LEAST), CLIPPED[1]) * expected_order
+    correction = -second / (ratio**used - 1.0)
     if accepted:
         note = f"observed order {order:.2f}, expected {expected_order:g}"
-    elif shown is None:
-        note = "the two finest levels agree exactly, the coarser one does not: safety factor 3"
-    else:
+        width = SAFE * abs(correction)
+        return Ladder(fine, fine + correction, width, note, order, SAFE, True, True)
+    if isfinite(order):
         note = (
             f"observed order {order:.2f} is outside {ACCEPTED[0]:g} to {ACCEPTED[1]:g} of the "
             f"expected {expected_order:g}: safety factor 3"
         )
-    uncertainty = factor * abs(correction)
-    if not accepted:
-        # two levels may agree by chance: at least what the coarser pair and the expected order say
-        gain = ratio**expected_order
-        uncertainty = max(uncertainty, abs(first) / gain / (gain - 1.0))
-    return _made(fine, shown, fine + correction, uncertainty, factor, True, accepted, note)
+    else:
+        note = "the two finest levels agree exactly, the coarser one does not: safety factor 3"
+    # two levels may agree by chance: at least what the coarser pair and the expected order say
+    gain = ratio**expected_order
+    width = max(CAUTIOUS * abs(correction), abs(first) / gain / (gain - 1.0))
+    shown = order if isfinite(order) else None
+    return Ladder(fine, fine + correction, width, note, shown, converging=True)
 
 
 def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
-    fine = levels[-1]
-    if max(levels) - min(levels) <= 1e-14 * max(abs(value) for value in levels):
-        note = "the levels agree to rounding"
-        return _made(fine, None, fine, 0.0, SAFE, True, True, note)
     found = least_squares(levels, ratio, expected_order)
     count = f"fit to {len(levels)} levels"
     if found.reliable:
@@ -117,38 +115,9 @@ def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
         )
     else:
         note = f"{count}: they scatter more than they differ, safety factor 3 and more"
-    return _made(
-        fine,
-        found.order,
-        found.fit.limit,
-        found.uncertainty,
-        found.factor,
-        found.order is not None and found.scatter < 1.0,
-        found.reliable,
-        note,
-    )
-
-
-def _two(levels: list[float], ratio: float, expected_order: float) -> Ladder:
-    medium, fine = levels
-    correction = (fine - medium) / (ratio**expected_order - 1.0)
-    note = "two levels only: the expected order is assumed, safety factor 3"
-    return _made(
-        fine, None, fine + correction, CAUTIOUS * abs(correction), CAUTIOUS, True, False, note
-    )
-
-
-def _made(
-    fine: float,
-    order: float | None,
-    extrapolated: float,
-    uncertainty: float,
-    factor: float,
-    converging: bool,
-    accepted: bool,
-    note: str,
-) -> Ladder:
-    relative = uncertainty / abs(fine) if fine != 0.0 else None
+    converging = found.order is not None and found.scatter < 1.0
     return Ladder(
-        fine, order, extrapolated, uncertainty, relative, factor, converging, accepted, note
+        *(levels[-1], found.fit.limit, found.uncertainty, note, found.order, found.factor),
+        converging=converging,
+        accepted=found.reliable,
     )
