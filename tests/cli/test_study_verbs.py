@@ -164,7 +164,7 @@ def test_run_status_validate(
     assert "0 done, 0 failed, 12 to do" in capsys.readouterr().out
     assert run(["run", str(study_file), "--jobs", "0", *where]) == 0
     text = capsys.readouterr().out
-    assert "soft against fine: relative_error of peak_displacement" in text
+    assert "soft against fine: relative error of peak displacement" in text
     assert "Cells: 12 ok." in text
     assert run(["status", str(study_file), *where, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -189,7 +189,7 @@ def test_validate_fails_when_a_gate_does(
     capsys.readouterr()
     assert run(["validate", str(strict), *where]) == 1
     text = capsys.readouterr().out
-    assert text.splitlines()[3].startswith("fail")
+    assert any(line.startswith("fail  ") for line in text.splitlines())
     assert "fail: soft against fine" in text
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +14,6 @@ import typer
 from workbench.cli.output import Answer, InterruptedByUserError, Json, verb
 
 if TYPE_CHECKING:
-    from workbench.assessment import GateVerdict
     from workbench.content.tree import Block
     from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
 
@@ -93,7 +93,7 @@ def run(
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
     from workbench.content.tree import Paragraph
 
-    yield _gates(result)
+    yield from _gates(result)
     for row in result.tables["cells"]:
         if row["outcome"] not in ("ok", "out-of-domain", "not run"):
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
@@ -187,7 +187,7 @@ def report(
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    return Answer(content, (_gates(result), Definitions(tuple(content["files"].items()))))
+    return Answer(content, (*_gates(result), Definitions(tuple(content["files"].items()))))
 
 
 @verb
@@ -208,7 +208,7 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
         for case in found.cases
         if case.verdict != "pass"
     )
-    return Answer(content, (_gates(result), Bullets(reasons)), int(result.failed))
+    return Answer(content, (*_gates(result), Bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
@@ -224,26 +224,14 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     ]
 
 
-def _gates(result: Assessment) -> Block:
-    from workbench.content.tree import Column, Paragraph, Table
+def _gates(result: Assessment) -> Iterator[Block]:
+    """The verdicts as the report has them, without the rationale of the bounds."""
+    from workbench.report.chapters.verdicts import headline, summary_table
 
-    if not result.verdicts:
-        return Paragraph("The study has no gates.")
-    columns = (
-        Column("verdict", of=lambda entry: entry.verdict.value),
-        Column("gate", of=lambda entry: entry.gate.name),
-        Column("worst", True, of=_interval),
-        Column(
-            "bound",
-            True,
-            of=lambda entry: (
-                f"{100.0 * entry.gate.bound:g} %" if _relative(entry) else f"{entry.gate.bound:g}"
-            ),
-        ),
-        Column("in case", of=lambda entry: entry.critical.case if entry.critical else ""),
-        Column("cases", of=_counted),
-    )
-    return Table.of("gates", "", columns, result.verdicts)
+    rows = [dict(row) for row in result.tables["verdicts"]]
+    yield headline(rows)
+    if rows:
+        yield replace(summary_table(rows, reasons=False), caption="")
 
 
 def _chosen(name: str, quick: bool) -> Study:
@@ -274,28 +262,3 @@ def _interrupted(loaded: LoadedStudy, quick: bool, store: str) -> str:
 def _few(names: list[str]) -> str:
     shown = ", ".join(names[:4])
     return shown + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-
-
-def _counted(entry: GateVerdict) -> str:
-    """How many of the asked cases ended how."""
-    counts = entry.counts
-    ends = [f"{counts[name]} {name}" for name in counts if name != "asked" and counts[name]]
-    return f"{counts['asked']} asked: {', '.join(reversed(ends))}" if ends else "none asked"
-
-
-def _relative(entry: GateVerdict) -> bool:
-    return entry.gate.metric != "difference"
-
-
-def _interval(entry: GateVerdict) -> str:
-    """The critical value of a gate with its uncertainty, in percent where it is relative."""
-    from workbench.assessment import METRICS, Scope
-
-    top = entry.critical
-    if top is None or top.value is None:
-        return "-"
-    factor, unit = (100.0, " %") if _relative(entry) else (1.0, "")
-    if METRICS[entry.gate.metric].scope is Scope.RUN:
-        return f"{factor * top.value:.3g}{unit}"
-    width = "?" if top.uncertainty is None else f"{factor * top.uncertainty:.2g}"
-    return f"{factor * top.value:+.3g} ± {width}{unit}"

@@ -55,11 +55,9 @@ def _short(study: Study, stored: Stored) -> Iterator[Block]:
     """The question, the table of verdicts, and what must not be overlooked."""
     yield Paragraph(study.question)
     rows = stored.rows["verdicts"]
+    yield verdicts.headline(rows)
     if rows:
-        yield verdicts.headline(rows)
         yield replace(verdicts.summary_table(rows), caption="")
-    else:
-        yield Paragraph("The study sets no acceptance gates.")
     shear = limits.shear_demand(study, stored)
     told = walk((limits.missing(study, stored), limits.domain(stored, shear)))
     yield from (block for block in told if isinstance(block, Callout))

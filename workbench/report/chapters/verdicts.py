@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import pandas as pd
-
 from workbench.assessment import Verdict
 from workbench.content.bibliography import cited
 from workbench.content.formatting import (
@@ -33,6 +31,15 @@ _PRINTED = 30
 _WELL_KNOWN = 0.015  # relative uncertainty below which a reference counts as fine
 _LISTED = 6
 _NOTES = 2  # reasons shown in the summary; the table of cases has all
+_RULE = (
+    "A case passes if the whole interval, value ± numerical uncertainty, lies within the bound, "
+    "fails if none of it does, and is inconclusive otherwise, as the validation comparison of "
+    "[@asme-vv20] asks. A gate fails if one of its cases fails, and passes only if every case that "
+    "was asked passes: one without an answer may be the worst."
+)
+_VERDICT = Column(
+    *("verdict", False, 1.25), lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
+)
 
 
 def asked(study: Study, stored: Stored) -> Section:
@@ -56,52 +63,42 @@ def verdicts(stored: Stored, warning: str = "") -> Section:
 
     `warning` is said beside the headline: where all models leave their assumptions.
     """
-    rows = stored.rows["verdicts"]
-    if not rows:
-        text = "The study sets no acceptance gates: it reports, it does not judge."
-        return Section("verdicts", "Verdicts", (Callout("note", text),))
+    rows, cases = stored.rows["verdicts"], stored.rows["gates"]
     blocks: list[Block] = [headline(rows)]
-    blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
-    blocks.append(summary_table(rows))
-    if len(stored.tables["gates"]) > len(rows):
-        blocks.append(_every_case(stored.tables["gates"]))
-    blocks.append(
-        Paragraph(
-            "A case passes if the whole interval, value ± numerical uncertainty, lies within the "
-            "bound, fails if none of it does, and is inconclusive otherwise, as the validation "
-            "comparison of [@asme-vv20] asks. A gate fails if one of its cases fails, and passes "
-            "only if every case that was asked passes: one without an answer may be the worst."
-        )
-    )
+    if rows:
+        blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
+        blocks.append(summary_table(rows))
+        if len(cases) > len(rows):
+            blocks.append(_every_case(cases))
+        blocks.append(Paragraph(_RULE))
     return Section("verdicts", "Verdicts", tuple(blocks))
 
 
 def _doubts(stored: Stored) -> Iterator[str]:
     """What a reader must know before the table: how well the reference itself is known."""
-    ladder = stored.tables["ladder"]
-    if ladder.empty or "relative" not in ladder:
-        return
-    peaks = ladder[ladder["quantity"] == "peak_displacement"]
     reference = stored.study.reference
-    present = peaks["case"].map(
-        lambda case: stored.number(case, reference, "peak_displacement") is not None
-    )
-    coarse = peaks[(peaks["relative"] > _WELL_KNOWN) | (peaks["relative"].isna() & present)]
-    if not coarse.empty:
-        listed = [f"{r['case']}: {_share(r['relative'])}" for _, r in coarse.iterrows()]
-        shown = "; ".join(listed[:_LISTED]) + ("; …" if len(listed) > _LISTED else "")
+    coarse = []
+    for row in stored.rows["ladder"]:
+        if row["quantity"] != "peak_displacement":
+            continue
+        relative = row["relative"]
+        if relative is not None:
+            if relative > _WELL_KNOWN:
+                coarse.append(f"{row['case']}: {100.0 * relative:.1f} %")
+        elif stored.number(row["case"], reference, "peak_displacement") is not None:
+            coarse.append(f"{row['case']}: unknown")
+    if coarse:
+        shown = "; ".join(coarse[:_LISTED]) + ("; …" if len(coarse) > _LISTED else "")
         yield (
             "The reference itself is known only to (numerical uncertainty of its peak "
             f"displacement): {shown}. The intervals below contain this."
         )
 
 
-def _share(relative: float) -> str:
-    return "unknown" if pd.isna(relative) else f"{100.0 * relative:.1f} %"
-
-
 def headline(rows: list[dict[str, Any]]) -> Callout:
     """How the gates ended, and how many cases that were asked have no answer, and why."""
+    if not rows:
+        return Callout("note", "The study sets no acceptance gates: it reports, it does not judge.")
     found = [row["verdict"] for row in rows]
     numbers = {name: found.count(name) for name in ("pass", "fail", "inconclusive")}
     tone = "bad" if numbers["fail"] else "doubt" if numbers["inconclusive"] else "good"
@@ -124,67 +121,66 @@ def question_of(row: dict[str, Any]) -> str:
     return f"{row['model']} against {row['against']}: {metric_title(row['metric'])} of {quantity}"
 
 
-def summary_table(rows: list[dict[str, Any]]) -> Table:
-    """Verdict, critical value and bound of every gate."""
-    body = []
-    for row in rows:
-        value = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
-        if row["case"] and row["asked"] > 1:
-            value += f"\n({row['case']})"
-        if row["value"] is None:
-            value = "not judged"
-        passed = f"{row['pass']} of {row['asked']}"
-        why = f"{row['rationale']} {cited(row['source'])}".strip()
-        why = "\n".join([why, *row["reasons"].splitlines()])
-        body.append(
-            (
-                Cell(row["verdict"], tone=TONES[row["verdict"]]),
-                Cell(question_of(row)),
-                Cell(value, None if row["value"] is None else abs(row["value"])),
-                Cell(
-                    "±" + metric_value(row["metric"], row["quantity"], row["bound"], bound=True),
-                    row["bound"],
-                ),
-                Cell(passed, row["pass"] / max(row["asked"], 1)),
-                Cell(why),
-            )
-        )
+def summary_table(rows: list[dict[str, Any]], *, reasons: bool = True) -> Table:
+    """Verdict, critical value and bound of every gate; `reasons`, also why this bound."""
     columns = (
-        Column("verdict", width=1.25),
-        Column("what is judged", width=2.6),
-        Column("critical value ± uncertainty", True, 2.0),
-        Column("bound", True, 1.0),
-        Column("cases passed", True, 0.85),
-        Column("why this bound", width=3.0),
+        _VERDICT,
+        Column("what is judged", width=2.6, of=question_of),
+        Column("critical value ± uncertainty", True, 2.0, _critical),
+        Column(
+            *("bound", True, 1.0),
+            lambda row: Cell(
+                "±" + metric_value(row["metric"], row["quantity"], row["bound"], bound=True),
+                row["bound"],
+            ),
+        ),
+        Column(
+            *("cases passed", True, 0.85),
+            lambda row: Cell(
+                f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1)
+            ),
+        ),
+        Column("why this bound", width=3.0, of=_why),
     )
-    return Table("verdict-table", "Verdicts of the acceptance gates.", columns, tuple(body))
+    caption = "Verdicts of the acceptance gates."
+    return Table.of("verdict-table", caption, columns if reasons else columns[:-1], rows)
 
 
-def _every_case(table: pd.DataFrame) -> Table:
-    if len(table) > _PRINTED:
+def _critical(row: dict[str, Any]) -> Cell:
+    if row["value"] is None:
+        return Cell("not judged")
+    text = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
+    return Cell(f"{text}\n({row['case']})" if row["asked"] > 1 else text, abs(row["value"]))
+
+
+def _passed(row: dict[str, Any]) -> Cell:
+    return Cell(f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1))
+
+
+def _why(row: dict[str, Any]) -> str:
+    why = f"{row['rationale']} {cited(row['source'])}".strip()
+    return "\n".join([why, *row["reasons"].splitlines()])
+
+
+def _every_case(rows: list[dict[str, Any]]) -> Table:
+    if len(rows) > _PRINTED:
         # paper shows the first rows only: what did not pass comes first, then the largest values
-        order = table["verdict"].map(lambda verdict: list(Verdict).index(Verdict(verdict)))
-        ranked = table.assign(order=order, size=table["value"].abs())
-        table = ranked.sort_values(["order", "size"], ascending=[True, False], kind="stable")
-    body = []
-    for row in table.to_dict("records"):
-        body.append(
-            (
-                Cell(row["verdict"], tone=TONES[row["verdict"]]),
-                Cell(question_of({str(k): v for k, v in row.items()})),
-                Cell(row["case"]),
-                Cell(
-                    interval(row["metric"], row["quantity"], row["value"], row["uncertainty"]),
-                    row["value"],
-                ),
-                Cell(row["note"], tone="muted"),
-            )
-        )
+        order = [verdict.value for verdict in Verdict]
+        rows = sorted(rows, key=lambda r: (order.index(r["verdict"]), -abs(r["value"] or 0.0)))
     columns = (
-        Column("verdict", width=1.25),
-        Column("what is judged", width=2.8),
-        Column("case", width=1.6),
-        Column("value ± uncertainty", True, 1.8),
-        Column("where the uncertainty comes from", width=3.0),
+        _VERDICT,
+        Column("what is judged", width=2.8, of=question_of),
+        Column("case", width=1.6, of="case"),
+        Column(
+            *("value ± uncertainty", True, 1.8),
+            lambda row: Cell(
+                interval(row["metric"], row["quantity"], row["value"], row["uncertainty"]),
+                row["value"],
+            ),
+        ),
+        Column(
+            *("where the uncertainty comes from", False, 3.0),
+            lambda row: Cell(row["note"], tone="muted"),
+        ),
     )
-    return Table("gate-cases", "Every case of every gate.", columns, tuple(body), _PRINTED)
+    return Table.of("gate-cases", "Every case of every gate.", columns, rows, _PRINTED)
