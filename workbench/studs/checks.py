@@ -13,17 +13,20 @@ Finding = tuple[str, object, str, str]  # column, value, reason, advice
 TOTAL_TOLERANCE = 0.02  # load per stud times studs against the total: both are rounded
 LEAST_STRESS, LARGEST_STRESS = 10.0, 2500.0  # MPa, load over shank area of any plausible test
 LEAST_SLENDERNESS, LARGEST_SLENDERNESS = 1.5, 25.0  # height over diameter
+_MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
+_LOADS = ("shear_kN", "tension_kN")  # both in a combined test
 
 
-def row_findings(row: Row, table: str) -> list[Finding]:
+def row_findings(row: Row, table: str) -> Iterator[Finding]:
     """Contradictions within a row: column, value, reason and advice of each.
 
     Arguments: `row`, cells by column name, single cells already checked; `table`, name of its
     schema.
     """
-    if table != "tests":
-        return []
-    return [*_results(row), *_sizes(row), *_predamage(row)]
+    if table == "tests":
+        yield from _results(row)
+        yield from _sizes(row)
+        yield from _predamage(row)
 
 
 def _value(row: Row, column: str) -> float | None:
@@ -32,23 +35,18 @@ def _value(row: Row, column: str) -> float | None:
 
 
 def _results(row: Row) -> Iterator[Finding]:
-    needed = {
-        "push-out": ("shear_kN",),
-        "pull-out": ("tension_kN",),
-        "combined": ("shear_kN", "tension_kN"),
-    }[str(row["test"])]
-    ratio_only = _value(row, "strength_over_nominal") is not None
-    for column in needed:
-        if _value(row, column) is None and not ratio_only:
-            yield column, "", f"must be given for a {row['test']} test", ""
-    if ratio_only and not row.get("nominal_model"):
+    if _value(row, "strength_over_nominal") is None:
+        for column in _MEASURED.get(str(row["test"]), _LOADS):
+            if _value(row, column) is None:
+                yield column, "", f"must be given for a {row['test']} test", ""
+    elif not row.get("nominal_model"):
         yield "nominal_model", "", "must name the formula of strength_over_nominal", ""
     shear, studs, total = (_value(row, c) for c in ("shear_kN", "n_studs", "total_load_kN"))
     if shear and studs and total and abs(shear * studs / total - 1.0) > TOTAL_TOLERANCE:
         advice = f"{studs:g} studs of {shear:g} kN make {shear * studs:.4g} kN"
         yield "total_load_kN", total, "does not fit shear_kN and n_studs", advice
     diameter = _value(row, "diameter_mm")
-    for column in ("shear_kN", "tension_kN"):
+    for column in _LOADS:
         load = _value(row, column)
         if load and diameter:
             stress = 1e3 * load / (0.25 * pi * diameter**2)

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, SolverError
-from workbench.studs.load_slip import (
-    BilinearLaw,
-    LoadSlipLaw,
-    OllgaardLaw,
-    RationalLaw,
-    law_kind,
-)
+from workbench.studs.load_slip import BilinearLaw, Law, LoadSlipLaw, law_kind
 from workbench.studs.quantities import Array
 
 # parameters of each law: name, lower and upper bound, start; all fitted as logarithms
@@ -23,10 +17,11 @@ _BOUNDS: dict[str, tuple[tuple[str, float, float, float], ...]] = {
     "ollgaard": (("rate", 10.0, 1e5, 1000.0), ("exponent", 0.05, 10.0, 0.6)),
     "bilinear": (("yield_slip", 1e-5, 0.02, 5e-4),),
     "rational": (
-        ("peak_slip", 1e-4, 0.05, 6e-3), ("stiffness_ratio", 1.01, 500.0, 6.0),
+        ("peak_slip", 1e-4, 0.05, 6e-3),
+        ("stiffness_ratio", 1.01, 500.0, 6.0),
         ("softening", 1e-4, 1.0, 0.5),
     ),
-}  # fmt: skip
+}
 LOSSES = ("linear", "huber", "soft_l1")
 LOSS_SCALE = 0.03  # of the largest load: deviations beyond it count less in a robust loss
 
@@ -55,12 +50,11 @@ def parameter_names(law: str) -> tuple[str, ...]:
     return tuple(name for name, *_ in _BOUNDS[law])
 
 
-def make_law(
-    law: str, parameters: dict[str, float], slip_capacity: float | None = None
-) -> OllgaardLaw | BilinearLaw | RationalLaw:
-    """The law of this name with fitted parameters (SI)."""
-    extra = {} if law != "bilinear" or slip_capacity is None else {"slip_capacity": slip_capacity}
-    return law_kind(law)(**parameters, **extra)
+def make_law(law: str, parameters: dict[str, float], slip_capacity: float | None = None) -> Law:
+    """The law of this name with fitted parameters (SI); a bilinear law yields before its end."""
+    if law != "bilinear" or slip_capacity is None:
+        return law_kind(law)(**parameters)
+    return BilinearLaw(min(parameters["yield_slip"], slip_capacity), slip_capacity)
 
 
 def misfit(law: LoadSlipLaw, slip: ArrayLike, ratio: ArrayLike) -> tuple[float, float]:
@@ -95,58 +89,42 @@ def fit_curve(
         if name not in parameter_names(law):
             raise InputError("held", name, "must be one of " + ", ".join(parameter_names(law)))
     bounds = [bound for bound in _BOUNDS[law_kind(law).name] if bound[0] not in fixed]
-    s = np.maximum(np.asarray(slip, float), 0.0)
-    q = np.asarray(load, float)
-    if s.shape != q.shape or s.ndim != 1 or len(s) < max(len(bounds), 2):
-        raise InputError(
-            "curve", s.shape, f"must have {max(len(bounds), 2)} points or more for the {law} law"
-        )
+    names = [name for name, *_ in bounds]
+    s, q = np.maximum(np.asarray(slip, float), 0.0), np.asarray(load, float)
+    least = max(len(bounds), 2)
+    if s.shape != q.shape or s.ndim != 1 or len(s) < least:
+        raise InputError("curve", s.shape, f"must have {least} points or more for the {law} law")
     top = float(np.max(q))
     if not top > 0.0:
         raise InputError("curve", top, "must hold a positive load")
     y = q / top
     capacity = float(np.max(s)) if law == "bilinear" else None
-    names = [name for name, *_ in bounds]
     low, high, start = (np.log([bound[k] for bound in bounds]) for k in (1, 2, 3))
 
-    def residual(theta: Array) -> Array:
+    def at(theta: Array) -> Law:
         # exponentials of the bounds may leave them by round-off
         values = np.clip(np.exp(theta), np.exp(low), np.exp(high))
-        parameters = {**dict(zip(names, values.tolist(), strict=True)), **fixed}
-        if capacity is not None:
-            parameters["yield_slip"] = min(parameters["yield_slip"], capacity)
-        return np.asarray(make_law(law, parameters, capacity).ratio(s) - y)
+        return make_law(law, {**dict(zip(names, values.tolist(), strict=True)), **fixed}, capacity)
 
-    found = _best(
-        lambda begin: least_squares(residual, begin, bounds=(low, high), loss=loss,
-                                    f_scale=LOSS_SCALE, xtol=1e-12, ftol=1e-12, gtol=1e-12),
-        [start, *([_from_peak(start, s, y, low, high)] if "peak_slip" in names else [])],
-    )  # fmt: skip
-    values = np.clip(np.exp(found), np.exp(low), np.exp(high))
-    parameters = {**dict(zip(names, values.tolist(), strict=True)), **fixed}
-    if capacity is not None:
-        parameters["yield_slip"] = min(parameters["yield_slip"], capacity)
-    result = make_law(law, parameters, capacity)
-    rms, bias = misfit(result, s, y)
-    stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
-    return CurveFit(
-        result, parameters, len(s), rms, bias,
-        tuple(name for name, at in zip(names, stuck, strict=True) if at),
-        len(s) < len(names) + 3,
-    )  # fmt: skip
-
-
-def _from_peak(start: Array, slip: Array, ratio: Array, low: Array, high: Array) -> Array:
-    peak = max(float(slip[int(np.argmax(ratio))]), 1e-4)
-    return np.asarray(np.clip(np.concatenate([[np.log(peak)], start[1:]]), low, high))
-
-
-def _best(solve: Callable[[Array], object], starts: list[Array]) -> Array:
-    results: list[tuple[float, Array]] = []
-    for begin in starts:
-        found = solve(begin)
-        if getattr(found, "success", False):
-            results.append((float(found.cost), np.asarray(found.x)))  # type: ignore[attr-defined]
-    if not results:
+    starts = [start]
+    if "peak_slip" in names:
+        peak = max(float(s[int(np.argmax(y))]), 1e-4)
+        starts.append(np.clip(np.concatenate([[np.log(peak)], start[1:]]), low, high))
+    tolerances = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
+    tried = [
+        least_squares(
+            lambda theta: at(theta).ratio(s) - y, begin, bounds=(low, high), loss=loss,
+            f_scale=LOSS_SCALE, **tolerances,
+        )
+        for begin in starts
+    ]  # fmt: skip
+    solved = [each for each in tried if each.success]
+    if not solved:
         raise SolverError("least squares of a load-slip curve", float("nan"), "several starts")
-    return np.asarray(min(results, key=lambda each: each[0])[1])
+    found = min(solved, key=lambda each: float(each.cost)).x
+    best = at(found)
+    parameters = {name: float(getattr(best, name)) for name in (*names, *fixed)}
+    rms, bias = misfit(best, s, y)
+    stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
+    at_bound = tuple(name for name, on in zip(names, stuck, strict=True) if on)
+    return CurveFit(best, parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)

@@ -7,23 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.responses import Finding
+from workbench.studs.fitting import (
+    Content,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    judged_rows,
+    judgement_content,
+)
 from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, shear_model
-from workbench.studs.statistics.intervals import (
-    Interval,
-    bootstrap_by_campaign,
-    profile_interval,
-    scatter_intervals,
-)
-from workbench.studs.statistics.mixed import Estimate, fit_robust
-from workbench.studs.statistics.problem import problem
+from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.problem import Prediction, problem
 
 FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensible fit reaches
 
@@ -32,33 +35,36 @@ FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensi
 class FactorFit:
     """Fitted factors of a formula.
 
-    `model` with the fitted factors; `factors`, `profile` and `bootstrap` intervals (the latter
-    empty with fewer than three campaigns) by factor; scatters `sigma`, `tau` of the log ratio with
-    intervals; `at_bound`, factors that rest on a bound; `governed_by_steel`, share of the tests.
+    `model` with the fitted factors; `fitted`, the factors and the scatters of the log ratio;
+    `governed_by_steel`, share of the tests; `findings`.
     """
 
     model: ShearModel
-    factors: dict[str, float]
-    profile: dict[str, Interval]
-    bootstrap: dict[str, Interval]
-    sigma: float
-    tau: float
-    scatter: dict[str, Interval]
-    at_bound: tuple[str, ...]
+    fitted: Fitted
     governed_by_steel: float
+    findings: tuple[Finding, ...]
     identity: RowIdentity
-    estimate: Estimate
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
+        """Judge the fitted formula by tests that the fit has not used. Raises `InputError`."""
+        self.identity.refuse_overlap(table)
+        rows = undamaged_headed_studs(table)
+        tests = specimens(rows)
+        return judge(judged_rows(rows, tests.shear, self.model.of(tests)), confidence)
+
+    def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
+        """The fit, and how it meets unseen tests."""
+        return {"fit": self.to_dict(), **judgement_content(judged)}
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
         return {
             "model": self.model.name,
-            "factors": self.factors,
-            "profile": {name: each.to_dict() for name, each in self.profile.items()},
-            "bootstrap": {name: each.to_dict() for name, each in self.bootstrap.items()},
-            "sigma": {"value": self.sigma, **self.scatter["sigma"].to_dict()},
-            "tau": {"value": self.tau, **self.scatter["tau"].to_dict()},
-            "at_bound": list(self.at_bound),
+            "factors": self.fitted.estimates,
+            **self.fitted.intervals(),
+            "sigma": self.fitted.sigma,
+            "tau": self.fitted.tau,
+            "at_bound": self.fitted.at_bound,
             "governed_by_steel": self.governed_by_steel,
         }
 
@@ -86,16 +92,18 @@ def fit_factors(
         if name == "steel" and np.isinf(chosen.steel_factor):
             raise InputError("factors", name, f"{chosen.title} has no steel term")
     rows = undamaged_headed_studs(table)
-    known = np.isfinite(chosen.of(specimens(rows)))
-    rows = rows[known].reset_index(drop=True)
+    rows = rows[np.isfinite(chosen.of(specimens(rows)))].reset_index(drop=True)
     tests = specimens(rows)
     start = {"steel": chosen.steel_factor, "concrete": chosen.concrete_factor}
     given = problem(
-        np.log(tests.shear), tests.campaign, _prediction(tests, chosen, tuple(factors)),
-        tuple(factors), np.log([start[name] for name in factors]),
+        np.log(tests.shear),
+        tests.campaign,
+        prediction(tests, chosen, tuple(factors)),
+        tuple(factors),
+        np.log([start[name] for name in factors]),
         lower=np.log([FACTORS[name][0] for name in factors]),
         upper=np.log([FACTORS[name][1] for name in factors]),
-    )  # fmt: skip
+    )
     try:
         estimate = fit_robust(given, loss)
     except InputError as error:
@@ -103,47 +111,22 @@ def fit_factors(
             raise
         value = float(np.exp(error.value))  # what is fitted is the logarithm
         raise InputError(error.field, value, error.allowed, error.advice) from error
-    values = {name: float(np.exp(estimate.parameter(name))) for name in factors}
-    bootstrap = (
-        bootstrap_by_campaign(estimate, confidence=confidence, resamples=resamples, seed=seed)
-        if given.campaigns >= 3
-        else {}
-    )
-    fitted = chosen.scaled(steel=values.get("steel"), concrete=values.get("concrete"))
-    return FactorFit(
-        model=fitted,
-        factors=values,
-        profile={n: _exp(profile_interval(estimate, n, confidence)) for n in factors},
-        bootstrap={n: _exp(each) for n, each in bootstrap.items()},
-        sigma=estimate.sigma,
-        tau=estimate.tau,
-        scatter=scatter_intervals(estimate, confidence),
-        at_bound=tuple(n for n, b in zip(factors, estimate.at_bound, strict=True) if b),
-        governed_by_steel=float(np.mean(fitted.governed_by_steel(tests))),
-        identity=identity_of(rows),
-        estimate=estimate,
-    )
+    found = fitted(estimate, factors, confidence=confidence, resamples=resamples, seed=seed)
+    best = chosen.scaled(**found.estimates)
+    steel, concrete = best.terms(tests)
+    stuck = [Finding("bounds", f"the {name} factor rests on a bound") for name in found.at_bound]
+    share = float(np.mean(steel < concrete))
+    return FactorFit(best, found, share, tuple(stuck), identity_of(rows))
 
 
-def _prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -> Any:
+def prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -> Prediction:
+    """Logarithm of the resistance as a function of the logarithms of `factors`."""
     # terms for a factor of 1, so that a prediction costs a minimum of two arrays
-    unit = model.scaled(steel=1.0, concrete=1.0)
-    steel = np.log(unit.steel(tests.diameter, tests.ultimate_strength))
-    concrete = np.log(
-        unit.concrete(tests.diameter, tests.height, tests.concrete_strength, tests.concrete_modulus)
-    )
-    fixed = {
-        "steel": np.log(model.steel_factor) if np.isfinite(model.steel_factor) else np.inf,
-        "concrete": np.log(model.concrete_factor),
-    }
+    steel, concrete = (np.log(term) for term in model.scaled(steel=1.0, concrete=1.0).terms(tests))
+    fixed = {"steel": np.log(model.steel_factor), "concrete": np.log(model.concrete_factor)}
 
     def predict(theta: Array) -> Array:
         now = {**fixed, **dict(zip(factors, theta, strict=True))}
         return np.asarray(np.minimum(now["steel"] + steel, now["concrete"] + concrete))
 
     return predict
-
-
-def _exp(interval: Interval) -> Interval:
-    low, high = (None if v is None else float(np.exp(v)) for v in (interval.low, interval.high))
-    return Interval(low, high, interval.confidence, interval.method)

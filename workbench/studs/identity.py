@@ -9,11 +9,13 @@ import pandas as pd
 
 from workbench.errors import InputError
 
-_CONTENT = (
-    "diameter_mm", "height_mm", "embedment_mm", "fcm_MPa", "fu_MPa", "shear_kN", "tension_kN",
-    "slip_at_max_mm", "predamage_level",
-)  # fmt: skip
+_CONTENT = [
+    *("diameter_mm", "height_mm", "embedment_mm", "fcm_MPa", "fu_MPa", "shear_kN", "tension_kN"),
+    *("slip_at_max_mm", "predamage_level"),
+]
 _ENOUGH = 4  # equal numbers that two different tests do not share by chance
+_MISSING = -1.0  # stands for a number that is not reported: no cell can hold it
+Row = tuple[tuple[str, str], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -33,42 +35,25 @@ class RowIdentity:
 
         Raises `InputError`: a fit is not validated by the rows it was made of.
         """
-        for name, content in zip(_names(table), _contents(table), strict=True):
-            same = name in self.names
-            renamed = (
-                name[0] not in self.campaigns
-                and sum(np.isfinite(content)) >= _ENOUGH
-                and _hashable(content) in self.contents
-            )
-            if same or renamed:
-                how = (
-                    "was used for the fit" if same else "equals a row of the fit under other names"
-                )
-                raise InputError(
-                    "validation", " ".join(name), how,
-                    "validate on tests that the fit has not seen, or leave campaigns out of it",
-                )  # fmt: skip
+        for name, content in _rows(table):
+            telling = sum(value != _MISSING for value in content) >= _ENOUGH
+            renamed = name[0] not in self.campaigns and telling and content in self.contents
+            if name in self.names or renamed:
+                how = "equals a row of the fit under other names"
+                how = "was used for the fit" if name in self.names else how
+                advice = "validate on tests that the fit has not seen, or leave campaigns out of it"
+                raise InputError("validation", " ".join(name), how, advice)
 
 
 def identity_of(table: pd.DataFrame) -> RowIdentity:
     """The identity of the rows of a table of tests."""
-    contents = (_hashable(content) for content in _contents(table))
-    return RowIdentity(frozenset(_names(table)), frozenset(contents))
+    rows = _rows(table)
+    return RowIdentity(frozenset(n for n, _ in rows), frozenset(content for _, content in rows))
 
 
-def _names(table: pd.DataFrame) -> list[tuple[str, str]]:
+def _rows(table: pd.DataFrame) -> list[Row]:
     pairs = zip(table["campaign"], table["specimen"], strict=True)
-    return [(str(a).strip().casefold(), str(b).strip().casefold()) for a, b in pairs]
-
-
-def _contents(table: pd.DataFrame) -> list[tuple[float, ...]]:
-    columns = [
-        table[c].to_numpy(float) if c in table.columns else np.full(len(table), np.nan)
-        for c in _CONTENT
-    ]
-    return [tuple(row) for row in np.column_stack(columns).tolist()]
-
-
-def _hashable(content: tuple[float, ...]) -> tuple[float, ...]:
-    # NaN is not equal to itself: missing numbers become a value that no cell can hold
-    return tuple(value if np.isfinite(value) else -1.0 for value in content)
+    names = [(str(a).strip().casefold(), str(b).strip().casefold()) for a, b in pairs]
+    numbers = table.reindex(columns=_CONTENT).to_numpy(float)
+    contents = np.where(np.isfinite(numbers), numbers, _MISSING).tolist()
+    return [(name, tuple(content)) for name, content in zip(names, contents, strict=True)]

@@ -1,4 +1,4 @@
-"""Interaction of tension and shear on a stud.
+"""Interaction of tension and shear on a stud: laws, and tests under both.
 
 With t and v, tension and shear over their resistances, every law is a curve g(t, v) = 1 with g
 homogeneous of degree one, so that g is the utilisation: load over the load that just fails.
@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.fields import Number, check_fields, checked
 from workbench.studs.quantities import Array
+from workbench.studs.schema import NO_PREDAMAGE
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,26 @@ INTERACTIONS: dict[str, Interaction] = {
 def _ratios(tension: ArrayLike, shear: ArrayLike) -> tuple[Array, Array]:
     t, v = np.asarray(tension, float), np.asarray(shear, float)
     if np.any(t < 0.0) or np.any(v < 0.0):
-        raise InputError(
-            "interaction", float(min(t.min(), v.min())), "ratios must not be negative",
-            "compression needs no interaction: take the tension as 0",
-        )  # fmt: skip
+        advice = "compression needs no interaction: take the tension as 0"
+        least = float(min(t.min(), v.min()))
+        raise InputError("interaction", least, "ratios must not be negative", advice)
     return t, v
+
+
+def combined_tests(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows (campaign, specimen, tension, shear) of the combined tests of a table; may be empty.
+
+    Both are over the mean resistance of the undamaged pull-outs and push-outs of the same campaign
+    and diameter; a combined test without both companions is left out.
+    """
+    usable = table[(table["use_for_fit"] == 1.0) & (table["predamage"] == NO_PREDAMAGE)]
+    both = usable[usable["test"] == "combined"]
+    equal = ["campaign", "diameter_mm"]
+    result = both[["campaign", "specimen"]].copy()
+    for kind, name in (("pull-out", "tension"), ("push-out", "shear")):
+        alone = usable[usable["test"] == kind].groupby(equal)[f"{name}_kN"].mean()
+        own = alone.reindex(pd.MultiIndex.from_frame(both[equal])).to_numpy(float)
+        result[name] = both[f"{name}_kN"].to_numpy(float) / own
+    known = np.isfinite(result[["tension", "shear"]].to_numpy(float)).all(axis=1)
+    complete: pd.DataFrame = result[known].reset_index(drop=True)
+    return complete

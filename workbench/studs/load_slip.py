@@ -118,12 +118,11 @@ class RationalLaw:
         return float(2.0 * q / (b + root) * self.peak_slip)
 
 
-LAWS: dict[str, type[OllgaardLaw] | type[BilinearLaw] | type[RationalLaw]] = {
-    law.name: law for law in (OllgaardLaw, BilinearLaw, RationalLaw)
-}
+Law = OllgaardLaw | BilinearLaw | RationalLaw
+LAWS: dict[str, type[Law]] = {law.name: law for law in (OllgaardLaw, BilinearLaw, RationalLaw)}
 
 
-def law_kind(name: str) -> type[OllgaardLaw] | type[BilinearLaw] | type[RationalLaw]:
+def law_kind(name: str) -> type[Law]:
     """The law of this name. Raises `InputError`."""
     if name not in LAWS:
         raise InputError("law", name, "must be one of " + ", ".join(LAWS))

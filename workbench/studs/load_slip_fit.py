@@ -6,7 +6,7 @@ random effect per campaign. So many points of one digitised curve count once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -16,45 +16,28 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.responses import Finding
 from workbench.studs.curve_fit import CurveFit, fit_curve, make_law, misfit, parameter_names
-from workbench.studs.load_slip import BilinearLaw, OllgaardLaw, RationalLaw
-from workbench.studs.quantities import Array
-from workbench.studs.statistics.intervals import (
-    Interval,
-    bootstrap_by_campaign,
-    profile_interval,
-    scatter_intervals,
+from workbench.studs.fitting import (
+    Content,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    judgement_content,
 )
-from workbench.studs.statistics.mixed import Estimate, fit_robust
-from workbench.studs.statistics.problem import problem
-from workbench.studs.stiffness import chord_stiffness
+from workbench.studs.load_slip import Law, LoadSlipLaw, OllgaardLaw
+from workbench.studs.quantities import Array
+from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.problem import location
+from workbench.studs.stiffness import chord_stiffness, law_stiffness
 
 HELD = {"rational": {"softening": 0.0}}
 ENDLESS = 0.5  # m: beyond the slip of any test
+GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are given
+FEW_CAMPAIGNS = 5
 # middles of 20 equal shares of the standard normal distribution
 _NORMAL = np.array([NormalDist().inv_cdf((k + 0.5) / 20.0) for k in range(20)])
-
-
-@dataclass(frozen=True)
-class Population:
-    """One parameter over the curves: `median`, intervals, scatters of its logarithm."""
-
-    median: float
-    profile: Interval
-    bootstrap: Interval | None
-    sigma: float
-    tau: float
-    scatter: dict[str, Interval]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
-        return {
-            "median": self.median,
-            "profile": self.profile.to_dict(),
-            "bootstrap": None if self.bootstrap is None else self.bootstrap.to_dict(),
-            "sigma": {"value": self.sigma, **self.scatter["sigma"].to_dict()},
-            "tau": {"value": self.tau, **self.scatter["tau"].to_dict()},
-        }
 
 
 @dataclass(frozen=True)
@@ -63,33 +46,36 @@ class LoadSlipFit:
 
     `law_name`; `curves`, one row per curve: campaign, specimen, points, parameters (SI), rms and
     bias of the fit and of the published Ollgaard law, strength (N), chord stiffness (N/m);
-    `population` by parameter, and parameters `held`; `logarithms` (curves, p) behind it;
-    `skipped`, curves that could not be fitted, each with the reason; `warnings`.
+    `population`, the median of each parameter over the curves and the scatters of its logarithm;
+    parameters `held`; `logarithms` (curves, p) behind it; `skipped`, curves that could not be
+    fitted, each with the reason; `findings`.
     """
 
     law_name: str
     curves: pd.DataFrame
-    population: dict[str, Population]
+    population: dict[str, Fitted]
     held: dict[str, float]
     logarithms: Array
     skipped: tuple[str, ...]
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
     @property
-    def law(self) -> OllgaardLaw | BilinearLaw | RationalLaw:
+    def medians(self) -> dict[str, float]:
+        """Median of every parameter, and those that are held."""
+        return {**{name: p.estimates["median"] for name, p in self.population.items()}, **self.held}
+
+    @property
+    def law(self) -> Law:
         """The law with the median parameters."""
-        return make_law(self.law_name, self._medians())
+        return make_law(self.law_name, self.medians)
 
     @property
-    def shape(self) -> OllgaardLaw | BilinearLaw | RationalLaw:
+    def shape(self) -> Law:
         """The law with the median parameters and without the end of the bilinear law.
 
         A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_table`).
         """
-        return make_law(self.law_name, self._medians(), ENDLESS)
-
-    def _medians(self) -> dict[str, float]:
-        return {**{name: p.median for name, p in self.population.items()}, **self.held}
+        return make_law(self.law_name, self.medians, ENDLESS)
 
     def band(self, slip: ArrayLike, share: float = 0.9) -> tuple[Array, Array]:
         """Load ratios (n,) that hold a `share` of the points of a further curve, at slips (m).
@@ -99,18 +85,10 @@ class LoadSlipFit:
         keep their correlation. Its quantiles are those of the order statistics of n curves, which
         hold a further one with the wanted probability (below 20 curves: at most the extremes).
         """
-        names = list(self.population)
-        s = np.asarray(slip, float)
-        ratios = np.array(
-            [
-                make_law(
-                    self.law_name,
-                    {**dict(zip(names, np.exp(row).tolist(), strict=True)), **self.held},
-                    ENDLESS,
-                ).ratio(s)
-                for row in self.logarithms
-            ]
-        )
+        names, s = list(self.population), np.asarray(slip, float)
+        own = [dict(zip(names, np.exp(row).tolist(), strict=True)) for row in self.logarithms]
+        laws = [make_law(self.law_name, {**each, **self.held}, ENDLESS) for each in own]
+        ratios = np.array([law.ratio(s) for law in laws])
         count = len(ratios)
         points = self.curves["points"].to_numpy(float)
         spread = self.curves["rms"].to_numpy(float)
@@ -120,20 +98,37 @@ class LoadSlipFit:
         low, high = np.quantile(scattered.reshape(-1, len(s)), [tail, 1.0 - tail], axis=0)
         return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything but the curves' rows, ready for JSON (SI)."""
+    def to_dict(self) -> Content:
+        """Everything but the curves' rows (SI)."""
+        population = {
+            name: {"median": p.estimates["median"], "profile": p.parameters["median"].profile,
+                   "bootstrap": p.parameters["median"].bootstrap, "sigma": p.sigma, "tau": p.tau}
+            for name, p in self.population.items()
+        }  # fmt: skip
         return {
             "law": self.law_name,
             "curves": len(self.curves),
             "campaigns": sorted(set(self.curves["campaign"])),
             "held": self.held,
-            "population": {name: p.to_dict() for name, p in self.population.items()},
+            "population": population,
             "median_rms": float(self.curves["rms"].median()),
             "median_rms_of_published_ollgaard": float(self.curves["published_rms"].median()),
             "median_bias_of_published_ollgaard": float(self.curves["published_bias"].median()),
-            "skipped": list(self.skipped),
-            "warnings": list(self.warnings),
+            "skipped": self.skipped,
+            "warnings": [finding.text for finding in self.findings],
         }
+
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:
+        """Judge the law and its band by unseen curves (see `judge_curves`)."""
+        return judge_curves(table, self.shape, self, confidence)
+
+    def content(self, judged: CurveJudgement | None, confidence: float = 0.9) -> Content:
+        """The fit, its curves, median and band over the slip, and how it meets unseen curves."""
+        low, high = self.band(GRID, confidence)
+        grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
+        return {
+            "fit": self.to_dict(), "curves": self.curves, "grid": grid, **judgement_content(judged)
+        }  # fmt: skip
 
 
 def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
@@ -150,14 +145,16 @@ def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
     if not kept.any():
         raise InputError("points", len(points), "hold no point of a first loading to be fitted")
     rows = points[kept]
-    return pd.DataFrame(
-        {
-            "campaign": rows["campaign"],
-            "specimen": rows["specimen"],
-            "slip": 1e-3 * rows["slip_mm"].astype(float),
-            "load": 1e3 * rows["load_kN"].astype(float),
-        }
-    )
+    slip, load = 1e-3 * rows["slip_mm"].astype(float), 1e3 * rows["load_kN"].astype(float)
+    return rows[["campaign", "specimen"]].assign(slip=slip, load=load)
+
+
+def _each(points: pd.DataFrame, *, falling: bool) -> Iterator[tuple[dict[str, str], Array, Array]]:
+    """Names, slips and loads of every curve."""
+    used = first_loading(points, falling=falling)
+    for (campaign, specimen), curve in used.groupby(["campaign", "specimen"], sort=False):
+        names = {"campaign": str(campaign), "specimen": str(specimen)}
+        yield names, curve["slip"].to_numpy(float), curve["load"].to_numpy(float)
 
 
 def fit_load_slip(
@@ -181,85 +178,152 @@ def fit_load_slip(
     """
     fixed = dict(HELD.get(law, {}) if held is None else held)
     names = tuple(name for name in parameter_names(law) if name not in fixed)
-    used = first_loading(points, falling=law == "rational")
     fits: list[CurveFit] = []
     rows: list[dict[str, object]] = []
     skipped: list[str] = []
-    for key, curve in used.groupby(["campaign", "specimen"], sort=False):
-        campaign, specimen = str(key[0]), str(key[1])
-        if len(curve) < max(least_points, len(names)):
-            skipped.append(f"{campaign} {specimen}: {len(curve)} points")
+    for name, slip, load in _each(points, falling=law == "rational"):
+        if len(slip) < max(least_points, len(names)):
+            skipped.append(f"{name['campaign']} {name['specimen']}: {len(slip)} points")
             continue
-        slip, load = curve["slip"].to_numpy(float), curve["load"].to_numpy(float)
-        fit = fit_curve(slip, load, law, loss=loss, held=fixed)
-        fits.append(fit)
-        rows.append({"campaign": campaign, "specimen": specimen, **_row(fit, slip, load)})
+        fits.append(fit_curve(slip, load, law, loss=loss, held=fixed))
+        rows.append({**name, **_row(fits[-1], slip, load)})
     if len(fits) < 2:
         raise InputError("points", len(fits), "must hold two curves or more that can be fitted")
     curves = pd.DataFrame(rows)
     logarithms = np.log([[fit.parameters[name] for name in names] for fit in fits])
-    population = {
-        name: _population(
-            logarithms[:, k], curves["campaign"].to_numpy(str), confidence, resamples, seed
-        )
-        for k, name in enumerate(names)
-    }
-    return LoadSlipFit(
-        law, curves, population, fixed, logarithms, tuple(skipped), tuple(_warnings(curves, fits))
-    )
+    how = {"confidence": confidence, "resamples": resamples, "seed": seed}
+    population = {}
+    for k, parameter in enumerate(names):
+        estimate = fit_robust(location(logarithms[:, k], curves["campaign"].to_numpy(str)))
+        population[parameter] = fitted(estimate, ("median",), **how)  # type: ignore[arg-type]
+    findings = tuple(_findings(curves))
+    return LoadSlipFit(law, curves, population, fixed, logarithms, tuple(skipped), findings)
 
 
 def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
     top = float(np.max(load))
     published_rms, published_bias = misfit(OllgaardLaw(), slip, load / top)
-    try:
-        stiffness = chord_stiffness(slip, load)
-    except OutOfDomainError:
-        stiffness = float("nan")  # both levels at one slip: the curve does not tell
     return {
         "points": fit.points, **fit.parameters, "rms": fit.rms, "bias": fit.bias,
         "published_rms": published_rms, "published_bias": published_bias,
         "strength": top, "slip_at_max": float(slip[int(np.argmax(load))]),
-        "chord_stiffness": stiffness, "near_interpolation": fit.near_interpolation,
+        "chord_stiffness": _chord(slip, load), "near_interpolation": fit.near_interpolation,
         "at_bound": ", ".join(fit.at_bound),
     }  # fmt: skip
 
 
-def _population(
-    values: Array, campaigns: Any, confidence: float, resamples: int, seed: int
-) -> Population:
-    given = problem(
-        values, campaigns, None, ("median",), [float(np.median(values))],
-        design=np.ones((len(values), 1)),
-    )  # fmt: skip
-    estimate: Estimate = fit_robust(given)
-    bootstrap = None
-    if given.campaigns >= 3:
-        drawn = bootstrap_by_campaign(
-            estimate, confidence=confidence, resamples=resamples, seed=seed
-        )
-        bootstrap = _exp(drawn["median"])
-    return Population(
-        float(np.exp(estimate.theta[0])),
-        _exp(profile_interval(estimate, "median", confidence)),
-        bootstrap, estimate.sigma, estimate.tau, scatter_intervals(estimate, confidence),
-    )  # fmt: skip
+def _chord(slip: Array, load: Array) -> float:
+    """Chord stiffness in N/m, NaN where both levels are at one slip: the curve does not tell."""
+    try:
+        return chord_stiffness(slip, load)
+    except OutOfDomainError:
+        return float("nan")
 
 
-def _exp(interval: Interval) -> Interval:
-    low, high = (None if v is None else float(np.exp(v)) for v in (interval.low, interval.high))
-    return Interval(low, high, interval.confidence, interval.method)
-
-
-def _warnings(curves: pd.DataFrame, fits: list[CurveFit]) -> list[str]:
-    result = []
-    few = int(curves["near_interpolation"].sum())
+def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
+    few, stuck = int(curves["near_interpolation"].sum()), int((curves["at_bound"] != "").sum())
     if few:
-        result.append(f"{few} of {len(fits)} curves have hardly more points than parameters")
-    stuck = int((curves["at_bound"] != "").sum())
+        text = f"{few} of {len(curves)} curves have hardly more points than parameters"
+        yield Finding("points", text)
     if stuck:
-        result.append(f"{stuck} of {len(fits)} curves rest on a bound of a parameter")
+        text = f"{stuck} of {len(curves)} curves rest on a bound of a parameter"
+        yield Finding("bounds", text)
     campaigns = curves["campaign"].nunique()
-    if campaigns < 5:
-        result.append(f"{campaigns} campaigns: the scatter between them is hardly known")
-    return result
+    if campaigns < FEW_CAMPAIGNS:
+        text = f"{campaigns} campaigns: the scatter between them is hardly known"
+        yield Finding("campaigns", text)
+
+
+@dataclass(frozen=True)
+class CurveJudgement:
+    """A law on curves that no fit has used.
+
+    `rows`, one per curve: campaign, specimen, points, rms and bias of the load over the largest
+    load, share of its points inside the band (`inside`, NaN without a band); `stiffness`, test over
+    prediction of the chord stiffness at the measured strength (None where no curve tells it);
+    `coverage`, mean of `inside` over the curves (None without a band).
+    """
+
+    rows: pd.DataFrame
+    stiffness: Judgement | None
+    coverage: float | None
+    confidence: float
+
+    @property
+    def coverage_half_width(self) -> float | None:
+        """Half-width of the interval of the coverage: curves are the observations, not points.
+
+        At least one curve more or less; None with a single curve.
+        """
+        from scipy.special import stdtrit
+
+        count = len(self.rows)
+        if self.coverage is None or count < 2:
+            return None
+        error = float(self.rows["inside"].std(ddof=1)) / np.sqrt(count)
+        width = float(stdtrit(count - 1.0, 0.5 + 0.5 * self.confidence) * error)
+        return max(width, 1.0 / count)
+
+    @property
+    def scalars(self) -> dict[str, float | None]:
+        """What a model is compared by."""
+        stiffness = None if self.stiffness is None else self.stiffness.bias
+        return {"coverage": self.coverage, "stiffness_test_over_prediction": stiffness}
+
+    @property
+    def widths(self) -> dict[str, float | None]:
+        """Half-widths of the intervals of the scalars, over curves."""
+        stiffness = None if self.stiffness is None else self.stiffness.half_width
+        return {"coverage": self.coverage_half_width, "stiffness_test_over_prediction": stiffness}
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        return {
+            "curves": len(self.rows),
+            "campaigns": sorted(set(self.rows["campaign"])),
+            "median_rms": float(self.rows["rms"].median()),
+            "coverage": self.coverage,
+            "stiffness": None if self.stiffness is None else self.stiffness.to_dict(),
+        }
+
+
+def judge_curves(
+    points: pd.DataFrame,
+    law: LoadSlipLaw,
+    fit: LoadSlipFit | None = None,
+    confidence: float = 0.9,
+) -> CurveJudgement:
+    """Judge a law by the first loading of every curve of a table (schema `POINTS`).
+
+    Arguments: `law`; the `fit` that it is the median of, whose band is judged and whose own curves
+    are refused (None: a law as published, without a band). Raises `InputError`.
+    """
+    known = [] if fit is None else fit.curves[["campaign", "specimen"]].to_numpy().tolist()
+    rows: list[dict[str, Any]] = []
+    stiffness: list[dict[str, Any]] = []
+    for name, slip, load in _each(points, falling=law.name == "rational"):
+        if list(name.values()) in known:
+            advice = "validate on curves that the fit has not seen"
+            raise InputError("validation", " ".join(name.values()), "was used for the fit", advice)
+        top = float(load.max())
+        if len(slip) < 2 or top <= 0.0:
+            continue
+        ratio = load / top
+        rms, bias = misfit(law, slip, ratio)
+        inside = float("nan")
+        if fit is not None:
+            low, high = fit.band(np.maximum(slip, 0.0), confidence)
+            inside = float(np.mean((ratio >= low) & (ratio <= high)))
+        rows.append({**name, "points": len(slip), "rms": rms, "bias": bias, "inside": inside})
+        measured = _chord(slip, load)
+        if np.isfinite(measured):
+            stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
+    if not rows:
+        raise InputError("validation", 0, "holds no curve of two points or more")
+    frame = pd.DataFrame(rows)
+    return CurveJudgement(
+        frame,
+        judge(pd.DataFrame(stiffness), confidence) if stiffness else None,
+        None if fit is None else float(frame["inside"].mean()),
+        confidence,
+    )

@@ -16,6 +16,16 @@ Array = NDArray[np.float64]
 ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318
 DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 and ACI 318
 NORMAL_WEIGHT_FROM = 2160.0  # kg/m3
+COLUMNS = {  # quantity: its column in a table of tests, and its unit there in SI
+    "diameter": ("diameter_mm", 1e-3),
+    "height": ("height_mm", 1e-3),
+    "embedment": ("embedment_mm", 1e-3),
+    "density": ("density_kg_per_m3", 1.0),
+    "ultimate_strength": ("fu_MPa", 1e6),
+    "shear": ("shear_kN", 1e3),
+    "tension": ("tension_kN", 1e3),
+    "slip_at_max": ("slip_at_max_mm", 1e-3),
+}
 
 
 def shank_area(diameter: ArrayLike) -> Array:
@@ -62,6 +72,11 @@ class Specimens:
         """Area of the shank, in m2."""
         return shank_area(self.diameter)
 
+    @property
+    def slenderness(self) -> Array:
+        """Height over diameter."""
+        return np.asarray(self.height / self.diameter)
+
     def __len__(self) -> int:
         return len(self.diameter)
 
@@ -72,26 +87,18 @@ def specimens(table: pd.DataFrame) -> Specimens:
     Where the modulus of the concrete was not measured it is 4733 sqrt(fc) MPa; with a density
     below 2160 kg/m3, 0.043 w^1.5 sqrt(fc) MPa.
     """
-    strength = _si(table, "fcm_MPa", 1e6)
-    measured = _si(table, "Ecm_MPa", 1e6)
-    density = _si(table, "density_kg_per_m3", 1.0)
-    light = density < NORMAL_WEIGHT_FROM
-    modulus = np.where(light, concrete_modulus(strength, density), concrete_modulus(strength))
-    known = np.isfinite(measured)
+    known = {name: _si(table, column, unit) for name, (column, unit) in COLUMNS.items()}
+    strength, measured = _si(table, "fcm_MPa", 1e6), _si(table, "Ecm_MPa", 1e6)
+    light = known["density"] < NORMAL_WEIGHT_FROM
+    computed = concrete_modulus(strength, known["density"])
+    modulus = np.where(light, computed, concrete_modulus(strength))
     return Specimens(
         campaign=table["campaign"].to_numpy(object),
         specimen=table["specimen"].to_numpy(object),
-        diameter=_si(table, "diameter_mm", 1e-3),
-        height=_si(table, "height_mm", 1e-3),
-        embedment=_si(table, "embedment_mm", 1e-3),
         concrete_strength=strength,
-        concrete_modulus=np.where(known, measured, modulus),
-        modulus_measured=known,
-        density=density,
-        ultimate_strength=_si(table, "fu_MPa", 1e6),
-        shear=_si(table, "shear_kN", 1e3),
-        tension=_si(table, "tension_kN", 1e3),
-        slip_at_max=_si(table, "slip_at_max_mm", 1e-3),
+        concrete_modulus=np.where(np.isfinite(measured), measured, modulus),
+        modulus_measured=np.isfinite(measured),
+        **known,
     )
 
 
@@ -111,11 +118,9 @@ def undamaged_headed_studs(table: pd.DataFrame) -> pd.DataFrame:
         "use_for_fit is 0": table["use_for_fit"] == 1.0,
         "another connector than a headed stud": table["connector"] == HEADED,
         "after pre-damage": table["predamage"] == NO_PREDAMAGE,
-        "no shear_kN": np.isfinite(table["shear_kN"].to_numpy(float)),
+        "no shear_kN": np.isfinite(table["shear_kN"].astype(float)),
     }
-    kept = np.ones(len(table), bool)
-    for condition in conditions.values():
-        kept &= np.asarray(condition)
+    kept = np.logical_and.reduce([np.asarray(each) for each in conditions.values()])
     if not kept.any():
         lost = "; ".join(f"{name}: {int((~np.asarray(c)).sum())}" for name, c in conditions.items())
         raise InputError("table", f"{len(table)} rows", f"holds no undamaged headed stud ({lost})")

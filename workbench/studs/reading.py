@@ -1,4 +1,8 @@
-"""Read tables of tests from CSV files; every bad row is named by file, line, column and reason."""
+"""Read tables of tests from CSV files; every bad row is named by file, line, column and reason.
+
+The one path by which a table enters: lines, header, cells by the schema, rows by `row_findings`,
+and what must not repeat between rows.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,8 @@ import csv
 import difflib
 import io
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,7 +19,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.studs.checks import row_findings
+from workbench.studs.checks import Row, row_findings
 from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Table
 
 LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
@@ -38,20 +42,16 @@ class Problem:
     reason: str
     advice: str = ""
 
-    @property
-    def place(self) -> str:
-        """File, line and column."""
-        return f"{self.file}, line {self.line}" + (f", column {self.column}" if self.column else "")
-
     def error(self, others: tuple[int, ...] = ()) -> InputError:
         """The problem as an error; `others`, lines of further problems to mention."""
-        advice = self.advice
+        place = f"{self.file}, line {self.line}" + (f", column {self.column}" * bool(self.column))
+        mention = ""
         if others:
             lines = ", ".join(str(line) for line in others[:_SHOWN])
             more = f" and {len(others) - _SHOWN} more" if len(others) > _SHOWN else ""
             mention = f"also look at line{'s' if len(others) > 1 else ''} {lines}{more}"
-            advice = f"{advice}; {mention}" if advice else mention
-        return InputError(self.place, self.value, self.reason, advice)
+        advice = "; ".join(text for text in (self.advice, mention) if text)
+        return InputError(place, self.value, self.reason, advice)
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,19 @@ def read_tests(path: str | Path, *, keep_good: bool = False) -> pd.DataFrame:
     return examination.rows if keep_good else examination.accept()
 
 
-def read_points(path: str | Path, *, keep_good: bool = False) -> pd.DataFrame:
+def read_points(path: str | Path) -> pd.DataFrame:
     """Table of points of load-slip curves (schema `POINTS`); see `read_tests`."""
-    examination = examine(path, POINTS)
-    return examination.rows if keep_good else examination.accept()
+    return examine(path, POINTS).accept()
+
+
+def read_text(text: str, table: Table, name: str = "table") -> Examination:
+    """Examine a table given as text (see `examine`)."""
+    return _examine(_lines(io.BytesIO(text.encode()), name), name, table)
+
+
+def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.DataFrame:
+    """A data frame made elsewhere, checked and completed by a schema (see `read_tests`)."""
+    return read_text(frame.to_csv(index=False), table, name).accept()
 
 
 def examine(path: str | Path, table: Table) -> Examination:
@@ -113,141 +122,121 @@ def examine(path: str | Path, table: Table) -> Examination:
 def _lines(stream: BinaryIO, name: str) -> Iterator[str]:
     """Decoded lines; refuses early what is no text, has no line ends or does not stop."""
     total = 0
-    number = 0
-    while block := stream.readline(LONGEST_LINE + 1):
-        number += 1
+    save = "save the table as CSV (UTF-8)"
+    for number, block in enumerate(iter(lambda: stream.readline(LONGEST_LINE + 1), b""), start=1):
         total += len(block)
         place = f"{name}, line {number}"
         if b"\0" in block:
-            raise InputError(
-                place, block[:20], "is binary data, not text", "save the table as CSV (UTF-8)"
-            )
+            raise InputError(place, block[:20], "is binary data, not text", save)
         if len(block) > LONGEST_LINE:
-            raise InputError(
-                place, block[:20], f"has more than {LONGEST_LINE} characters",
-                "one row stands on one line",
-            )  # fmt: skip
+            reason = f"has more than {LONGEST_LINE} characters"
+            raise InputError(place, block[:20], reason, "one row stands on one line")
         if total > LARGEST_FILE:  # a pipe has no size to check beforehand
             raise InputError(place, total, f"the file exceeds {LARGEST_FILE / 1e6:.0f} MB")
         try:
             text = block.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as error:
-            raise InputError(
-                place, block[error.start : error.start + 4], "is not UTF-8 text",
-                "save the table as CSV (UTF-8)",
-            ) from error  # fmt: skip
+            wrong = block[error.start : error.start + 4]
+            raise InputError(place, wrong, "is not UTF-8 text", save) from error
         yield text
 
 
 def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
     reader = csv.reader(lines, strict=True)
+    rows: list[Row] = []
+    problems: list[Problem] = []
+    seen = _Seen(table)
     try:
-        header = next(reader, None)
-        columns = _columns(header, name, table)
-        rows: list[dict[str, object]] = []
-        problems: list[Problem] = []
-        seen: dict[tuple[str, ...], int] = {}
-        spelling: dict[str, tuple[str, int]] = {}
+        columns = _columns(next(reader, None), name, table)
         for cells in reader:
             line = reader.line_num
             if len(rows) + len(problems) >= MOST_ROWS:
-                raise InputError(
-                    f"{name}, line {line}", "", f"the table has more than {MOST_ROWS} rows"
-                )
+                reason = f"the table has more than {MOST_ROWS} rows"
+                raise InputError(f"{name}, line {line}", "", reason)
             if not any(cell.strip() for cell in cells):
                 continue  # an empty line
-            row, found = _row(cells, columns, name, line)
+            row, found = _row(cells, columns)
+            found = found or list(row_findings(row, table.name)) or list(seen.repeated(row, line))
+            problems.extend(Problem(name, line, *finding) for finding in found)
             if not found:
-                found = [Problem(name, line, *finding) for finding in row_findings(row, table.name)]
-            if not found and table.key:
-                key = tuple(str(row[part]).casefold() for part in table.key)
-                if key in seen:
-                    label = ", ".join(str(row[part]) for part in table.key)
-                    found = [
-                        Problem(name, line, table.key[-1], label, f"stands in line {seen[key]} too",
-                                "every specimen of a campaign has its own name")
-                    ]  # fmt: skip
-                else:
-                    seen[key] = line
-            if not found and "campaign" in row:
-                campaign = str(row["campaign"])
-                spelled, first = spelling.setdefault(campaign.casefold(), (campaign, line))
-                if campaign != spelled:
-                    found = [
-                        Problem(name, line, "campaign", campaign,
-                                f"is spelled {spelled} in line {first}",
-                                "one campaign has one spelling: scatter between campaigns counts")
-                    ]  # fmt: skip
-            if found:
-                problems.extend(found)
-            else:
                 rows.append(row)
     except csv.Error as error:
-        raise InputError(
-            f"{name}, line {reader.line_num}", "", f"is not valid CSV: {error}",
-            "look for a quotation mark that is not closed",
-        ) from error  # fmt: skip
+        place, reason = f"{name}, line {reader.line_num}", f"is not valid CSV: {error}"
+        advice = "look for a quotation mark that is not closed"
+        raise InputError(place, "", reason, advice) from error
     if not rows and not problems:
         raise InputError(name, "only a header", "must hold one row or more")
     return Examination(_frame(rows, columns, table), tuple(problems))
 
 
+Found = tuple[str, object, str, str]  # column, value, reason, advice
+
+
+@dataclass
+class _Seen:
+    """What the rows before have named: keys, and the spelling of every campaign."""
+
+    table: Table
+    lines: dict[tuple[str, ...], int] = field(default_factory=dict)
+    spelling: dict[str, tuple[str, int]] = field(default_factory=dict)
+
+    def repeated(self, row: Row, line: int) -> Iterator[Found]:
+        """A specimen that stands twice, or else a campaign in another spelling."""
+        key = tuple(str(row[part]) for part in self.table.key)
+        first = self.lines.setdefault(tuple(part.casefold() for part in key), line)
+        if key and first != line:
+            advice = "every specimen of a campaign has its own name"
+            yield self.table.key[-1], ", ".join(key), f"stands in line {first} too", advice
+            return
+        campaign = str(row["campaign"])
+        spelled, first = self.spelling.setdefault(campaign.casefold(), (campaign, line))
+        if campaign != spelled:
+            advice = "one campaign has one spelling: scatter between campaigns counts"
+            yield "campaign", campaign, f"is spelled {spelled} in line {first}", advice
+
+
 def _columns(header: list[str] | None, name: str, table: Table) -> list[Column | str]:
+    """The column of the schema, or the name of the user's own, at every place of the header."""
     place = f"{name}, line 1"
     if header is None or not any(cell.strip() for cell in header):
         raise InputError(name, "", "is empty", "the first line names the columns")
-    if len(header) == 1:
-        for separator, word in ((";", "semicolons"), ("\t", "tabulators")):
-            if separator in header[0]:
-                raise InputError(
-                    place, header[0], f"columns are separated by {word}",
-                    "separate them by commas, and write decimal points",
-                )  # fmt: skip
+    for separator, word in ((";", "semicolons"), ("\t", "tabulators")):
+        if len(header) == 1 and separator in header[0]:
+            reason = f"columns are separated by {word}"
+            advice = "separate them by commas, and write decimal points"
+            raise InputError(place, header[0], reason, advice)
     names = [cell.strip() for cell in header]
-    known = table.names
-    columns: list[Column | str] = []
     for position, column in enumerate(names, start=1):
         if not column:
             raise InputError(place, column, f"column {position} has no name")
         if names.count(column) > 1:
             raise InputError(place, column, "the column stands twice")
-        if column.startswith(EXTRA):
-            columns.append(column)
-        elif column in known:
-            columns.append(table.column(column))
-        else:
-            near = difflib.get_close_matches(column, known, 1, 0.5)
+        if not column.startswith(EXTRA) and column not in table.names:
+            near = difflib.get_close_matches(column, table.names, 1, 0.5)
             advice = f"did you mean {near[0]}? " if near else ""
-            raise InputError(
-                place, column, "unknown column",
-                f"{advice}columns of your own begin with {EXTRA}",
-            )  # fmt: skip
-    missing = [c.name for c in table.columns if c.required and c.name not in names]
+            advice += f"columns of your own begin with {EXTRA}"
+            raise InputError(place, column, "unknown column", advice)
+    missing = ", ".join(c.name for c in table.columns if c.filled and c.name not in names)
     if missing:
-        raise InputError(
-            place, ", ".join(missing), "required column missing", "units belong to the name"
-        )
-    return columns
+        raise InputError(place, missing, "required column missing", "units belong to the name")
+    return [name if name.startswith(EXTRA) else table.column(name) for name in names]
 
 
-def _row(
-    cells: list[str], columns: list[Column | str], name: str, line: int
-) -> tuple[dict[str, object], list[Problem]]:
+def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[Found]]:
     if len(cells) != len(columns):
         reason = f"has {len(cells)} cells where the header has {len(columns)}"
         advice = "put a text with commas in quotation marks, and write decimal points: 19.05"
-        return {}, [Problem(name, line, "", ",".join(cells), reason, advice)]
-    row: dict[str, object] = {}
-    found: list[Problem] = []
+        return {}, [("", ",".join(cells), reason, advice)]
+    row: Row = {}
+    found: list[Found] = []
     for cell, column in zip(cells, columns, strict=True):
-        text = cell.strip()
         if isinstance(column, str):
-            row[column] = text
+            row[column] = cell.strip()
             continue
         try:
-            row[column.name] = _cell(text, column)
+            row[column.name] = _cell(cell.strip(), column)
         except InputError as error:
-            found.append(Problem(name, line, column.name, error.value, error.allowed, error.advice))
+            found.append((column.name, error.value, error.allowed, error.advice))
     return row, found
 
 
@@ -255,49 +244,28 @@ def _cell(text: str, column: Column) -> object:
     if not text:
         if column.filled:
             raise InputError(column.name, text, "must not be empty")
-        if column.is_number:
-            return float(column.default) if column.default else float("nan")
-        return column.default
+        return column.blank
     if not isinstance(column.rule, Number):
         return column.rule.check(column.name, text)
     if not _NUMBER.fullmatch(text):
-        allowed = column.rule.allowed()
         advice = "write the number alone: no unit, no words"
         parts = text.split(",")
         if len(parts) == 2 and all(part.lstrip("-").isdigit() for part in parts):
             advice = f"write a decimal point: {parts[0]}.{parts[1]}"
-        raise InputError(column.name, text, allowed, advice)
+        raise InputError(column.name, text, column.rule.allowed(), advice)
     return float(column.rule.check(column.name, float(text)))
 
 
-def _frame(
-    rows: list[dict[str, object]], columns: list[Column | str], table: Table
-) -> pd.DataFrame:
+def _frame(rows: list[Row], columns: Iterable[Column | str], table: Table) -> pd.DataFrame:
     """All columns of the schema in its order, then the user's own."""
-    present = {column.name for column in columns if isinstance(column, Column)}
-    data: dict[str, object] = {}
-    for column in table.columns:
-        if column.name in present:
-            values = [row[column.name] for row in rows]
-        else:
-            values = [_cell("", _optional(column)) for _ in rows]
-        dtype = float if column.is_number else object
-        data[column.name] = pd.Series(values, dtype=dtype)
-    for extra in columns:
-        if isinstance(extra, str):
-            data[extra] = pd.Series([row[extra] for row in rows], dtype=object)
-    return pd.DataFrame(data)
-
-
-def _optional(column: Column) -> Column:
-    return Column(column.name, column.meaning, column.rule, default=column.default)
-
-
-def read_text(text: str, table: Table, name: str = "table") -> Examination:
-    """Examine a table given as text (see `examine`)."""
-    return _examine(_lines(io.BytesIO(text.encode()), name), name, table)
-
-
-def from_frame(frame: pd.DataFrame, table: Table, name: str = "table") -> pd.DataFrame:
-    """A data frame made elsewhere, checked and completed by a schema (see `read_tests`)."""
-    return read_text(frame.to_csv(index=False), table, name).accept()
+    data = {
+        column.name: pd.Series(
+            [row.get(column.name, column.blank) for row in rows],
+            dtype=float if isinstance(column.rule, Number) else object,
+        )
+        for column in table.columns
+    }
+    own = (column for column in columns if isinstance(column, str))
+    return pd.DataFrame(
+        {**data, **{name: pd.Series([row[name] for row in rows], dtype=object) for name in own}}
+    )

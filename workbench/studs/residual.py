@@ -6,27 +6,31 @@ the prediction of the mechanical model, and its grade says that nothing has vali
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
+from workbench.responses import Finding
+from workbench.studs.fitting import (
+    Content,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    judged_rows,
+    judgement_content,
+)
 from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.choice import Score, choose, score_relations
-from workbench.studs.statistics.intervals import (
-    Interval,
-    bootstrap_by_campaign,
-    profile_interval,
-)
-from workbench.studs.statistics.mixed import Estimate, fit_robust
+from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, predictive_quantile
 from workbench.studs.statistics.problem import Problem, problem
 
@@ -35,6 +39,7 @@ QUANTITIES = {
     "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
 }
 ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
+LEVELS = np.linspace(0.0, 1.0, 41)  # of damage, at which the curve is given
 
 
 class Grade(StrEnum):
@@ -50,28 +55,28 @@ class Grade(StrEnum):
 class ResidualFit:
     """What is left of `quantity` after a kind of `predamage` with levels of one `measure`.
 
-    `relation` chosen; `parameters` with profile intervals (and bootstrap ones from three campaigns
-    on); scatters `sigma`, `tau` of the ratio; `scores` of all candidates; `grade`; `levels`
-    covered; `rows` behind it; `warnings`. Without tests `estimate` is None.
+    `relation` chosen; `fitted`, its parameters and the scatters of the ratio (None without tests:
+    a prediction); `scores` of all candidates; `grade`; `levels` covered; `rows` behind it;
+    `mechanical`, the prediction that is a candidate or the answer; `findings`.
     """
 
     quantity: str
     predamage: str
     measure: str
     relation: Relation
-    parameters: dict[str, float]
-    profile: dict[str, Interval]
-    bootstrap: dict[str, Interval]
-    sigma: float | None
-    tau: float | None
+    fitted: Fitted | None
     scores: tuple[Score, ...]
     grade: Grade
     levels: tuple[float, float]
     rows: pd.DataFrame
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     identity: RowIdentity
-    estimate: Estimate | None
     mechanical: MechanicalCurve | None
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Parameters of the relation."""
+        return {} if self.fitted is None else self.fitted.estimates
 
     def left(self, level: ArrayLike) -> Array:
         """Median ratio (n,) that is left at damage levels (n,)."""
@@ -83,44 +88,34 @@ class ResidualFit:
         None where tests of fewer than three campaigns do not allow a prediction.
         """
         d = np.asarray(level, float)
-        if self.estimate is None:
+        if self.fitted is None:
             assert self.mechanical is not None
-            low, high = (
-                np.interp(d, self.mechanical.level, side, right=np.nan)
-                for side in (self.mechanical.low, self.mechanical.high)
-            )
+            sides = (self.mechanical.low, self.mechanical.high)
+            low, high = (np.interp(d, self.mechanical.level, s, right=np.nan) for s in sides)
             return low, high
-        if self.estimate.problem.campaigns < LEAST_CAMPAIGNS or self.estimate.at_bound.any():
+        estimate = self.fitted.estimate
+        if estimate.problem.campaigns < LEAST_CAMPAIGNS or self.fitted.at_bound:
             return None
-        held = _problem(
-            np.zeros(len(d)), d, np.array(["new"] * len(d)), self.relation, fitted=False
-        )
-        low, high = (
-            predictive_quantile(self.estimate, held, 0.5 + sign * 0.5 * share)
-            for sign in (-1.0, 1.0)
-        )
+        held = _problem(np.zeros(len(d)), d, ["new"] * len(d), self.relation, fitted=False)
+        parts = (0.5 - 0.5 * share, 0.5 + 0.5 * share)
+        low, high = (predictive_quantile(estimate, held, part) for part in parts)
         return np.maximum(low, 0.0), high
 
-    def refuse_seen(self, table: pd.DataFrame) -> None:
-        """Refuse tests that the fit has used. Raises `InputError`."""
-        self.identity.refuse_overlap(table)
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
+        """Hold what is predicted to be left against tests that the fit has not used.
 
-    def validate(self, table: pd.DataFrame) -> ResidualValidation:
-        """Hold the relation against unseen tests after the same pre-damage.
-
-        Raises `InputError` when a row was used for the fit, also under another name.
+        Raises `InputError` when there are none, or a row was used for the fit.
         """
         rows = damaged_rows(table, self.quantity, self.predamage, self.measure)
         if rows.empty:
-            raise InputError("table", len(table), f"holds no test after {self.predamage}")
-        self.refuse_seen(rows)
-        error = rows["ratio"].to_numpy(float) - self.left(rows["level"].to_numpy(float))
-        return ResidualValidation(
-            len(rows), float(np.mean(error)), float(np.sqrt(np.mean(error**2)))
-        )
+            raise InputError("validation", 0, f"holds no test after {self.predamage}")
+        self.identity.refuse_overlap(rows)
+        predicted = self.left(rows["level"].to_numpy(float))
+        return judge(judged_rows(rows, rows["ratio"], predicted, "level"), confidence)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything but the rows, ready for JSON."""
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        own = self.fitted
         return {
             "quantity": self.quantity,
             "predamage": self.predamage,
@@ -128,30 +123,31 @@ class ResidualFit:
             "relation": self.relation.name,
             "formula": self.relation.formula,
             "parameters": self.parameters,
-            "profile": {name: each.to_dict() for name, each in self.profile.items()},
-            "bootstrap": {name: each.to_dict() for name, each in self.bootstrap.items()},
-            "sigma": self.sigma,
-            "tau": self.tau,
-            "scores": [each.to_dict() for each in self.scores],
+            **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
+            "sigma": None if own is None else own.estimate.sigma,
+            "tau": None if own is None else own.estimate.tau,
+            "scores": self.scores,
             "grade": str(self.grade),
-            "levels": list(self.levels),
+            "levels": self.levels,
             "tests": len(self.rows),
             "campaigns": sorted(self.identity.campaigns),
-            "warnings": list(self.warnings),
+            "warnings": [finding.text for finding in self.findings],
         }
 
-
-@dataclass(frozen=True, slots=True)
-class ResidualValidation:
-    """A relation on unseen tests: `count`, mean error and root mean square of the ratio."""
-
-    count: int
-    bias: float
-    rms: float
-
-    def to_dict(self) -> dict[str, object]:
-        """All values by name."""
-        return asdict(self)
+    def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
+        """The fit, its tests, what is left over the damage, and how it meets unseen tests."""
+        low, high = self.band(LEVELS, confidence) or (None, None)
+        curve = self.mechanical
+        names = ("level", "ratio", "low", "high", "basis")
+        columns = ["campaign", "specimen", "level", "ratio", "origin"]
+        return {
+            "fit": self.to_dict(),
+            "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
+            "curve": {"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
+            "tests": self.rows.reindex(columns=columns),
+            "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
+            **judgement_content(judged),
+        }
 
 
 def damaged_rows(
@@ -167,26 +163,21 @@ def damaged_rows(
         raise InputError("quantity", quantity, "must be one of " + ", ".join(QUANTITIES))
     column, reference = QUANTITIES[quantity]
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
-    if predamage is not None:
-        damaged &= table["predamage"] == predamage
-    if measure is not None:
-        damaged &= table["predamage_measure"] == measure
-    value = table[column].astype(float)
-    own = table[reference].astype(float)
+    for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
+        if wanted is not None:
+            damaged &= table[name] == wanted
     undamaged = table[table["predamage"] == NO_PREDAMAGE]
     means = undamaged.groupby(["campaign", "diameter_mm"])[column].mean()
     keys = pd.MultiIndex.from_frame(table[["campaign", "diameter_mm"]])
     companion = pd.Series(means.reindex(keys).to_numpy(float), index=table.index)
-    ratio = value / own.fillna(companion)
+    ratio = table[column].astype(float) / table[reference].astype(float).fillna(companion)
     rows = table.assign(level=table["predamage_level"].astype(float), ratio=ratio)
     rows = rows[damaged & np.isfinite(ratio)]
     for name, advice in (("predamage", "predamage="), ("predamage_measure", "measure=")):
         words = sorted(set(rows[name]))
         if len(words) > 1:
-            raise InputError(
-                name, ", ".join(words), "different kinds of damage do not share one relation",
-                f"choose one with {advice}",
-            )  # fmt: skip
+            reason = "different kinds of damage do not share one relation"
+            raise InputError(name, ", ".join(words), reason, f"choose one with {advice}")
     return rows.reset_index(drop=True)
 
 
@@ -216,34 +207,23 @@ def fit_residual(
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = _candidates(candidates, mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
-    campaigns = rows["campaign"].to_numpy(str)
-    problems = {r.name: _problem(y, level, campaigns, r) for r in relations}
+    problems = {r.name: _problem(y, level, rows["campaign"], r) for r in relations}
     scores = score_relations(problems)
     chosen = next(r for r in relations if r.name == choose(scores).name)
     estimate = fit_robust(problems[chosen.name], loss)
-    names = chosen.parameters
-    many = estimate.problem.campaigns >= LEAST_CAMPAIGNS and names
+    found = fitted(estimate, confidence=confidence, resamples=resamples, seed=seed)
     return ResidualFit(
         quantity=quantity,
         predamage=str(rows["predamage"].iloc[0]),
         measure=str(rows["predamage_measure"].iloc[0]),
         relation=chosen,
-        parameters={name: estimate.parameter(name) for name in names},
-        profile={name: profile_interval(estimate, name, confidence) for name in names},
-        bootstrap=bootstrap_by_campaign(
-            estimate, confidence=confidence, resamples=resamples, seed=seed
-        )
-        if many
-        else {},
-        sigma=estimate.sigma,
-        tau=estimate.tau,
+        fitted=found,
         scores=tuple(scores),
         grade=_grade(rows),
         levels=(float(level.min()), float(level.max())),
         rows=rows,
-        warnings=tuple(_warnings(rows, estimate, chosen)),
+        findings=tuple(_findings(rows, found, chosen)),
         identity=identity_of(rows),
-        estimate=estimate,
         mechanical=mechanical,
     )
 
@@ -256,26 +236,35 @@ def _predicted(
     measure: str | None,
 ) -> ResidualFit:
     asked = " ".join(word for word in (predamage, measure) if word)
+    nothing = f"holds no test after pre-damage {asked}".rstrip()
+    where = ("table", f"{len(table)} rows", nothing)
     if mechanical is None:
-        raise InputError(
-            "table", f"{len(table)} rows", f"holds no test after pre-damage {asked}".rstrip(),
-            "give a table with such rows, or the prediction of the mechanical model",
-        )  # fmt: skip
+        advice = "give a table with such rows, or the prediction of the mechanical model"
+        raise InputError(*where, advice)
     for wanted, predicted in ((predamage, mechanical.predamage), (measure, mechanical.measure)):
-        if wanted is not None and wanted != predicted:
-            raise InputError(
-                "table", f"{len(table)} rows", f"holds no test after pre-damage {asked}",
-                f"the mechanical model predicts {mechanical.predamage}, {mechanical.measure} only",
-            )  # fmt: skip
+        if wanted not in (None, predicted):
+            advice = "the mechanical model predicts "
+            raise InputError(*where, f"{advice}{mechanical.predamage}, {mechanical.measure} only")
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
+    none = table.iloc[:0]
     return ResidualFit(
-        quantity, mechanical.predamage, mechanical.measure, mechanical.relation(), {}, {}, {},
-        None, None, (), Grade.MECHANICAL,
-        (float(mechanical.level[0]), float(mechanical.level[-1])),
-        table.iloc[:0], (_why_none(table, quantity), mechanical.basis),
-        identity_of(table.iloc[:0]), None, mechanical,
-    )  # fmt: skip
+        quantity=quantity,
+        predamage=mechanical.predamage,
+        measure=mechanical.measure,
+        relation=mechanical.relation(),
+        fitted=None,
+        scores=(),
+        grade=Grade.MECHANICAL,
+        levels=(float(mechanical.level[0]), float(mechanical.level[-1])),
+        rows=none,
+        findings=(
+            Finding("evidence", _why_none(table, quantity)),
+            Finding("evidence", mechanical.basis),
+        ),
+        identity=identity_of(none),
+        mechanical=mechanical,
+    )
 
 
 def _why_none(table: pd.DataFrame, quantity: str) -> str:
@@ -296,26 +285,23 @@ def _candidates(
         if name not in RELATIONS:
             raise InputError("candidates", name, "must be one of " + ", ".join(RELATIONS))
     result = [RELATIONS[name] for name in names]
-    if mechanical is None or mechanical.quantity != quantity:
-        return result
     comparable = (
-        mechanical.predamage == rows["predamage"].iloc[0]
+        mechanical is not None
+        and mechanical.quantity == quantity
+        and mechanical.predamage == rows["predamage"].iloc[0]
         and mechanical.measure == rows["predamage_measure"].iloc[0]
         and float(rows["level"].max()) <= mechanical.level[-1]
     )
-    return [*result, mechanical.relation()] if comparable else result
+    return [*result, mechanical.relation()] if mechanical and comparable else result
 
 
 def _problem(
-    y: Array, level: Array, campaigns: Any, relation: Relation, *, fitted: bool = True
+    y: Array, level: Array, campaigns: ArrayLike, relation: Relation, *, fitted: bool = True
 ) -> Problem:
-    def predict(theta: Array) -> Array:
-        return relation(level, theta)
-
     return problem(
         y,
         campaigns,
-        predict,
+        lambda theta: relation(level, theta),
         relation.parameters,
         relation.start,
         lower=np.array(relation.lower),
@@ -330,25 +316,20 @@ def _grade(rows: pd.DataFrame) -> Grade:
     return Grade.CROSS_VALIDATED if len(set(rows["campaign"])) > 1 else Grade.ONE_CAMPAIGN
 
 
-def _warnings(rows: pd.DataFrame, estimate: Estimate, relation: Relation) -> list[str]:
-    result = []
+def _findings(rows: pd.DataFrame, found: Fitted, relation: Relation) -> Iterator[Finding]:
     synthetic = int((rows["origin"] == "synthetic").sum())
     if synthetic:
-        result.append(f"{synthetic} of {len(rows)} rows are synthetic")
+        yield Finding("evidence", f"{synthetic} of {len(rows)} rows are synthetic")
     campaigns = rows["campaign"].nunique()
     if campaigns == 1:
-        result.append(
-            "one campaign: the relation was chosen by leaving out specimens, not campaigns"
-        )
+        text = "one campaign: the relation was chosen by leaving out specimens, not campaigns"
+        yield Finding("campaigns", text)
     elif campaigns < LEAST_CAMPAIGNS:
-        result.append("two campaigns: no band for a new campaign")
-    stuck = [n for n, at in zip(relation.parameters, estimate.at_bound, strict=True) if at]
-    if stuck:
-        result.append(f"parameters on a bound: {', '.join(stuck)}")
+        yield Finding("campaigns", "two campaigns: no band for a new campaign")
+    if found.at_bound:
+        yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
     fatigue = rows["predamage"].iloc[0] == "fatigue"
-    theta = list(estimate.theta)
-    if fatigue and float(relation(ONSET_OF_FATIGUE_LOSS, theta)) >= 1.0:
-        result.append(
-            "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag (2007)"
-        )
-    return result
+    left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))
+    if fatigue and left >= 1.0:
+        text = "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag"
+        yield Finding("fatigue", f"{text} (2007)")

@@ -1,20 +1,17 @@
-"""EN 1994-1-1 Annex B.2 on the rows of a table: one series of nominally equal push tests."""
+"""EN 1994-1-1 Annex B.2 on the rows of a table: series of nominally equal push tests."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from workbench.errors import InputError
-from workbench.studs.quantities import undamaged_headed_studs
+from workbench.studs.quantities import Array, undamaged_headed_studs
 from workbench.studs.statistics.annex_b import AnnexB, evaluate_series
 
 EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fcm_MPa", "fu_MPa")
-
-Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Series(NamedTuple):
@@ -24,6 +21,11 @@ class Series(NamedTuple):
     tests: int
     result: AnnexB | None
     refusal: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        result = None if self.result is None else self.result.to_dict()
+        return {**self._asdict(), "result": result}
 
 
 def evaluate_groups(
@@ -39,25 +41,22 @@ def evaluate_groups(
     `InputError` for a table without undamaged headed studs.
     """
     rows = undamaged_headed_studs(table)
-    curved: set[tuple[str, str]] = set()
-    if points is not None:
-        curved = set(zip(points["campaign"], points["specimen"], strict=True))
+    curved = set() if points is None else set(_names(points))
     result = []
     for _, group in rows.groupby(list(EQUAL), sort=False, dropna=False):
-        own = set(zip(group["campaign"], group["specimen"], strict=True))
         first = group.iloc[0]
         words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
         words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
+        found, why = None, ""
         try:
-            found: AnnexB | None = evaluate_table(
+            found = evaluate_table(
                 group,
-                points if own <= curved else None,
+                points if set(_names(group)) <= curved else None,
                 specified_strength=specified_strength,
                 partial_factor=partial_factor,
             )
-            why = ""
         except InputError as error:
-            found, why = None, f"{error.allowed}; {error.advice}" if error.advice else error.allowed
+            why = f"{error.allowed}; {error.advice}" if error.advice else error.allowed
         result.append(Series(", ".join(words), len(group), found, why))
     return result
 
@@ -80,30 +79,28 @@ def evaluate_table(
     for column in EQUAL:
         values = sorted(set(rows[column].astype(str)))
         if len(values) > 1:
-            raise InputError(
-                column,
-                ", ".join(values),
-                "differs: a series of Annex B has nominally equal tests",
-                "choose the rows of one kind",
-            )
+            reason = "differs: a series of Annex B has nominally equal tests"
+            raise InputError(column, ", ".join(values), reason, "choose the rows of one kind")
     measured = float(rows["fu_MPa"].iloc[0])
     if not np.isfinite(measured):
         raise InputError("fu_MPa", None, "must be given: P_Rd is related to the measured strength")
-    curves = [] if points is None else [_curve(points, row) for _, row in rows.iterrows()]
     return evaluate_series(
         1e3 * rows["shear_kN"].to_numpy(float),
         specified_strength=specified_strength,
         measured_strength=1e6 * measured,
-        curves=curves,
+        curves=[] if points is None else [_curve(points, *name) for name in _names(rows)],
         partial_factor=partial_factor,
     )
 
 
-def _curve(points: pd.DataFrame, row: pd.Series) -> Curve:
-    own = (points["campaign"] == row["campaign"]) & (points["specimen"] == row["specimen"])
-    own &= points["branch"] != "low-load reading"
-    if not own.any():
-        name = f"{row['campaign']} {row['specimen']}"
-        raise InputError("points", name, "has no curve", "give the curves of all tests, or none")
-    curve = points[own]
-    return 1e-3 * curve["slip_mm"].to_numpy(float), 1e3 * curve["load_kN"].to_numpy(float)
+def _names(table: pd.DataFrame) -> list[tuple[str, str]]:
+    return list(zip(table["campaign"], table["specimen"], strict=True))
+
+
+def _curve(points: pd.DataFrame, campaign: str, specimen: str) -> tuple[Array, Array]:
+    own = points[(points["campaign"] == campaign) & (points["specimen"] == specimen)]
+    own = own[own["branch"] != "low-load reading"]
+    if own.empty:
+        advice = "give the curves of all tests, or none"
+        raise InputError("points", f"{campaign} {specimen}", "has no curve", advice)
+    return 1e-3 * own["slip_mm"].to_numpy(float), 1e3 * own["load_kN"].to_numpy(float)

@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.responses import Finding
 from workbench.studs.quantities import Array, Specimens, shank_area
 
 LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 EN1994_PARTIAL_FACTOR = 1.25
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1
-KSI, KIP, INCH = 6.894757e6, 4448.222, 0.0254  # Pa, N, m
 
 
 class Level(StrEnum):
@@ -100,31 +100,23 @@ class ShearModel:
 
         NaN where a value that the formula needs was not reported.
         """
-        return self.resistance(
-            tests.diameter,
-            tests.height,
-            tests.concrete_strength,
-            tests.concrete_modulus,
-            tests.ultimate_strength,
-        )
+        return np.minimum(*self.terms(tests))
 
-    def governed_by_steel(self, tests: Specimens) -> NDArray[np.bool_]:
-        """Whether the steel term governs (n,)."""
-        steel = self.steel(tests.diameter, tests.ultimate_strength)
-        concrete = self.concrete(
-            tests.diameter, tests.height, tests.concrete_strength, tests.concrete_modulus
-        )
-        return np.asarray(steel < concrete)
+    def terms(self, tests: Specimens) -> tuple[Array, Array]:
+        """Steel and concrete term (n,) each of tested specimens, in N."""
+        d, strength = tests.diameter, tests.concrete_strength
+        concrete = self.concrete(d, tests.height, strength, tests.concrete_modulus)
+        return self.steel(d, tests.ultimate_strength), concrete
 
-    def findings(self, tests: Specimens) -> list[str]:
-        """Sentences on tests outside the range that the code states; empty when all are in."""
-        rules = _RANGES.get(self.name.removesuffix("-mean"), ())
+    def findings(self, tests: Specimens) -> list[Finding]:
+        """Tests outside the range that the code states; empty when all are in."""
         result = []
-        for quantity, low, high, words in rules:
-            values = _quantity(tests, quantity)
+        for quantity, low, high, words in _RANGES.get(self.name, ()):
+            values = getattr(tests, quantity)
             outside = int(np.sum((values < low) | (values > high)))
             if outside:
-                result.append(f"{outside} of {len(tests)} tests outside {words} of {self.title}")
+                text = f"{outside} of {len(tests)} tests outside {words} of {self.title}"
+                result.append(Finding("range", text))
         return result
 
     def scaled(self, *, steel: float | None = None, concrete: float | None = None) -> ShearModel:
@@ -145,13 +137,6 @@ _RANGES = {
     ),
     "aisc360": (("slenderness", 5.0 - _ROUND, np.inf, "h/d from 5"),),
 }
-
-
-def _quantity(tests: Specimens, name: str) -> Array:
-    if name == "slenderness":
-        return np.asarray(tests.height / tests.diameter)
-    return np.asarray(getattr(tests, name))
-
 
 _EN_SOURCE = "EN 1994-1-1:2004, 6.6.3.1 (secondary transcriptions)"
 SHEAR_MODELS: dict[str, ShearModel] = {
@@ -197,10 +182,8 @@ def design_resistance(
     `InputError` for a model of mean values, whose design value is a matter of EN 1990 D.8.
     """
     if model.level is not Level.CHARACTERISTIC:
-        raise InputError(
-            "model", model.name, f"gives {model.level} values, not characteristic ones",
-            "use `evaluate_d8` for a design value",
-        )  # fmt: skip
+        reason = f"gives {model.level} values, not characteristic ones"
+        raise InputError("model", model.name, reason, "use `evaluate_d8` for a design value")
     value = model.resistance(diameter, height, strength, modulus, ultimate_strength)
     return np.asarray(value / partial_factor)
 
@@ -208,14 +191,3 @@ def design_resistance(
 def characteristic_strength(mean_strength: ArrayLike) -> Array:
     """Characteristic concrete strength f_ck = f_cm - 8 MPa, in Pa (EN 1992-1-1, table 3.1)."""
     return np.asarray(np.asarray(mean_strength, float) - STRENGTH_MARGIN)
-
-
-def ollgaard_regression(diameter: ArrayLike, strength: ArrayLike, modulus: ArrayLike) -> Array:
-    """The regression behind Ollgaard's rule, Q = 1.106 A_s f_c^0.3 E_c^0.44 (kip, inch), in N.
-
-    Arguments: diameters (m), concrete strength and modulus (Pa). Source: Ollgaard, Slutter and
-    Fisher 1971, recalled, not read again.
-    """
-    area = shank_area(diameter) / INCH**2
-    fc, ec = np.asarray(strength, float) / KSI, np.asarray(modulus, float) / KSI
-    return np.asarray(1.106 * area * fc**0.3 * ec**0.44 * KIP)

@@ -27,23 +27,19 @@ def split_table(
     role is validate are held out with the others. Raises `InputError` where a campaign is to do
     both, or has no row that may be fitted.
     """
-    for campaign in validate:
-        if campaign in calibrate:
-            raise InputError(
-                "validate", campaign, "calibrates too: a fit is not validated by its own rows",
-                "validate on campaigns that the fit has not seen",
-            )  # fmt: skip
+    for campaign in (name for name in validate if name in calibrate):
+        reason = "calibrates too: a fit is not validated by its own rows"
+        advice = "validate on campaigns that the fit has not seen"
+        raise InputError("validate", campaign, reason, advice)
     held = table["campaign"].isin(list(validate))
-    named = table["campaign"].isin(list(calibrate)) if calibrate else ~held
-    used = named
+    used = named = table["campaign"].isin(list(calibrate)) if calibrate else ~held
     if "role" in table.columns:
         used = named & (table["role"] == "calibrate")
         held |= table["role"] == "validate"
     if calibrate and named.any() and not used.any():
-        raise InputError(
-            "calibrate", ", ".join(calibrate), "has no row whose role is calibrate",
-            "rows that validate or verify are never fitted",
-        )  # fmt: skip
+        reason = "has no row whose role is calibrate"
+        advice = "rows that validate or verify are never fitted"
+        raise InputError("calibrate", ", ".join(calibrate), reason, advice)
     return table[used].reset_index(drop=True), table[held].reset_index(drop=True)
 
 
@@ -62,15 +58,11 @@ def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFra
 
     `unique`: refuse a specimen that stands in two of them (`InputError`).
     """
-    table = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
-    if unique and len(tables) > 1:
-        seen: set[tuple[str, str]] = set()
-        for part in tables:
-            names = set(zip(part["campaign"], part["specimen"], strict=True))
-            for campaign, specimen in sorted(seen & names):
-                raise InputError(
-                    "tables", f"{campaign} {specimen}", "stands in two tables",
-                    "give the campaign another name, or leave one table out",
-                )  # fmt: skip
-            seen |= names
-    return table
+    seen: set[tuple[str, str]] = set()
+    for part in tables if unique else ():
+        names = set(zip(part["campaign"], part["specimen"], strict=True))
+        for campaign, specimen in sorted(seen & names):
+            advice = "give the campaign another name, or leave one table out"
+            raise InputError("tables", f"{campaign} {specimen}", "stands in two tables", advice)
+        seen |= names
+    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]

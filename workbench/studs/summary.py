@@ -1,8 +1,6 @@
-"""Statistics of groups of tests against formulas, without any fitting."""
+"""Statistics of groups of tests against simple formulas, without any fitting."""
 
 from __future__ import annotations
-
-from dataclasses import asdict, dataclass
 
 import numpy as np
 import pandas as pd
@@ -11,31 +9,13 @@ from workbench.errors import InputError
 from workbench.studs.quantities import Array, specimens
 
 
-@dataclass(frozen=True, slots=True)
-class GroupSummary:
-    """A group of tests: `count`, mean load per stud (N), coefficient of variation (None for one).
+def summarise(table: pd.DataFrame, by: str | None = None) -> pd.DataFrame:
+    """Mean, scatter and ratios to simple formulas, one row per value of the column `by` (or one).
 
-    `over_concrete`, mean of P / (0.5 A_s sqrt(f_c E_c)); `over_steel`, of P / (A_s f_u);
-    `over_reduced_steel`, of P / (0.8 A_s f_u); None where values for it were not reported.
-    """
-
-    group: str
-    count: int
-    mean: float
-    variation: float | None
-    over_concrete: float | None
-    over_steel: float | None
-    over_reduced_steel: float | None
-
-    def to_dict(self) -> dict[str, object]:
-        """All values by name."""
-        return asdict(self)
-
-
-def summarise(table: pd.DataFrame, by: str | None = None) -> list[GroupSummary]:
-    """Mean, scatter and ratios to simple formulas, per value of the column `by` (None: all rows).
-
-    Raises `InputError` for an unknown column or a table without shear.
+    Columns: `count`; `mean` load per stud (N) and its coefficient of `variation`; means of
+    P / (0.5 A_s sqrt(f_c E_c)) as `over_concrete`, P / (A_s f_u) as `over_steel` and
+    P / (0.8 A_s f_u) as `over_reduced_steel`; NaN where values for it were not reported. Raises
+    `InputError` for an unknown column or a table without shear.
     """
     if by is not None and by not in table.columns:
         raise InputError("by", by, "must be a column of the table")
@@ -43,27 +23,22 @@ def summarise(table: pd.DataFrame, by: str | None = None) -> list[GroupSummary]:
     if rows.empty:
         raise InputError("table", len(table), "holds no test with shear_kN")
     groups = [("all", rows)] if by is None else list(rows.groupby(by, sort=False))
-    return [_summary(str(name), group) for name, group in groups]
+    return pd.DataFrame({str(name): _summary(group) for name, group in groups}).T
 
 
-def _summary(name: str, rows: pd.DataFrame) -> GroupSummary:
+def _summary(rows: pd.DataFrame) -> dict[str, float]:
     tests = specimens(rows)
-    area = tests.area
-    steel = tests.shear / (area * tests.ultimate_strength)
-    concrete = tests.shear / (
-        0.5 * area * np.sqrt(tests.concrete_strength * tests.concrete_modulus)
-    )
+    stiff: Array = np.sqrt(tests.concrete_strength * tests.concrete_modulus)
+    steel = tests.shear / (tests.area * tests.ultimate_strength)
     mean = float(np.mean(tests.shear))
-    scatter = float(np.std(tests.shear, ddof=1) / mean) if len(tests) > 1 else None
-    over_steel = _mean(steel)
-    return GroupSummary(
-        name, len(tests), mean, scatter, _mean(concrete), over_steel,
-        None if over_steel is None else over_steel / 0.8,
-    )  # fmt: skip
-
-
-def _mean(values: Array) -> float | None:
-    return float(np.mean(values)) if np.all(np.isfinite(values)) else None
+    return {
+        "count": len(tests),
+        "mean": mean,
+        "variation": float(np.std(tests.shear, ddof=1) / mean) if len(tests) > 1 else np.nan,
+        "over_concrete": float(np.mean(tests.shear / (0.5 * tests.area * stiff))),
+        "over_steel": float(np.mean(steel)),
+        "over_reduced_steel": float(np.mean(steel)) / 0.8,
+    }
 
 
 def ratio_summary(table: pd.DataFrame) -> dict[str, float | int]:

@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import pandas as pd
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
-from workbench.models.base import Model, respond
+from workbench.fields import check_fields
+from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud import CSV, StudTests
+from workbench.studs.answers.typed import content_of, with_content
+from workbench.studs.fitting import Judged
 from workbench.studs.plain import plain
-from workbench.studs.reading import read_points, read_tests
+from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
 from workbench.studs.split import check_campaigns, joined, split_table
 from workbench.studs.tables import SHIPPED, shipped
 
-ANSWER = "answer"  # attribute of a response that holds everything but its scalars, as JSON
-SAMPLING = "sampling_uncertainty"  # attribute: half-widths of intervals over tests, as JSON
+__all__ = ["Found", "Split", "StudModel", "content_of", "load_split"]
+
+SAMPLING = "sampling_uncertainty"  # attribute: half-widths of intervals over tests
 
 
 @dataclass(frozen=True)
@@ -45,8 +50,7 @@ def load_split(scenario: StudTests) -> Split:
     Raises `InputError` for a name that is no table of the schema, a bad row, a campaign that no
     table has, or a specimen that stands in two tables.
     """
-    tests = _joined(scenario.tables, TESTS)
-    points = _joined(scenario.curves, POINTS)
+    tests, points = _joined(scenario.tables, TESTS), _joined(scenario.curves, POINTS)
     check_campaigns((*scenario.calibrate, *scenario.validate), tests, points)
     parts = (split_table(each, scenario.calibrate, scenario.validate) for each in (tests, points))
     (calibration, validation), (calibration_points, validation_points) = parts
@@ -57,7 +61,7 @@ def _joined(names: Sequence[str], schema: Table) -> pd.DataFrame:
     tables = []
     for name in names:
         if name.endswith(CSV):
-            tables.append((read_tests if schema is TESTS else read_points)(name))
+            tables.append(examine(name, schema).accept())
             continue
         if SHIPPED.get(name) is not schema:
             known = [known for known, each in SHIPPED.items() if each is schema]
@@ -68,82 +72,86 @@ def _joined(names: Sequence[str], schema: Table) -> pd.DataFrame:
     return joined(tables, unique=schema is TESTS)
 
 
-def shipped_digest() -> str:
-    """Hash of the shipped tables, so that stored answers are renewed when they change."""
-    digest = hashlib.sha256()
-    for name in SHIPPED:
-        digest.update(dataset(name).path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def about(scenario: StudTests, name: str, *asked: str) -> list[Finding]:
-    """A refusal if a model does not answer what is asked of the tests."""
-    if scenario.asked in asked:
-        return []
-    text = f"{name} answers {', '.join(asked)}, not {scenario.asked}"
-    return [Finding("question", text, refusal=True)]
-
-
 @dataclass(frozen=True)
 class Found:
-    """What a model found: `scalars`, the whole `content`, `widths` of intervals, `warnings`.
+    """What a model found: the whole `content`, `findings`, how unseen tests judge it, `scalars`.
 
-    `widths` are half-widths of the scalars' intervals over tests; one that is missing or None is
-    not known. `exact`: the scalars are definitions, without uncertainty.
+    `units` of columns of the content where they are not the usual ones. `exact`: the scalars are
+    definitions, without uncertainty.
     """
 
-    scalars: Mapping[str, float | None]
     content: Mapping[str, Any]
-    widths: Mapping[str, float | None]
-    warnings: Sequence[str] = ()
+    findings: Sequence[Finding] = ()
+    judged: Judged | None = None
+    scalars: Mapping[str, float | None] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     exact: bool = False
 
 
-def answer(model: Model, scenario: Scenario, find: Callable[[StudTests, Split], Found]) -> Response:
-    """The response of a model of studs: scalars, and the content as JSON.
+@dataclass(frozen=True)
+class StudModel:
+    """A model that answers questions to tests on studs; its options are those of its own fields.
 
-    What the tests do not support (`InputError` of `find`) becomes a refusal, out-of-domain. Raises
-    `InputError` for tables that cannot be read.
+    A model names what may be asked of it (`asks`, empty: anything) and finds the answer in the
+    tests that calibrate and validate.
     """
 
-    def solve(given: StudTests) -> Response:
-        split = load_split(given)
+    name: ClassVar[str]
+    version: ClassVar[int] = 2
+    answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
+    assumptions: ClassVar[tuple[str, ...]]
+    asks: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self, "option")
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the model."""
+        return ()
+
+    @property
+    def data_digest(self) -> str:
+        """Hash of the shipped tables, so that stored answers are renewed when they change."""
+        digest = hashlib.sha256()
+        for name in SHIPPED:
+            digest.update(dataset(name).path.read_bytes())
+        return digest.hexdigest()[:16]
+
+    def domain(self, scenario: Scenario) -> list[Finding]:
+        """It answers the questions that it is made for, and refuses others."""
+        asked = scenario.asked if isinstance(scenario, StudTests) else ""
+        if not asked or not self.asks or asked in self.asks:
+            return []
+        text = f"{self.name} answers {', '.join(self.asks)}, not {asked}"
+        return [Finding("question", text, refusal=True)]
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """The scalars of the answer, and its content as typed variables.
+
+        What the tests do not support (`InputError` of `find`) becomes a refusal, out-of-domain.
+        Raises `InputError` for tables that cannot be read.
+        """
+        return respond(self, scenario, self._solve)
+
+    @abstractmethod
+    def find(self, scenario: StudTests, split: Split) -> Found:
+        """Answer from the tests. Raises `InputError`, `OutOfDomainError`, `SolverError`."""
+
+    def _solve(self, scenario: StudTests) -> Response:
+        split = load_split(scenario)
         try:
-            found = find(given, split)
+            found = self.find(scenario, split)
         except InputError as error:
             raise OutOfDomainError(str(error)) from error
-        warnings = [Finding(_subject(text), text) for text in found.warnings]
-        response = build_response(dict(found.scalars), warnings=warnings)
-        response.attrs[ANSWER] = json.dumps(plain(found.content), sort_keys=True, allow_nan=False)
-        if found.exact:
-            widths: dict[str, Any] = {str(name): 0.0 for name in response.data_vars}
-            response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
-        else:
-            widths = {name: width for name, width in found.widths.items() if width is not None}
-            response.attrs[SAMPLING] = json.dumps(plain(widths), sort_keys=True)
-        return response
-
-    return respond(model, scenario, solve)
-
-
-# words of a warning: what it is about
-_SUBJECTS = (
-    ("not validated", "grade"),
-    ("tensile strength of their shank", "shank"),
-    ("measured loads", "measurement"),
-    ("modulus", "modulus"),
-    ("rest on a bound", "bounds"),
-    ("more points than", "points"),
-    ("outside", "range"),
-    ("campaign", "campaigns"),
-)
-
-
-def _subject(text: str) -> str:
-    return next((subject for words, subject in _SUBJECTS if words in text), "evidence")
-
-
-def content_of(response: Response) -> dict[str, Any]:
-    """The content that a model of studs has put into a response; empty for other responses."""
-    content: dict[str, Any] = json.loads(response.attrs.get(ANSWER, "{}"))
-    return content
+        scalars = {**found.scalars, **(found.judged.scalars if found.judged else {})}
+        response = build_response(scalars, warnings=found.findings)
+        widths: dict[str, Any] = {str(name): 0.0 for name in response.data_vars}
+        if not found.exact:
+            own = found.judged.widths if found.judged else {}
+            widths = {name: width for name, width in own.items() if width is not None}
+        response.attrs["data_uncertainty" if found.exact else SAMPLING] = json.dumps(
+            plain(widths), sort_keys=True
+        )
+        typed: Response = with_content(response, found.content, found.units)
+        return typed

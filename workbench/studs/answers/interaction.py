@@ -9,17 +9,15 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.fields import Choice, check_fields, checked
-from workbench.responses import Finding, Response
-from workbench.scenarios import Scenario
+from workbench.fields import Choice, checked
+from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
-from workbench.studs.answers.common import Found, Split, about, answer, shipped_digest
+from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.mechanical import calibrated
-from workbench.studs.combined_tests import combined_tests
-from workbench.studs.interaction import INTERACTIONS
-from workbench.studs.judging import judge
+from workbench.studs.fitting import judge, judged_rows
+from workbench.studs.interaction import INTERACTIONS, combined_tests
 from workbench.studs.mechanical import Stud, interaction_points
-from workbench.studs.quantities import Array, concrete_modulus
+from workbench.studs.quantities import Array
 
 MECHANICAL = "mechanical"
 SHARES = (0.0, 0.25, 0.5, 0.75, 0.9, 0.95, 0.98)  # of the pull-out strength
@@ -29,7 +27,7 @@ STUDS = {"cone": (0.019, 0.1, 30e6, 450e6), "steel": (0.0127, 0.12, 60e6, 450e6)
 
 
 @dataclass(frozen=True)
-class StudInteraction:
+class StudInteraction(StudModel):
     """Shear that is left under tension, both over what the stud bears alone.
 
     Options: `law`, a name in `workbench.studs.INTERACTIONS` or ``mechanical``; `governed`, for the
@@ -40,67 +38,45 @@ class StudInteraction:
     governed: str = checked(Choice(tuple(STUDS)), "cone")
 
     name: ClassVar[str] = "stud-interaction"
-    version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
+    asks: ClassVar[tuple[str, ...]] = ("interaction",)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Tension and shear over the resistances of equal studs under one of them alone.",
         "Mechanical model: a constant tension on the flange during the push-out; the slip counts "
         "up to that at which the stud tears without tension.",
     )
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
-
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the law."""
         return SOURCES.get(self.law, ())
 
-    @property
-    def data_digest(self) -> str:
-        """Hash of the shipped tables."""
-        return shipped_digest()
-
-    def domain(self, scenario: Scenario) -> list[Finding]:
-        """It answers questions of interaction."""
-        return about(scenario, self.name, "interaction") if isinstance(scenario, StudTests) else []
-
-    def simulate(self, scenario: Scenario) -> Response:
+    def find(self, scenario: StudTests, split: Split) -> Found:
         """The curve of the law, and how it meets combined tests."""
-        return answer(self, scenario, self._find)
-
-    def _find(self, scenario: StudTests, split: Split) -> Found:
         content: dict[str, Any] = {}
-        warnings: tuple[str, ...] = ()
+        findings: tuple[Finding, ...] = ()
         if self.law == MECHANICAL:
-            d, h, strength, ultimate = STUDS[self.governed]
-            stud = Stud(d, h, strength, float(concrete_modulus(strength)), ultimate)
+            stud = Stud.of_concrete(*STUDS[self.governed])
             fit = calibrated(scenario)
             tension, shear = interaction_points(stud, fit.around, SHARES)
-            content["stud"] = f"{1e3 * d:g} x {1e3 * h:g} mm, f_c {strength / 1e6:g} MPa"
-            warnings = (fit.basis,)
+            size = f"{1e3 * stud.diameter:g} x {1e3 * stud.height:g} mm"
+            content["stud"] = f"{size}, f_c {stud.concrete_strength / 1e6:g} MPa"
+            findings = (Finding("evidence", fit.basis),)
         else:
             tension = np.linspace(0.0, 1.0, 101)
             shear = np.append(INTERACTIONS[self.law].shear_left(tension), 0.0)
             tension = np.append(tension, 1.0)
-        content |= {"tension": tension, "shear": shear}
-        scalars: dict[str, float | None] = {"tests_fitted": 0.0}
-        widths: dict[str, float | None] = {}
         held = not split.validation.empty
         tests = combined_tests(split.validation if held else split.calibration)
-        content["tests"] = tests
+        content |= {"tension": tension, "shear": shear, "tests": tests}
+        judged = None
         if held and not tests.empty:
             judged = judge(_utilised(tests, tension, shear), scenario.confidence)
-            scalars |= {
-                "test_over_prediction": judged.bias,
-                "least_test_over_prediction": judged.least,
-            }
-            widths["test_over_prediction"] = judged.half_width
             content["judgement"] = judged.to_dict()
         elif self.law != MECHANICAL:
             # a law of the books is drawn all the same; that nothing validates it is said
-            warnings = ("no combined test in the validating campaigns",)
-        return Found(scalars, content, widths, warnings)
+            text = "no combined test in the validating campaigns"
+            findings = (Finding("evidence", text),)
+        return Found(content, findings, judged, {"tests_fitted": 0.0})
 
 
 def _utilised(tests: pd.DataFrame, tension: Array, shear: Array) -> pd.DataFrame:
@@ -111,10 +87,5 @@ def _utilised(tests: pd.DataFrame, tension: Array, shear: Array) -> pd.DataFrame
     wanted = np.arctan2(tests["shear"].to_numpy(float), tests["tension"].to_numpy(float))
     if wanted.min() < angle.min() - 1e-9 or wanted.max() > angle.max() + 1e-9:
         raise InputError("tests", float(wanted.min()), "lie outside the curve of the law")
-    return pd.DataFrame(
-        {
-            "campaign": tests["campaign"], "specimen": tests["specimen"],
-            "test": np.hypot(tests["shear"], tests["tension"]),
-            "prediction": np.interp(wanted, angle[order], radius),
-        }
-    )  # fmt: skip
+    distance = np.hypot(tests["shear"], tests["tension"])
+    return judged_rows(tests, distance, np.interp(wanted, angle[order], radius))

@@ -4,36 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Number, check_fields, checked
-from workbench.responses import Finding, Response
-from workbench.scenarios import Scenario
+from workbench.fields import Choice, Number, checked
+from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
-from workbench.studs.answers.common import Found, Split, about, answer, shipped_digest
+from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.measured import RESIDUAL
 from workbench.studs.answers.mechanical import calibrated
-from workbench.studs.judging import Judgement, judge
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
 from workbench.studs.mechanical.calibration import stud_of
-from workbench.studs.quantities import concrete_modulus
 from workbench.studs.relations import MechanicalCurve
-from workbench.studs.residual import Grade, ResidualFit, damaged_rows, fit_residual
-from workbench.studs.schema import PREDAMAGE_MEASURES, PREDAMAGES
+from workbench.studs.residual import ResidualFit, damaged_rows, fit_residual
+from workbench.studs.schema import TESTS
 
 MEASURES = ("displacement ratio", "load ratio")
 ANY = "any"
-LEVELS = np.linspace(0.0, 1.0, 41)
 _LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 _STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
 
 
 @dataclass(frozen=True)
-class StudResidual:
+class StudResidual(StudModel):
     """Strength or stiffness after pre-damage over that of an undamaged stud.
 
     Without tests after pre-damage the prediction of the mechanical model for a pull-out, graded as
@@ -43,16 +39,15 @@ class StudResidual:
     `ultimate_strength` in Pa (where the damaged tests tell their stud, theirs counts).
     """
 
-    predamage: str = checked(Choice((ANY, *PREDAMAGES[1:])), ANY)
-    measure: str = checked(Choice((ANY, *PREDAMAGE_MEASURES)), ANY)
+    predamage: str = checked(Choice((ANY, *TESTS.words("predamage")[1:])), ANY)
+    measure: str = checked(Choice((ANY, *TESTS.words("predamage_measure"))), ANY)
     diameter: float = checked(_LENGTH, 0.019)
     height: float = checked(_LENGTH, 0.1)
     concrete_strength: float = checked(_STRESS, 30e6)
     ultimate_strength: float = checked(_STRESS, 450e6)
 
     name: ClassVar[str] = "stud-residual"
-    version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
+    asks: ClassVar[tuple[str, ...]] = tuple(RESIDUAL)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Damage is a share: 0 none, 1 the load, displacement or life at which an undamaged stud "
         "fails; kinds and measures of damage are never mixed.",
@@ -61,51 +56,31 @@ class StudResidual:
         "and is no confidence interval.",
     )
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
-
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the relations and of what they are checked by."""
         return ("oehlers1990", "hanswille2007", "oehlers-foley1985", "hastie2009")
 
-    @property
-    def data_digest(self) -> str:
-        """Hash of the shipped tables."""
-        return shipped_digest()
-
-    def domain(self, scenario: Scenario) -> list[Finding]:
-        """It answers questions of residual capacity."""
-        return about(scenario, self.name, *RESIDUAL) if isinstance(scenario, StudTests) else []
-
-    def simulate(self, scenario: Scenario) -> Response:
+    def find(self, scenario: StudTests, split: Split) -> Found:
         """The curve of what is left, its grade, and how it meets the validating tests."""
-        return answer(self, scenario, self._find)
-
-    def _find(self, scenario: StudTests, split: Split) -> Found:
-        quantity = RESIDUAL[scenario.asked]
+        quantity, level = RESIDUAL[scenario.asked], scenario.confidence
         predamage, measure = (None if w == ANY else w for w in (self.predamage, self.measure))
-        stud = Stud(
-            self.diameter, self.height, self.concrete_strength,
-            float(concrete_modulus(self.concrete_strength)), self.ultimate_strength,
-        )  # fmt: skip
+        sizes = (self.diameter, self.height, self.concrete_strength, self.ultimate_strength)
         fit = answer_residual(
-            split.calibration, quantity, stud, lambda: calibrated(scenario),
-            predamage=predamage, measure=measure, confidence=scenario.confidence,
-        )  # fmt: skip
+            split.calibration,
+            quantity,
+            Stud.of_concrete(*sizes),
+            lambda: calibrated(scenario),
+            predamage=predamage,
+            measure=measure,
+            confidence=level,
+        )
         judged = None
         if not damaged_rows(split.validation, quantity, fit.predamage, fit.measure).empty:
-            judged = judge_residual(fit, split.validation, scenario.confidence)
-        scalars: dict[str, float | None] = {"tests_fitted": float(len(fit.rows))}
-        widths: dict[str, float | None] = {}
-        if judged is not None:
-            scalars |= {
-                "test_over_prediction": judged.bias,
-                "least_test_over_prediction": judged.least,
-            }
-            widths["test_over_prediction"] = judged.half_width
-        content = residual_content(fit, judged, scenario.confidence)
-        return Found(scalars, content, widths, (f"{quantity}: {fit.grade}", *fit.warnings))
+            judged = fit.judge(split.validation, level)
+        findings = (Finding("grade", f"{quantity}: {fit.grade}"), *fit.findings)
+        scalars = {"tests_fitted": float(len(fit.rows))}
+        return Found(fit.content(judged, level), findings, judged, scalars)
 
 
 def answer_residual(
@@ -117,7 +92,6 @@ def answer_residual(
     predamage: str | None = None,
     measure: str | None = None,
     confidence: float = 0.9,
-    resamples: int = 300,
 ) -> ResidualFit:
     """Fit what is left to the tests after pre-damage, or predict it if the table has none.
 
@@ -128,25 +102,32 @@ def answer_residual(
     """
     rows = damaged_rows(table, quantity, predamage, measure)
     mechanical: MechanicalCurve | None = None
-    absent: tuple[str, ...] = ()
+    absent: tuple[Finding, ...] = ()
     kind = predamage if rows.empty else str(rows["predamage"].iloc[0])
     level = measure if rows.empty else str(rows["predamage_measure"].iloc[0])
     if model is not None and kind in (None, "pull-out") and level in (None, *MEASURES):
         try:
-            calibration = model()
+            fit = model()
             mechanical = residual_curve(
-                _stud_of_tests(rows) or stud, calibration.around, quantity,
-                measure=level or MEASURES[0], basis=calibration.basis,
-            )  # fmt: skip
+                _stud_of_tests(rows) or stud,
+                fit.around,
+                quantity,
+                measure=level or MEASURES[0],
+                basis=fit.basis,
+            )
         except InputError as error:
             if rows.empty:
                 raise
-            absent = (f"the mechanical model is no candidate: {error}",)
-    fit = fit_residual(
-        table, quantity, predamage=predamage, measure=measure, mechanical=mechanical,
-        confidence=confidence, resamples=resamples,
-    )  # fmt: skip
-    return replace(fit, warnings=(*fit.warnings, *absent))
+            absent = (Finding("evidence", f"the mechanical model is no candidate: {error}"),)
+    found = fit_residual(
+        table,
+        quantity,
+        predamage=predamage,
+        measure=measure,
+        mechanical=mechanical,
+        confidence=confidence,
+    )
+    return replace(found, findings=(*found.findings, *absent))
 
 
 def _stud_of_tests(rows: pd.DataFrame) -> Stud | None:
@@ -158,47 +139,3 @@ def _stud_of_tests(rows: pd.DataFrame) -> Stud | None:
         first[column] = rows[column].astype(float).mean()
     known = first[["diameter_mm", "height_mm", "fcm_MPa", "fu_MPa"]].to_numpy(float)
     return stud_of(first) if np.all(np.isfinite(known)) else None
-
-
-def judge_residual(fit: ResidualFit, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
-    """Hold what is predicted to be left against tests that the fit has not used.
-
-    Raises `InputError` when there are none, or a row was used for the fit.
-    """
-    rows = damaged_rows(table, fit.quantity, fit.predamage, fit.measure)
-    if rows.empty:
-        raise InputError("validation", 0, f"holds no test after {fit.predamage}")
-    fit.refuse_seen(rows)
-    predicted = fit.left(rows["level"].to_numpy(float))
-    frame = pd.DataFrame(
-        {
-            "campaign": rows["campaign"], "specimen": rows["specimen"], "level": rows["level"],
-            "test": rows["ratio"].astype(float), "prediction": predicted,
-        }
-    )  # fmt: skip
-    known = np.isfinite(predicted) & (predicted > 0.0)
-    return judge(frame[known], confidence)
-
-
-def residual_content(
-    fit: ResidualFit, judged: Judgement | None, confidence: float
-) -> dict[str, Any]:
-    """Everything that is known of what is left, for JSON and figures."""
-    band = fit.band(LEVELS, confidence)
-    low, high = (None, None) if band is None else band
-    columns = ["campaign", "specimen", "level", "ratio", "origin"]
-    tests = fit.rows[columns] if len(fit.rows) else pd.DataFrame(columns=columns)
-    mechanical = None
-    if fit.mechanical is not None:
-        curve = fit.mechanical
-        mechanical = {"level": curve.level, "ratio": curve.ratio, "low": curve.low,
-                      "high": curve.high, "basis": curve.basis}  # fmt: skip
-    return {
-        "fit": fit.to_dict(),
-        "validated": fit.estimate is not None and fit.grade is Grade.CROSS_VALIDATED,
-        "curve": {"level": LEVELS, "left": fit.left(LEVELS), "low": low, "high": high},
-        "tests": tests,
-        "mechanical": mechanical,
-        "judgement": None if judged is None else judged.to_dict(),
-        "judged": None if judged is None else judged.rows,
-    }

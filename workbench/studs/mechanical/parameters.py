@@ -7,6 +7,7 @@ from math import pi, sqrt
 
 from workbench.errors import InputError
 from workbench.fields import Number, check_fields, checked
+from workbench.studs.quantities import concrete_modulus
 
 _LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 _STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
@@ -52,6 +53,14 @@ class Stud:
             raise InputError(
                 "stud.height", self.height, "must leave an embedment of two diameters or more"
             )
+
+    @classmethod
+    def of_concrete(
+        cls, diameter: float, height: float, concrete_strength: float, ultimate_strength: float
+    ) -> Stud:
+        """A stud in concrete of 4733 sqrt(fc) MPa modulus (ACI 318); arguments in m and Pa."""
+        modulus = float(concrete_modulus(concrete_strength))
+        return cls(diameter, height, concrete_strength, modulus, ultimate_strength)
 
     @property
     def area(self) -> float:

@@ -67,10 +67,12 @@ def evaluate_series(
     mean, lowest = float(np.mean(p)), float(np.min(p))
     deviation = float(np.max(np.abs(p / mean - 1.0)))
     if deviation > LARGEST_DEVIATION:
-        raise InputError(
-            "tests", f"{100 * deviation:.0f} % off the mean", "must lie within 10 % of the mean",
-            "make three more tests of the same kind and evaluate all by EN 1990 D.8",
-        )  # fmt: skip
+        found, advice = (
+            f"{100 * deviation:.0f} % off the mean",
+            "make three more tests of the same ",
+        )
+        advice += "kind and evaluate all by EN 1990 D.8"
+        raise InputError("tests", found, "must lie within 10 % of the mean", advice)
     if curves and len(curves) != len(p):
         raise InputError("curves", len(curves), f"must be {len(p)}, one per test, or none")
     characteristic = REDUCTION * lowest

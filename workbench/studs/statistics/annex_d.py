@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from math import exp, inf, log, prod, sqrt
+from math import exp, log, prod, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.quantiles import characteristic_factor, design_factor
+from workbench.studs.statistics.quantiles import TABLE_DESIGN, fractile_factor
 
 K_INFINITE = 1.64  # the limits as the standard prints them
 KD_INFINITE = 3.04
@@ -106,8 +106,8 @@ def evaluate_d8(
     alpha_rt, alpha_delta = (0.0, 0.0) if q == 0.0 else (q_rt / q, q_delta / q)
     counted = scatter_count or n
     many = counted >= MANY_TESTS
-    k_n = K_INFINITE if many else characteristic_factor(counted)
-    k_dn = KD_INFINITE if many else design_factor(counted)
+    k_n = K_INFINITE if many else fractile_factor(counted)
+    k_dn = KD_INFINITE if many else fractile_factor(counted, TABLE_DESIGN)
     r_m = float(np.mean(np.asarray(theoretical, float))) if resistance is None else resistance
 
     def value(k_infinite: float, k_limited: float) -> float:
@@ -115,12 +115,9 @@ def evaluate_d8(
         return b * r_m * exp(-weighted - 0.5 * q * q)
 
     r_k, r_d = value(K_INFINITE, k_n), value(KD_INFINITE, k_dn)
-    return D8(
-        count=n, b=b, s_delta=s_delta, V_delta=v_delta, V_rt=v_rt, V_r=v_r,
-        Q=q, Q_rt=q_rt, Q_delta=q_delta, alpha_rt=alpha_rt, alpha_delta=alpha_delta,
-        k_n=k_n, k_dn=k_dn, r_m=r_m, r_k=r_k, r_d=r_d, gamma_m=r_k / r_d,
-        r_nominal=nominal, gamma_m_star=None if nominal is None else nominal / r_d,
-    )  # fmt: skip
+    scatters = (s_delta, v_delta, v_rt, v_r, q, q_rt, q_delta, alpha_rt, alpha_delta)
+    star = None if nominal is None else nominal / r_d
+    return D8(n, b, *scatters, k_n, k_dn, r_m, r_k, r_d, r_k / r_d, nominal, star)
 
 
 def _variation(variations: dict[str, float], sensitivities: dict[str, float]) -> float:
@@ -167,16 +164,8 @@ def from_prior_knowledge(resistances: ArrayLike, variation: float) -> tuple[floa
         factor = 0.9 * exp(-2.31 * variation - 0.5 * variation**2)
     else:
         if np.max(np.abs(r / mean - 1.0)) > 0.1:
-            raise InputError(
-                "resistances", r.tolist(), "must lie within 10 % of their mean for D.8.4",
-                "make more tests and use `evaluate_d8`",
-            )  # fmt: skip
+            reason = "must lie within 10 % of their mean for D.8.4"
+            advice = "make more tests and use `evaluate_d8`"
+            raise InputError("resistances", r.tolist(), reason, advice)
         factor = exp(-2.0 * variation - 0.5 * variation**2)
     return factor * mean, factor
-
-
-def factor_table(
-    counts: tuple[float, ...] = (3, 4, 5, 6, 8, 10, 20, 30, inf),
-) -> list[tuple[float, float, float]]:
-    """Rows (n, k_n, k_d,n) for V unknown, from the definition of the factors."""
-    return [(n, characteristic_factor(n), design_factor(n)) for n in counts]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import Problem, subset
 
 
-@dataclass(frozen=True, slots=True)
-class Score:
+class Score(NamedTuple):
     """A candidate: `parameters` counted; `rms` of the left-out tests, campaigns weighing alike.
 
     `behind`, mean square behind the best candidate with its standard error over the left-out
@@ -28,10 +27,6 @@ class Score:
     standard_error: float | None
     parts: int
     by: str
-
-    def to_dict(self) -> dict[str, object]:
-        """All values by name."""
-        return asdict(self)
 
 
 def _squares(given: Problem, by_campaign: bool) -> Array:
@@ -56,8 +51,7 @@ def score_relations(problems: Mapping[str, Problem]) -> list[Score]:
     Arguments: the same observations with the prediction of each candidate. Raises `InputError`
     when no candidate can be scored.
     """
-    any_problem = next(iter(problems.values()))
-    by_campaign = any_problem.campaigns > 1
+    by_campaign = next(iter(problems.values())).campaigns > 1
     squares = {name: _squares(given, by_campaign) for name, given in problems.items()}
     means = {name: float(np.mean(each)) for name, each in squares.items()}
     best = min(means, key=lambda name: means[name])
@@ -65,26 +59,21 @@ def score_relations(problems: Mapping[str, Problem]) -> list[Score]:
         raise InputError("candidates", ", ".join(problems), "cannot be cross-validated here")
     scores = []
     for name, each in squares.items():
-        if not np.isfinite(means[name]):
-            scores.append(Score(name, len(problems[name].names), np.inf, np.inf, None, len(each),
-                                "campaign" if by_campaign else "specimen"))  # fmt: skip
-            continue
-        difference = each - squares[best]
-        error = float(np.std(difference, ddof=1) / np.sqrt(len(each))) if len(each) > 1 else None
-        scores.append(
-            Score(
-                name, len(problems[name].names), float(np.sqrt(means[name])),
-                means[name] - means[best], error, len(each),
-                "campaign" if by_campaign else "specimen",
-            )
-        )  # fmt: skip
+        error = None
+        if np.isfinite(means[name]) and len(each) > 1:
+            error = float(np.std(each - squares[best], ddof=1) / np.sqrt(len(each)))
+        rms, behind = float(np.sqrt(means[name])), means[name] - means[best]
+        by = "campaign" if by_campaign else "specimen"
+        count = len(problems[name].names)
+        scores.append(Score(name, count, rms, behind, error, len(each), by))
     return sorted(scores, key=lambda score: score.rms)
 
 
 def choose(scores: list[Score]) -> Score:
     """The simplest candidate within one standard error of the best (Hastie et al. 2009, 7.10)."""
     near = [
-        score for score in scores
+        score
+        for score in scores
         if score.behind <= (score.standard_error or 0.0) and np.isfinite(score.rms)
-    ]  # fmt: skip
+    ]
     return min(near, key=lambda score: (score.parameters, score.rms))

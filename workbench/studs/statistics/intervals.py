@@ -10,8 +10,9 @@ less than it says, as nothing then tells how much campaigns differ.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,10 @@ LARGEST_RATIO, RATIOS, RATIO_SHIFT = 1000.0, 80, 0.05  # of r = tau / sigma and 
 DENSE = 1500  # points over which the smooth criterion is searched
 
 
-@dataclass(frozen=True, slots=True)
-class Interval:
+PROFILE = "profile likelihood"
+
+
+class Interval(NamedTuple):
     """An interval: `low` to `high` at `confidence`, by `method`; None where it is open."""
 
     low: float | None
@@ -35,12 +38,10 @@ class Interval:
     confidence: float
     method: str
 
-    def to_dict(self) -> dict[str, object]:
-        """Bounds, confidence and method."""
-        return {
-            "low": self.low, "high": self.high, "confidence": self.confidence,
-            "method": self.method,
-        }  # fmt: skip
+    def exponential(self) -> Interval:
+        """The interval of a quantity whose logarithm was fitted."""
+        low, high = (None if end is None else float(np.exp(end)) for end in self[:2])
+        return self._replace(low=low, high=high)
 
 
 def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float]) -> float:
@@ -88,11 +89,10 @@ def covariance_at(estimate: Estimate, s2: float, t2: float) -> Array:
 
 def freedom_of(estimate: Estimate, name: str) -> float:
     """Degrees of freedom behind the variance of a parameter."""
-    free = [n for n, stuck in zip(estimate.problem.names, estimate.at_bound, strict=True)
-            if not stuck]  # fmt: skip
-    if name not in free:
+    column = estimate.problem.index(name)
+    if estimate.at_bound[column]:
         return LEAST_FREEDOM
-    k = free.index(name)
+    k = int(np.sum(~estimate.at_bound[:column]))
     return satterthwaite(estimate, lambda s2, t2: float(covariance_at(estimate, s2, t2)[k, k]))
 
 
@@ -104,20 +104,17 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
     from scipy.special import stdtrit
 
     given = estimate.problem
-    if name not in given.names:
-        raise InputError("parameter", name, "must be one of " + ", ".join(given.names))
-    k = given.names.index(name)
+    k = given.index(name)
+    centre = float(estimate.theta[k])
     if estimate.is_exact:
-        exact = float(estimate.theta[k])
-        return Interval(exact, exact, confidence, "profile likelihood")
+        return Interval(centre, centre, confidence, PROFILE)
     nu = freedom_of(estimate, name)
     t = float(stdtrit(nu, 0.5 + 0.5 * confidence))
     rise = (nu + 1.0) * np.log1p(t * t / nu)
     others = np.delete(np.arange(len(given.names)), k)
     error = np.sqrt(estimate.covariance[k, k])
     if not (np.isfinite(error) and error > 0.0):
-        return Interval(None, None, confidence, "profile likelihood")
-
+        return Interval(None, None, confidence, PROFILE)
     near = estimate.ratio
 
     @cache
@@ -128,7 +125,6 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
         near, criterion, _ = best_ratio(given, theta, others, near)
         return criterion
 
-    centre = float(estimate.theta[k])
     # the restricted criterion has its minimum near, not exactly at, the estimate
     least = min(held_at(centre + step * error) for step in (-0.1, 0.0, 0.1))
 
@@ -136,10 +132,9 @@ def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> 
         # the root of a nearly quadratic rise is nearly linear: few steps to its crossing
         return float(np.sqrt(max(held_at(value) - least, 0.0)) - np.sqrt(rise))
 
-    ends = []
-    for sign, bound in ((-1.0, given.lower[k]), (1.0, given.upper[k])):
-        ends.append(_crossing(excess, centre, sign * t * error, float(bound)))
-    return Interval(ends[0], ends[1], confidence, "profile likelihood")
+    sides = ((-1.0, given.lower[k]), (1.0, given.upper[k]))
+    low, high = (_crossing(excess, centre, sign * t * error, float(end)) for sign, end in sides)
+    return Interval(low, high, confidence, PROFILE)
 
 
 def _crossing(
@@ -177,25 +172,23 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
     from scipy.special import chdtri
 
     rise = float(chdtri(1.0, 1.0 - confidence))
-    method = "profile likelihood"
     if estimate.is_exact:
-        return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0, confidence, method))
+        return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0, confidence, PROFILE))
     likelihood = _ScatterLikelihood(estimate)
     s, least = estimate.sigma, likelihood.least
-    ends = [
+    low, high = (
         _crossing(lambda v: likelihood.of_sigma(np.exp(v)) - least - rise, np.log(s), step, bound)
         for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
-    ]
-    low, high = (None if end is None else float(np.exp(end)) for end in ends)
-    sigma = Interval(low, high, confidence, method)
+    )
+    sigma = Interval(low, high, confidence, PROFILE).exponential()
     if estimate.problem.campaigns < 2:
-        return {"sigma": sigma, "tau": Interval(0.0, None, confidence, method)}
+        return {"sigma": sigma, "tau": Interval(0.0, None, confidence, PROFILE)}
     step = max(estimate.tau, 0.2 * s)
     lowest, highest = (
         _crossing(lambda v: likelihood.of_tau(v) - least - rise, estimate.tau, sign * step, bound)
         for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
     )
-    return {"sigma": sigma, "tau": Interval(lowest or 0.0, highest, confidence, method)}
+    return {"sigma": sigma, "tau": Interval(lowest or 0.0, highest, confidence, PROFILE)}
 
 
 class _ScatterLikelihood:
@@ -263,18 +256,15 @@ def bootstrap_by_campaign(
     given = estimate.problem
     count = given.campaigns
     if count < 3:
-        raise InputError(
-            "campaigns", count, "must be three or more for a bootstrap by campaign",
-            "specimens of one campaign are not independent: bring tests of other laboratories",
-        )  # fmt: skip
+        reason = "must be three or more for a bootstrap by campaign"
+        advice = "specimens of one campaign are not independent: bring tests of other laboratories"
+        raise InputError("campaigns", count, reason, advice)
     chosen = np.random.default_rng(seed).integers(0, count, (resamples, count))
-    if given.design is not None and given.is_free:
+    if given.moments is not None:
         draws = _linear_draws(given, estimate.ratio, chosen)
     else:
         members = [np.flatnonzero(given.groups == j) for j in range(count)]
-        draws = np.array(
-            [_refit(_drawn(given, [members[j] for j in row]), estimate) for row in chosen]
-        )
+        draws = np.array([_refit(estimate, [members[j] for j in row]) for row in chosen])
     quantile = 0.5 + 0.5 * confidence
     widening = np.sqrt(count / (count - 1.0)) * stdtrit(count - 1.0, quantile) / ndtri(quantile)
     tails = np.nanquantile(draws, [1.0 - quantile, quantile], axis=0)
@@ -286,15 +276,14 @@ def bootstrap_by_campaign(
     }
 
 
-def _drawn(given: Problem, members: list[Indices]) -> Problem:
-    """The problem on drawn campaigns; one drawn twice counts as two campaigns."""
-    rows = np.concatenate(members)
+def _refit(estimate: Estimate, members: list[Indices]) -> Array:
+    """Parameters (p,) on drawn campaigns; one drawn twice counts as two campaigns."""
     groups = np.repeat(np.arange(len(members)), [len(m) for m in members])
-    cut = subset(given, rows)
-    return replace(cut, groups=groups, labels=tuple(str(j) for j in range(len(members))))
-
-
-def _refit(drawn: Problem, estimate: Estimate) -> Array:
+    drawn = replace(
+        subset(estimate.problem, np.concatenate(members)),
+        groups=groups,
+        labels=tuple(str(j) for j in range(len(members))),
+    )
     try:
         return solve_theta(drawn, estimate.ratio, estimate.theta, np.arange(len(drawn.names))).theta
     except (InputError, SolverError):

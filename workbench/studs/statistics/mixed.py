@@ -9,7 +9,6 @@ and 7; degrees of freedom after Satterthwaite (see `satterthwaite`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,16 +19,13 @@ from workbench.studs.quantities import Array
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
-ITERATIONS = 60
-STEP_TOLERANCE = 1e-9
-GAIN_TOLERANCE = 1e-11  # of the sum of squares
-SEARCHES = 30
+TOLERANCES: dict[str, float | None] = {"xtol": 1e-9, "ftol": 1e-11, "gtol": None}
+EVALUATIONS = 400
 ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its root to 1e-8
 NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
 BEYOND = 100.0
-VERTICES = 2  # of parabolas through three of them
+STEPS = 3  # of Brent's method from three of them
 ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
-SIMPLEX = 2000  # evaluations per parameter where two terms of a formula are equal: a kink
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,7 @@ class Estimate:
 
     `theta` (p,); `sigma` within and `tau` between campaigns; `criterion`, twice the negative
     restricted log-likelihood (without constants); `covariance` (p, p) of theta; `at_bound` (p,);
-    `effects` (campaigns,), predicted campaign effects; `residuals` (n,) without them.
+    `residuals` (n,), without the predicted effects of the campaigns.
     """
 
     problem: Problem
@@ -48,7 +44,6 @@ class Estimate:
     criterion: float
     covariance: Array
     at_bound: NDArray[np.bool_]
-    effects: Array
     residuals: Array
 
     @property
@@ -64,7 +59,7 @@ class Estimate:
 
     def parameter(self, name: str) -> float:
         """Estimate of a parameter."""
-        return float(self.theta[self.problem.names.index(name)])
+        return float(self.theta[self.problem.index(name)])
 
 
 @dataclass(frozen=True)
@@ -84,13 +79,13 @@ class Solved:
 def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
     """Best free parameters for a given lambda; others stay as in `start`.
 
-    Linear problems without bounds in closed form, others by damped Gauss-Newton within bounds, and
-    without slopes where that does not converge at a kink.
-    Raises `InputError` for a parameter without influence, `SolverError`.
+    Linear problems without bounds in closed form, others by bounded least squares (dogleg steps in
+    rectangular trust regions, Voglis and Lagaris 2004). Raises `InputError` for a parameter without
+    influence, `SolverError`.
     """
-    if given.moments is not None and given.is_free:
+    if given.moments is not None:
         return _solve_linear(given, ratio, start, free)
-    return _solve_damped(given, ratio, start, free)
+    return _solve_bounded(given, ratio, start, free)
 
 
 def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
@@ -131,85 +126,39 @@ def _log_determinant(normal: Array) -> float:
 def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) -> None:
     if len(scale) and np.any(scale <= 0.0):
         k = free[int(np.argmin(scale))]
-        raise InputError(
-            given.names[k], float(theta[k]), "has no influence on any observation",
-            "hold it fixed, or bring tests that tell",
-        )  # fmt: skip
+        reason = "has no influence on any observation"
+        advice = "hold it fixed, or bring tests that tell"
+        raise InputError(given.names[k], float(theta[k]), reason, advice)
 
 
-def _solve_damped(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
-    theta = start.copy()
-    base = given.predict(theta)
-    residual = whiten(given, given.y - base, ratio)
-    size = float(residual @ residual)
-    damping = 1e-6
-    for _ in range(ITERATIONS):
-        j = whiten(given, jacobian(given, theta, free, base), ratio)
-        gradient = j.T @ residual
-        stuck = ((theta[free] <= given.lower[free]) & (gradient < 0.0)) | (
-            (theta[free] >= given.upper[free]) & (gradient > 0.0)
-        )
-        own = np.flatnonzero(~stuck)
-        normal = j[:, own].T @ j[:, own]
-        scale = np.diag(normal)
-        if not np.any(scale > 0.0):
-            return Solved(theta, size, normal, stuck)
-        for _ in range(SEARCHES):
-            # a parameter without influence here (a kink of the prediction) stays where it is
-            step = _solved(normal + damping * np.diag(scale), gradient[own])
-            trial = theta.copy()
-            trial[free[own]] += step
-            trial = np.clip(trial, given.lower, given.upper)
-            moved = float(np.max(np.abs(trial - theta) / (np.abs(theta) + 1e-3)))
-            # what is left to gain is below round-off: further searching only damps noise
-            if moved < STEP_TOLERANCE or abs(float(step @ gradient[own])) < GAIN_TOLERANCE * size:
-                return Solved(theta, size, normal, stuck)
-            new_base = given.predict(trial)
-            new = whiten(given, given.y - new_base, ratio)
-            new_size = float(new @ new)
-            if np.isfinite(new_size) and new_size <= size:
-                break
-            damping = max(10.0 * damping, 1e-6)
-        else:
-            return Solved(theta, size, normal, stuck)  # at the minimum to round-off
-        theta, base, residual, size = trial, new_base, new, new_size
-        damping *= 0.1
-    return _solve_without_slopes(given, ratio, theta, free)
-
-
-def _solve_without_slopes(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
-    """Best free parameters at a kink, along which Gauss-Newton only zigzags: simplex search."""
-    from scipy.optimize import minimize
+def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
+    from scipy.optimize import least_squares
 
     def at(values: Array) -> Array:
         theta = start.copy()
         theta[free] = values
         return theta
 
-    def size_at(values: Array) -> float:
-        rest = whiten(given, given.y - given.predict(at(values)), ratio)
-        return float(rest @ rest)
+    def residual(values: Array) -> Array:
+        return whiten(given, given.predict(at(values)) - given.y, ratio)
 
-    first = size_at(start[free])
-    found = minimize(
-        size_at, start[free], method="Nelder-Mead",
-        bounds=list(zip(given.lower[free], given.upper[free], strict=True)),
-        options={"xatol": 1e-9, "fatol": 1e-12 * first, "maxfev": SIMPLEX * len(free)},
-    )  # fmt: skip
-    if not found.success:
-        raise SolverError(
-            "the regression", float(first - found.fun), f"{ITERATIONS} damped Gauss-Newton steps "
-            f"and {SIMPLEX * len(free)} simplex evaluations",
-        )  # fmt: skip
-    theta = at(np.asarray(found.x))
-    residual = whiten(given, given.y - given.predict(theta), ratio)
-    j = whiten(given, jacobian(given, theta, free), ratio)
-    gradient = j.T @ residual
-    stuck = ((theta[free] <= given.lower[free]) & (gradient < 0.0)) | (
-        (theta[free] >= given.upper[free]) & (gradient > 0.0)
+    def slopes(values: Array) -> Array:
+        return whiten(given, jacobian(given, at(values), free), ratio)
+
+    low, high, x = given.lower[free], given.upper[free], start[free]
+    if not len(free):
+        rest = residual(x)
+        return Solved(start.copy(), float(rest @ rest), np.zeros((0, 0)), np.zeros(0, bool))
+    found = least_squares(
+        residual, x, slopes, (low, high), "dogbox", **TOLERANCES, max_nfev=EVALUATIONS
     )
+    if found.status <= 0:
+        raise SolverError("the regression", float(found.optimality), f"{found.nfev} steps")
+    x, rest, j = np.asarray(found.x), found.fun, found.jac
+    downhill = -(j.T @ rest)
+    stuck = ((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0))
     own = np.flatnonzero(~stuck)
-    return Solved(theta, float(found.fun), j[:, own].T @ j[:, own], stuck)
+    return Solved(at(x), float(rest @ rest), j[:, own].T @ j[:, own], stuck)
 
 
 def criterion_at(
@@ -228,7 +177,7 @@ def criterion_at(
 
 def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
     """Criterion and sigma^2 of `criterion_at` (k,) for many lambda (k,), of a line all at once."""
-    if given.moments is None or not given.is_free:
+    if given.moments is None:
         return _one_by_one(given, ratios, start, free)
     cross, sums, totals = given.moments
     shrink = ratios[:, None] / (1.0 + ratios[:, None] * totals)
@@ -252,9 +201,8 @@ def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> t
 def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
     found = np.empty((len(ratios), 2))
     for i, each in enumerate(ratios):
-        value, variance, solved = criterion_at(given, float(each), start, free)
+        found[i, 0], found[i, 1], solved = criterion_at(given, float(each), start, free)
         start = solved.theta
-        found[i] = value, variance
     return found[:, 0], found[:, 1]
 
 
@@ -271,58 +219,44 @@ def best_ratio(
         value, _, solved = criterion_at(given, 0.0, start, free)
         return 0.0, value, solved.theta
     grid = GRID if hint is None else (0.0, *(hint * f for f in NEAR if hint > 0.0))
-    best_theta = start.copy()
-    tried: dict[float, Array] = {}
+    tried: dict[float, tuple[float, Array]] = {}
+    theta = start.copy()
 
     def at(ratio: float) -> float:
-        nonlocal best_theta
-        value, _, solved = criterion_at(given, ratio, best_theta, free)
-        best_theta = tried[ratio] = solved.theta
-        return value
+        nonlocal theta
+        if ratio not in tried:
+            value, _, solved = criterion_at(given, ratio, theta, free)
+            theta = solved.theta
+            tried[ratio] = value, theta
+        return tried[ratio][0]
 
-    linear = given.moments is not None and given.is_free
+    linear = given.moments is not None
     values = (
         criteria_at(given, np.array(grid), start, free)[0]
         if linear
         else np.array([at(ratio) for ratio in grid])
     )
     k = int(np.argmin(values))
-    low = grid[max(k - 1, 0)]
-    high = grid[min(k + 1, len(grid) - 1)]
+    low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
     if hint is not None and k == len(grid) - 1:  # beyond what was thought near
         high = max(BEYOND * high, GRID[-1])
     if linear:
         ratio, value = _valley(given, low, high, start, free)
-    elif hint is not None and k == 2:
-        ratio, value = _near_valley(at, np.log(grid[1:]), values[1:])
     else:
-        found = minimize_scalar(
-            lambda t: at(float(np.expm1(t))), bounds=(np.log1p(low), np.log1p(high)),
-            method="bounded", options={"xatol": 1e-4 if hint is None else 2e-2},
-        )  # fmt: skip
-        ratio, value = float(np.expm1(found.x)), float(found.fun)
+        if hint is not None and k == 2:
+            few, bracket = {"maxiter": STEPS}, tuple(np.log(grid[1:]))
+            found = minimize_scalar(lambda x: at(float(np.exp(x))), bracket, options=few)
+            ratio = float(np.exp(found.x))
+        else:
+            wide, enough = np.log1p([low, high]), {"xatol": 1e-4 if hint is None else 2e-2}
+            found = minimize_scalar(lambda x: at(float(np.expm1(x))), bounds=wide, options=enough)
+            ratio = float(np.expm1(found.x))
+        value = float(found.fun)
     if values[k] <= value:
         ratio, value = grid[k], float(values[k])
     if ratio not in tried:
-        tried[ratio] = solve_theta(given, ratio, best_theta, free).theta
-    return ratio, value, tried[ratio]
-
-
-def _near_valley(at: Callable[[float], float], x: Array, values: Array) -> tuple[float, float]:
-    """The lambda of the smallest criterion from three ln(lambda), the middle one the lowest."""
-    for _ in range(VERTICES):
-        slopes = np.diff(values) / np.diff(x)
-        curvature = (slopes[1] - slopes[0]) / (x[2] - x[0])
-        if curvature <= 0.0:
-            break
-        vertex = 0.5 * (x[0] + x[1] - slopes[0] / curvature)
-        x, values = np.append(x, vertex), np.append(values, at(float(np.exp(vertex))))
-        order = np.argsort(x)
-        k = int(np.clip(np.argmin(values[order]), 1, len(x) - 2))
-        around = order[k - 1 : k + 2]
-        x, values = x[around], values[around]
-    k = int(np.argmin(values))
-    return float(np.exp(x[k])), float(values[k])
+        return ratio, value, solve_theta(given, ratio, theta, free).theta
+    return ratio, value, tried[ratio][1]
 
 
 def _valley(
@@ -352,20 +286,17 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     _check_influence(given, np.diag(solved.normal), own, theta)
     if np.linalg.matrix_rank(solved.normal, hermitian=True) < len(own):
         names = ", ".join(given.names[k] for k in own)
-        raise InputError(
-            "parameters", names, "cannot be told apart by these observations",
-            "hold one of them fixed, or bring tests that differ in it",
-        )  # fmt: skip
+        advice = "hold one of them fixed, or bring tests that differ in it"
+        raise InputError("parameters", names, "cannot be told apart by these observations", advice)
     covariance = np.full((len(free), len(free)), np.nan)
     covariance[np.ix_(own, own)] = variance * np.linalg.pinv(solved.normal)
     residual = given.y - given.predict(theta)
     sums = np.bincount(given.groups, given.weights * residual, minlength=given.campaigns)
     total = given.totals
     effects = ratio * sums / (1.0 + ratio * total)
-    return Estimate(
-        given, theta, float(np.sqrt(variance)), float(np.sqrt(ratio * variance)), value,
-        covariance, solved.stuck, effects, residual - effects[given.groups],
-    )  # fmt: skip
+    sigma, tau = float(np.sqrt(variance)), float(np.sqrt(ratio * variance))
+    rest = residual - effects[given.groups]
+    return Estimate(given, theta, sigma, tau, value, covariance, solved.stuck, rest)
 
 
 def fit_robust(given: Problem, loss: str = "huber", *, rounds: int = 30) -> Estimate:

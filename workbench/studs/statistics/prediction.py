@@ -58,10 +58,8 @@ def _mixture(estimate: Estimate) -> _Mixture:
         theta = solved.theta
     likelihood = np.exp(-0.5 * (np.array(values) - min(values)))
     weight = likelihood * np.gradient(r)
-    return _Mixture(
-        weight / weight.sum(), np.array(thetas), r, np.array(variances), np.array(inverses),
-        given.count - len(free),
-    )  # fmt: skip
+    found = np.array(thetas), r, np.array(variances), np.array(inverses)
+    return _Mixture(weight / weight.sum(), *found, given.count - len(free))
 
 
 def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
@@ -110,15 +108,12 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
     from scipy.optimize import brentq
     from scipy.special import stdtr
 
-    given = estimate.problem
-    if name not in given.names:
-        raise InputError("parameter", name, "must be one of " + ", ".join(given.names))
+    k = estimate.problem.index(name)
     _need_campaigns(estimate)
     if estimate.is_exact:
         exact = estimate.parameter(name)
         return Interval(exact, exact, confidence, _POSTERIOR)
     mixture = _mixture(estimate)
-    k = given.names.index(name)
     centre, scale = mixture.theta[:, k], np.sqrt(mixture.variance * mixture.inverse[:, k, k])
     width = 20.0 * float(np.max(scale[mixture.weight > 1e-12]))
     ends = [
@@ -137,13 +132,11 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
 
 
 def _need_campaigns(estimate: Estimate) -> None:
-    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
-        raise InputError(
-            "campaigns",
-            estimate.problem.campaigns,
-            f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign",
-            "fewer do not tell how much campaigns differ",
-        )
+    count = estimate.problem.campaigns
+    if count < LEAST_CAMPAIGNS:
+        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
+        advice = "fewer do not tell how much campaigns differ"
+        raise InputError("campaigns", count, reason, advice)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,18 +162,14 @@ def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[Left
     if given.campaigns < 2:
         raise InputError("campaigns", given.campaigns, "must be two or more to leave one out")
     result = []
-    for label in given.labels:
-        outside, inside = given.without(label)
+    for k, label in enumerate(given.labels):
+        inside, outside = (np.flatnonzero(mask) for mask in (given.groups == k, given.groups != k))
         estimate = fit(subset(given, outside))
         held = subset(given, inside)
         error = held.y - held.predict(estimate.theta)
+        rms = float(np.sqrt(np.mean(error**2)))
         covered = coverage(estimate, held, confidence)
-        result.append(
-            LeftOut(
-                label, len(inside), float(np.mean(error)), float(np.sqrt(np.mean(error**2))),
-                covered,
-            )
-        )  # fmt: skip
+        result.append(LeftOut(label, len(inside), float(np.mean(error)), rms, covered))
     return result
 
 

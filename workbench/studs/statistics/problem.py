@@ -39,8 +39,11 @@ class Problem:
 
     @cached_property
     def moments(self) -> tuple[Array, Array, Array] | None:
-        """Of a linear problem: cross products of (X, y), their sums and weights per campaign."""
-        if self.design is None:
+        """Of a linear problem without bounds: cross products of (X, y), sums and weights.
+
+        The sums and weights are those of each campaign; None for any other problem.
+        """
+        if self.design is None or np.any(np.isfinite([self.lower, self.upper])):
             return None
         joined = np.column_stack([self.design, self.y])
         weighted = self.weights[:, None] * joined
@@ -62,11 +65,6 @@ class Problem:
         member = self.groups == np.arange(self.campaigns)[:, None]
         return root, np.where(member, root, 0.0) / np.sqrt(self.totals)[:, None]
 
-    @cached_property
-    def is_free(self) -> bool:
-        """Whether no parameter has a bound."""
-        return not np.any(np.isfinite([self.lower, self.upper]))
-
     @property
     def count(self) -> int:
         """Number of observations."""
@@ -82,10 +80,11 @@ class Problem:
         """Whether scatter within and between campaigns can be told apart: some have two rows."""
         return 1 < self.campaigns < self.count
 
-    def without(self, label: str) -> tuple[Indices, Indices]:
-        """Rows outside and inside the campaign `label`."""
-        inside = self.groups == self.labels.index(label)
-        return np.flatnonzero(~inside), np.flatnonzero(inside)
+    def index(self, name: str) -> int:
+        """Place of a parameter. Raises `InputError` for an unknown one."""
+        if name not in self.names:
+            raise InputError("parameter", name, "must be one of " + ", ".join(self.names))
+        return self.names.index(name)
 
 
 def problem(
@@ -114,54 +113,58 @@ def problem(
     if len(keys) != len(observed) or not np.all(np.isfinite(observed)):
         raise InputError("observations", observed.shape, "must be finite, each with a campaign")
     if fitted and len(observed) <= p:
-        raise InputError(
-            "observations", len(observed), f"must be more than the {p} parameters",
-            "hold parameters fixed, or bring more tests",
-        )  # fmt: skip
+        advice = "hold parameters fixed, or bring more tests"
+        found = len(observed)
+        raise InputError("observations", found, f"must be more than the {p} parameters", advice)
     if predict is None:
         if matrix is None:
             raise InputError("predict", None, "must be given when there is no design matrix")
         predict = _linear(matrix)
     return Problem(
-        observed, groups.astype(np.int64), predict, names,
+        observed,
+        groups.astype(np.int64),
+        predict,
+        names,
         np.clip(np.asarray(start, float), lower, upper),
         np.broadcast_to(np.asarray(lower, float), p).copy(),
         np.broadcast_to(np.asarray(upper, float), p).copy(),
         np.ones(len(observed)) if weights is None else np.asarray(weights, float),
-        tuple(str(label) for label in labels), matrix,
-    )  # fmt: skip
+        tuple(str(label) for label in labels),
+        matrix,
+    )
+
+
+def location(values: Array, campaigns: ArrayLike) -> Problem:
+    """The problem of a ``median`` of values (n,), each with its campaign."""
+    start, design = [float(np.median(values))], np.ones((len(values), 1))
+    return problem(values, campaigns, None, ("median",), start, design=design)
 
 
 def _linear(matrix: Array) -> Prediction:
     return lambda theta: np.asarray(matrix @ theta)
 
 
-def subset(given: Problem, rows: Indices, predict: Prediction | None = None) -> Problem:
-    """The same problem on some `rows`, with each drawn campaign kept apart by its label.
-
-    `predict` on those rows is needed for predictions that are no design matrix; by default the
-    whole prediction is evaluated and cut.
-    """
+def subset(given: Problem, rows: Indices) -> Problem:
+    """The same problem on some `rows`; a prediction without design matrix is evaluated and cut."""
     labels, groups = np.unique(given.groups[rows], return_inverse=True)
     design = None if given.design is None else given.design[rows]
     whole = given.predict
-    own = predict or (_linear(design) if design is not None else lambda theta: whole(theta)[rows])
     return replace(
-        given, y=given.y[rows], groups=groups.astype(np.int64), predict=own,
-        weights=given.weights[rows], labels=tuple(given.labels[k] for k in labels),
+        given,
+        y=given.y[rows],
+        groups=groups.astype(np.int64),
+        predict=(lambda theta: whole(theta)[rows]) if design is None else _linear(design),
+        weights=given.weights[rows],
+        labels=tuple(given.labels[k] for k in labels),
         design=design,
-    )  # fmt: skip
+    )
 
 
-def jacobian(given: Problem, theta: Array, free: Indices, base: Array | None = None) -> Array:
-    """Derivatives (n, free) of the prediction with respect to the `free` parameters.
-
-    `base` (n,), the prediction at `theta` where it is known already.
-    """
+def jacobian(given: Problem, theta: Array, free: Indices) -> Array:
+    """Derivatives (n, free) of the prediction with respect to the `free` parameters."""
     if given.design is not None:
         return given.design[:, free]
-    if base is None:
-        base = given.predict(theta)
+    base = given.predict(theta)
     columns = np.empty((given.count, len(free)))
     for column, k in enumerate(free):
         step = DIFFERENCE * max(abs(theta[k]), 1e-2)

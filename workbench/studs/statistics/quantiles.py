@@ -20,6 +20,8 @@ LIMIT_DESIGN = 0.99882  # Phi(3.04), 3.04 = 0.8 x 3.8: the limit that the standa
 def fractile_factor(count: float, share: float = CHARACTERISTIC, *, known: bool = False) -> float:
     """Factor k for which a `share` of new tests lies above mean - k times standard deviation.
 
+    The default `share` is that of k_n (table D.1). k_d,n (table D.2) follows `TABLE_DESIGN`,
+    although its limit for many tests is quoted as 3.04, the normal quantile of `LIMIT_DESIGN`.
     Arguments: `count` of tests (infinity allowed); `share` in 0.5..1; `known`, the standard
     deviation is known beforehand. Raises `InputError` for too few tests.
     """
@@ -29,24 +31,9 @@ def fractile_factor(count: float, share: float = CHARACTERISTIC, *, known: bool 
         raise InputError("share", share, "must lie between 0.5 and 1")
     least = 1 if known else 2
     if not count >= least:
-        raise InputError(
-            "count", count, f"must be {least} or more tests", "one test has no scatter to estimate"
-        )
+        advice = "one test has no scatter to estimate"
+        raise InputError("count", count, f"must be {least} or more tests", advice)
     spread = sqrt(1.0 + 1.0 / count)
     if known or count == inf:
         return float(ndtri(share)) * spread
     return float(stdtrit(count - 1.0, share)) * spread
-
-
-def characteristic_factor(count: float, *, known: bool = False) -> float:
-    """k_n of EN 1990 table D.1: the 5 % fractile."""
-    return fractile_factor(count, CHARACTERISTIC, known=known)
-
-
-def design_factor(count: float, *, known: bool = False, share: float = TABLE_DESIGN) -> float:
-    """k_d,n of EN 1990 table D.2: the design fractile.
-
-    The table follows the probability 0.999, although its limit for many tests is quoted as 3.04,
-    which is the normal quantile of 0.99882 (`LIMIT_DESIGN`); pass `share` for the latter.
-    """
-    return fractile_factor(count, share, known=known)

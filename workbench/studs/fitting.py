@@ -1,0 +1,242 @@
+"""What every fit to tests is made of: parameters with intervals, findings, and unseen tests.
+
+Strength, factors, load-slip and residual capacity are fitted by functions of their own; all give a
+`Fit`, so that the command line, the models of a study and the pages treat them alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import pandas as pd
+
+from workbench.errors import InputError
+from workbench.responses import Finding
+from workbench.studs.statistics.intervals import (
+    Interval,
+    bootstrap_by_campaign,
+    profile_interval,
+    scatter_intervals,
+)
+from workbench.studs.statistics.mixed import Estimate, fit
+from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS
+from workbench.studs.statistics.problem import location
+
+Content = dict[str, Any]
+
+
+class Judged(Protocol):
+    """How a fit meets tests that it has not used.
+
+    `scalars`, what models are compared by; `widths`, half-widths of their intervals over tests.
+    """
+
+    @property
+    def scalars(self) -> dict[str, float | None]: ...  # noqa: D102
+
+    @property
+    def widths(self) -> dict[str, float | None]: ...  # noqa: D102
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        ...
+
+
+class Fit(Protocol):
+    """A fit to tests: what it found, what it warns of, and how it meets unseen tests."""
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What a reader must know before relying on the fit."""
+        ...
+
+    def to_dict(self) -> Content:
+        """Parameters, intervals, diagnostics: everything but the rows."""
+        ...
+
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judged:
+        """Hold the fit against unseen tests. Raises `InputError` for rows that it has used."""
+        ...
+
+    def content(self, judged: Any, confidence: float = 0.9) -> Content:
+        """The fit, its rows and predictions, and a judgement (or None), for JSON and pages."""
+        ...
+
+
+class Parameter(NamedTuple):
+    """A fitted parameter and its intervals; `bootstrap` is None with too few campaigns."""
+
+    value: float
+    profile: Interval
+    bootstrap: Interval | None
+
+
+class Scatter(NamedTuple):
+    """A standard deviation with its profile interval."""
+
+    value: float
+    low: float | None
+    high: float | None
+    confidence: float
+    method: str
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The parameters of an estimate by name; `confidence` of all intervals."""
+
+    estimate: Estimate
+    parameters: dict[str, Parameter]
+    confidence: float
+
+    @cached_property
+    def _scatter(self) -> dict[str, Interval]:
+        return scatter_intervals(self.estimate, self.confidence)
+
+    @property
+    def sigma(self) -> Scatter:
+        """Scatter within campaigns."""
+        return Scatter(self.estimate.sigma, *self._scatter["sigma"])
+
+    @property
+    def tau(self) -> Scatter:
+        """Scatter between campaigns."""
+        return Scatter(self.estimate.tau, *self._scatter["tau"])
+
+    @property
+    def estimates(self) -> dict[str, float]:
+        """Parameters without their intervals."""
+        return {name: each.value for name, each in self.parameters.items()}
+
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Parameters that rest on a bound."""
+        names = self.estimate.problem.names
+        return tuple(n for n, at in zip(names, self.estimate.at_bound, strict=True) if at)
+
+    def intervals(self) -> dict[str, dict[str, Interval]]:
+        """Profile and bootstrap intervals by parameter (the latter may be missing)."""
+        known = {n: p.bootstrap for n, p in self.parameters.items() if p.bootstrap is not None}
+        return {"profile": {n: p.profile for n, p in self.parameters.items()}, "bootstrap": known}
+
+
+def fitted(
+    estimate: Estimate,
+    logarithms: Collection[str] = (),
+    *,
+    confidence: float,
+    resamples: int,
+    seed: int,
+) -> Fitted:
+    """Parameters with profile intervals, and bootstrap ones from three campaigns on.
+
+    Arguments: `logarithms`, parameters whose logarithm was fitted; `confidence` of the intervals;
+    `resamples` and `seed` of the bootstrap. Raises `SolverError`.
+    """
+    names = estimate.problem.names
+    drawn: dict[str, Interval] = {}
+    if estimate.problem.campaigns >= LEAST_CAMPAIGNS and names:
+        drawn = bootstrap_by_campaign(
+            estimate, confidence=confidence, resamples=resamples, seed=seed
+        )
+    parameters = {}
+    for name in names:
+        value, bootstrap = estimate.parameter(name), drawn.get(name)
+        profile = profile_interval(estimate, name, confidence)
+        if name in logarithms:
+            value, profile = float(np.exp(value)), profile.exponential()
+            bootstrap = None if bootstrap is None else bootstrap.exponential()
+        parameters[name] = Parameter(value, profile, bootstrap)
+    return Fitted(estimate, parameters, confidence)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Test over prediction in tests that the prediction has not used.
+
+    `bias`, median ratio with its `interval` (None with one test: it tells no scatter); `least`, the
+    smallest ratio, and `worst`, the test that has it; `scatter` of the log ratio, between campaigns
+    included (None with one test); `rows`, campaign, specimen, test, prediction and ratio. Where a
+    fit tells them: `covered`, share of the tests inside its prediction interval, and
+    `known_campaigns`, campaigns that it has seen other specimens of, so that the tests are not
+    independent of it.
+    """
+
+    bias: float
+    interval: Interval | None
+    least: float
+    worst: str
+    scatter: float | None
+    rows: pd.DataFrame
+    covered: float | None = None
+    known_campaigns: tuple[str, ...] = ()
+
+    @property
+    def half_width(self) -> float | None:
+        """Distance of the bias from the farther end of its interval (None: not known)."""
+        if self.interval is None or self.interval.low is None or self.interval.high is None:
+            return None
+        return max(self.bias - self.interval.low, self.interval.high - self.bias)
+
+    @property
+    def scalars(self) -> dict[str, float | None]:
+        """What a model is compared by."""
+        return {"test_over_prediction": self.bias, "least_test_over_prediction": self.least}
+
+    @property
+    def widths(self) -> dict[str, float | None]:
+        """Half-widths of the intervals of the scalars, over tests."""
+        return {"test_over_prediction": self.half_width}
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        return {
+            "tests": len(self.rows),
+            "campaigns": sorted(set(self.rows["campaign"])),
+            "test_over_prediction": self.bias,
+            "interval": self.interval,
+            "least_test_over_prediction": self.least,
+            "worst": self.worst,
+            "scatter": self.scatter,
+            "covered": self.covered,
+            "known_campaigns": self.known_campaigns,
+        }
+
+
+def judge(rows: pd.DataFrame, confidence: float = 0.9) -> Judgement:
+    """Judge predictions: rows with campaign, specimen, test and prediction, all positive.
+
+    Raises `InputError` without rows.
+    """
+    if rows.empty:
+        raise InputError("validation", 0, "holds no test that the model can answer")
+    ratio = rows["test"].to_numpy(float) / rows["prediction"].to_numpy(float)
+    judged = rows.assign(ratio=ratio).reset_index(drop=True)
+    least = judged.loc[int(np.argmin(ratio))]
+    worst = f"{least['campaign']} {least['specimen']}"
+    if len(ratio) < 2:
+        return Judgement(float(ratio[0]), None, float(ratio.min()), worst, None, judged)
+    estimate = fit(location(np.log(ratio), judged["campaign"].to_numpy(str)))
+    interval = profile_interval(estimate, "median", confidence).exponential()
+    scatter = float(np.hypot(estimate.sigma, estimate.tau))
+    bias = float(np.exp(estimate.theta[0]))
+    return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
+
+
+def judged_rows(rows: pd.DataFrame, test: Any, prediction: Any, *more: str) -> pd.DataFrame:
+    """Names, `more` columns, test (n,) and prediction (n,) of rows whose prediction has a value."""
+    frame: pd.DataFrame = rows[["campaign", "specimen", *more]]
+    frame = frame.assign(test=test, prediction=prediction)
+    known: pd.DataFrame = frame[np.isfinite(prediction) & (np.asarray(prediction) > 0.0)]
+    return known
+
+
+def judgement_content(judged: Any) -> Content:
+    """A judgement (or None) and its rows, as every content ends."""
+    if judged is None:
+        return {"judgement": None, "judged": None}
+    return {"judgement": judged.to_dict(), "judged": judged.rows}
