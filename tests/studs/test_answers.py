@@ -25,8 +25,8 @@ from workbench.studs.answers import (
     StudStrength,
 )
 from workbench.studs.answers.common import content_of
-from workbench.studs.combined_tests import combined_tests
-from workbench.studs.judging import judge
+from workbench.studs.fitting import judge
+from workbench.studs.interaction import combined_tests
 from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.split import joined, split_table

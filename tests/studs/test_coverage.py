@@ -13,8 +13,8 @@ import pandas as pd
 import pytest
 
 from workbench.studs import POINTS, RELATIONS, SHEAR_MODELS, OllgaardLaw, fit_load_slip
-from workbench.studs.curve_judging import judge_curves
-from workbench.studs.factors import _prediction
+from workbench.studs.factors import prediction
+from workbench.studs.load_slip_fit import judge_curves
 from workbench.studs.quantities import Specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.statistics.intervals import Interval, profile_interval
@@ -77,7 +77,7 @@ def factor_coverage(runs: int) -> dict[str, float]:
             generator.uniform(420e6, 520e6, n), nothing, nothing, nothing,
         )  # fmt: skip
         given = problem(
-            np.log(model.of(tests)) + error, groups, _prediction(tests, model, tuple(truth)),
+            np.log(model.of(tests)) + error, groups, prediction(tests, model, tuple(truth)),
             tuple(truth), np.log([0.3, 0.9]), lower=np.log([0.02, 0.1]), upper=np.log([5.0, 5.0]),
         )  # fmt: skip
         estimate = fit(given)

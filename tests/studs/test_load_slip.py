@@ -24,6 +24,7 @@ from workbench.studs import (
 from workbench.studs.curve_fit import fit_curve
 from workbench.studs.load_slip import law_kind
 from workbench.studs.load_slip_fit import first_loading
+from workbench.studs.plain import plain
 from workbench.studs.stiffness import (
     ascending,
     chord_stiffness,
@@ -187,13 +188,14 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     assert len(fit.curves) == 24
     assert len(fit.skipped) == 4  # the noisy initial branches
     assert fit.to_dict()["campaigns"] == ["lehigh279", "mcgarraugh1971", "provines2019"]
-    for parameter in fit.population.values():
-        assert parameter.profile.low < parameter.median < parameter.profile.high
+    for found in fit.population.values():
+        median = found.parameters["median"]
+        assert median.profile.low < median.value < median.profile.high
     dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
     again = fit_load_slip(repeated, resamples=50)
-    assert again.population["rate"].median == pytest.approx(fit.population["rate"].median, rel=1e-6)
-    json.dumps(fit.to_dict(), allow_nan=False)
+    assert again.medians["rate"] == pytest.approx(fit.medians["rate"], rel=1e-6)
+    json.dumps(plain(fit.to_dict()), allow_nan=False)
 
 
 def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:

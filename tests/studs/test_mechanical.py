@@ -30,6 +30,7 @@ from workbench.studs.mechanical.driving import shear
 from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
 from workbench.studs.mechanical.residual import Spread, failing_uplift, uplift_at
 from workbench.studs.mechanical.structure import StudStructure, round_section
+from workbench.studs.plain import plain
 
 STUD = Stud(0.019, 0.1, 30e6, 26e9, 450e6)
 AROUND = Surroundings()
@@ -298,7 +299,7 @@ def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
         assert own["strength_ratio"].mean() == pytest.approx(1.0, abs=0.03)
     assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.05)
     assert max(fitted.standard_errors.values()) < 0.2
-    json.dumps(fitted.to_dict(), allow_nan=False)
+    json.dumps(plain(fitted.to_dict()), allow_nan=False)
 
 
 def test_validation_shows_where_the_model_fails(
@@ -326,7 +327,9 @@ def test_residual_chart_is_graded_as_a_prediction(
     assert curve.high[-1] - curve.low[-1] > 0.2  # what a cone leaves is not known
     chart = fit_residual(push_outs, "stiffness", mechanical=curve)
     assert chart.grade is Grade.MECHANICAL
-    assert "calibrated on 24 undamaged push-outs of provines2019" in " ".join(chart.warnings)
+    assert "calibrated on 24 undamaged push-outs of provines2019" in " ".join(
+        finding.text for finding in chart.findings
+    )
     with pytest.raises(InputError, match="strength or stiffness"):
         residual_curve(STUD, fitted.around, "colour")
 

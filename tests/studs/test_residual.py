@@ -11,11 +11,16 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.evidence import load
-from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, fit_residual
+from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFit, fit_residual
+from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.residual import damaged_rows
 
 Maker = Callable[..., pd.DataFrame]
+
+
+def texts(fit: ResidualFit) -> list[str]:
+    return [finding.text for finding in fit.findings]
 
 
 @pytest.fixture
@@ -36,8 +41,9 @@ def test_without_tests_only_the_mechanical_prediction_is_left(
     assert fit.left([0.25, 0.75]).tolist() == pytest.approx([0.9, 0.6])
     low, high = fit.band([0.5])
     assert (low[0], high[0]) == (0.6, 0.9)
-    assert "holds no test after pre-damage" in fit.warnings[0]
-    assert json.loads(json.dumps(fit.to_dict(), allow_nan=False))["grade"] == str(fit.grade)
+    assert "holds no test after pre-damage" in fit.findings[0].text
+    stored = json.loads(json.dumps(plain(fit.to_dict()), allow_nan=False))
+    assert stored["grade"] == str(fit.grade)
     with pytest.raises(InputError, match="holds no test after pre-damage"):
         fit_residual(push_outs)
     with pytest.raises(InputError, match="must predict the stiffness"):
@@ -51,7 +57,7 @@ def test_a_table_with_such_rows_flips_the_path_and_says_so(
     both = pd.concat([push_outs, synthetic], ignore_index=True)
     fit = fit_residual(both, mechanical=predicted, resamples=50)
     assert fit.grade is Grade.SYNTHETIC
-    assert "40 of 40 rows are synthetic" in fit.warnings
+    assert "40 of 40 rows are synthetic" in texts(fit)
     assert {score.name for score in fit.scores} == {*RELATIONS, "mechanical"}
     assert fit.scores[0].by == "campaign"
     measured = fit_residual(
@@ -65,9 +71,11 @@ def test_a_table_with_such_rows_flips_the_path_and_says_so(
 def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p: float) -> None:
     fit = fit_residual(damaged(8, 8, c, p, 0.03, 0.02), resamples=100)
     assert fit.relation.name == "power"
-    assert fit.profile["c"].low < c < fit.profile["c"].high
-    assert fit.profile["p"].low < p < fit.profile["p"].high
-    assert fit.bootstrap["c"].low < c < fit.bootstrap["c"].high
+    assert fit.fitted is not None
+    found = fit.fitted.parameters
+    assert found["c"].profile.low < c < found["c"].profile.high
+    assert found["p"].profile.low < p < found["p"].profile.high
+    assert found["c"].bootstrap.low < c < found["c"].bootstrap.high
     low, high = fit.band([0.2, 0.8])
     assert np.all((low < fit.left([0.2, 0.8])) & (fit.left([0.2, 0.8]) < high))
 
@@ -81,11 +89,11 @@ def test_a_damage_without_effect_is_called_so(damaged: Maker) -> None:
 
 def test_fatigue_without_loss_contradicts_published_findings(damaged: Maker) -> None:
     fit = fit_residual(damaged(6, 8, 0.0))
-    assert any("contradicts Hanswille" in text for text in fit.warnings)
+    assert any("contradicts Hanswille" in text for text in texts(fit))
     findings = load("stud-findings")
     row = findings[findings["reference"].str.contains("Hanswille")].iloc[0]
     assert (row["value_low"], row["value_high"]) == (0.10, 0.15)
-    assert not any("contradicts" in text for text in fit_residual(damaged()).warnings)
+    assert not any("contradicts" in text for text in texts(fit_residual(damaged())))
 
 
 def test_kinds_of_damage_are_not_mixed(damaged: Maker) -> None:
@@ -105,10 +113,10 @@ def test_one_or_two_campaigns_do_not_give_a_band(damaged: Maker) -> None:
     one = fit_residual(damaged(1, 12))
     assert one.band([0.5]) is None
     assert one.scores[0].by == "specimen"
-    assert any("leaving out specimens" in text for text in one.warnings)
+    assert any("leaving out specimens" in text for text in texts(one))
     two = fit_residual(damaged(2, 12))
     assert two.band([0.5]) is None
-    assert any("no band for a new campaign" in text for text in two.warnings)
+    assert any("no band for a new campaign" in text for text in texts(two))
 
 
 def test_validation_refuses_seen_rows(damaged: Maker) -> None:
@@ -116,10 +124,11 @@ def test_validation_refuses_seen_rows(damaged: Maker) -> None:
     seen, unseen = table[table["campaign"] != "lab 5"], table[table["campaign"] == "lab 5"]
     fit = fit_residual(seen, resamples=20)
     with pytest.raises(InputError, match="was used for the fit"):
-        fit.validate(table)
-    found = fit.validate(unseen)
-    assert found.count == 8
-    assert found.rms < 0.15
+        fit.judge(table)
+    found = fit.judge(unseen)
+    assert len(found.rows) == 8
+    error = found.rows["test"] - found.rows["prediction"]
+    assert np.sqrt(np.mean(error**2)) < 0.15
 
 
 def test_the_reference_may_come_from_companions() -> None:

@@ -10,15 +10,11 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_series, evaluate_table
+from workbench.studs.plain import plain
 from workbench.studs.reading import read_text
 from workbench.studs.statistics.annex_b import slip_capacity
-from workbench.studs.statistics.annex_d import factor_table, from_prior_knowledge, sensitivities_of
-from workbench.studs.statistics.quantiles import (
-    LIMIT_DESIGN,
-    characteristic_factor,
-    design_factor,
-    fractile_factor,
-)
+from workbench.studs.statistics.annex_d import from_prior_knowledge, sensitivities_of
+from workbench.studs.statistics.quantiles import LIMIT_DESIGN, TABLE_DESIGN, fractile_factor
 
 # EN 1990 tables D.1 and D.2: n, k_n known, k_n unknown, k_d,n known, k_d,n unknown (V_X)
 TABLE = {
@@ -33,29 +29,28 @@ TABLE = {
 def test_characteristic_factors_follow_from_their_definition(n: float) -> None:
     known, unknown, _, _ = TABLE[n]
     # the table is printed with two decimals, some cut and not rounded
-    assert characteristic_factor(n, known=True) == pytest.approx(known, abs=0.018)
+    assert fractile_factor(n, known=True) == pytest.approx(known, abs=0.018)
     if unknown is not None:
-        assert characteristic_factor(n) == pytest.approx(unknown, abs=0.013)
+        assert fractile_factor(n) == pytest.approx(unknown, abs=0.013)
 
 
 @pytest.mark.parametrize("n", [n for n in TABLE if n != inf])
 def test_design_factors_follow_the_probability_0_999(n: float) -> None:
     _, _, known, unknown = TABLE[n]
-    assert design_factor(n, known=True) == pytest.approx(known, rel=0.011)
+    assert fractile_factor(n, TABLE_DESIGN, known=True) == pytest.approx(known, rel=0.011)
     if unknown is None:
         return
-    assert design_factor(n) == pytest.approx(unknown, rel=0.008)
+    assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(unknown, rel=0.008)
     # the limit quoted as 3.04 belongs to 0.99882, with which the table does not agree
-    assert design_factor(n, share=LIMIT_DESIGN) < unknown * 0.99
-    assert design_factor(inf, share=LIMIT_DESIGN) == pytest.approx(3.04, abs=0.002)
-    assert design_factor(inf) == pytest.approx(3.09, abs=0.001)
+    assert fractile_factor(n, LIMIT_DESIGN) < unknown * 0.99
+    assert fractile_factor(inf, LIMIT_DESIGN) == pytest.approx(3.04, abs=0.002)
+    assert fractile_factor(inf, TABLE_DESIGN) == pytest.approx(3.09, abs=0.001)
 
 
 def test_factors_of_the_brief_definition() -> None:
-    assert [round(characteristic_factor(n), 3) for n in (3, 4, 5)] == [3.372, 2.631, 2.335]
-    assert [row[0] for row in factor_table()] == [3, 4, 5, 6, 8, 10, 20, 30, inf]
+    assert [round(fractile_factor(n), 3) for n in (3, 4, 5)] == [3.372, 2.631, 2.335]
     with pytest.raises(InputError, match="2 or more tests"):
-        characteristic_factor(1)
+        fractile_factor(1)
     with pytest.raises(InputError, match="share"):
         fractile_factor(5, 0.4)
 
@@ -87,7 +82,7 @@ def test_d8_by_hand() -> None:
         "k_n": 2.6311403, "k_dn": 11.4201937, "r_m": 95.0, "r_k": 76.8701971, "r_d": 58.2588986,
         "gamma_m": 1.3194585, "r_nominal": 80.0, "gamma_m_star": 1.3731808,
     }  # fmt: skip
-    assert found.to_dict() == pytest.approx(expected, rel=1e-7)
+    assert plain(found) == pytest.approx(expected, rel=1e-7)
 
 
 def test_d8_with_sensitivities() -> None:

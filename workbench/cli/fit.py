@@ -1,81 +1,133 @@
-"""`workbench fit`: strength, load-slip and residual capacity of studs from tables of tests."""
+"""`workbench fit`: strength, load-slip and residual capacity of studs from tables of tests.
+
+The options of a verb are the fields of a class; `_verb` makes the command of it.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
-from workbench.cli import fit_text
-from workbench.cli.output import Json, print_json
+from workbench.cli.output import Answer, verb
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from workbench.content.tree import Block
+    from workbench.studs.fitting import Fit
     from workbench.studs.schema import Table
 
+Names = list[str] | None
+Content = dict[str, Any]
+_CAMPAIGN = "CAMPAIGN"
 app = typer.Typer(
     help="Fit laws of studs to a table of tests.",
     rich_markup_mode=None,
     no_args_is_help=False,
 )
 
-File = Annotated[
-    str | None,
-    typer.Argument(metavar="[FILE.csv]", help="Your table of tests.  [default: shipped tables]"),
-]
-WithShipped = Annotated[
-    bool, typer.Option("--with-shipped", help="Add the shipped tables to those of FILE.")
-]
-Calibrate = Annotated[
-    list[str] | None,
-    typer.Option(metavar="CAMPAIGN", help="A campaign to fit.  [default: all not validating]"),
-]
-Validate = Annotated[
-    list[str] | None,
-    typer.Option(metavar="CAMPAIGN", help="A campaign to hold the fit against, kept out of it."),
-]
-Confidence = Annotated[float, typer.Option(help="Confidence of intervals and bands.")]
-KeepGood = Annotated[
-    bool, typer.Option("--keep-good", help="Leave bad rows of FILE out instead of refusing it.")
-]
+
+def _option(text: str, default: Any = None, metavar: str | None = None, *flags: str) -> Any:
+    """A field of options: its help, default, and how its value and flag are called."""
+    return field(default=default, metadata={"": typer.Option(*flags, metavar=metavar, help=text)})
 
 
-@app.command("stud-strength")
-def stud_strength(
-    file: File = None,
-    model: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="A formula.  [default: all]")
-    ] = None,
-    trend: Annotated[
-        list[str] | None,
-        typer.Option(metavar="VARIABLE", help="Fit the exponent that a formula misses in it."),
-    ] = None,
-    factor: Annotated[
-        list[str] | None,
-        typer.Option(metavar="steel|concrete", help="Fit this factor of the formula itself."),
-    ] = None,
-    loss: Annotated[
-        str, typer.Option(metavar="NAME", help="linear, huber or bisquare.")
-    ] = "linear",
-    variation: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=V", help="Scatter of a variable in structures, for D.8."),
-    ] = None,
-    points: Annotated[
-        str | None,
-        typer.Option(metavar="POINTS.csv", help="Load-slip curves, for slip capacities."),
-    ] = None,
-    specified: Annotated[
-        float, typer.Option("--specified-fu", metavar="MPA", help="Specified stud strength.")
-    ] = 450.0,
-    calibrate: Calibrate = None,
-    validate: Validate = None,
-    with_shipped: WithShipped = False,
-    keep_good: KeepGood = False,
-    confidence: Confidence = 0.9,
-    as_json: Json = False,
-) -> None:
+def _file(metavar: str, rows: str) -> Any:
+    text = f"Your table of {rows}.  [default: shipped tables]"
+    return field(default=None, metadata={"": typer.Argument(metavar=metavar, help=text)})
+
+
+@dataclass(frozen=True)
+class Common:
+    """What every fit is asked: the tables, the campaigns, the confidence."""
+
+    file: str | None = _file("[FILE.csv]", "tests")
+    calibrate: Names = _option("A campaign to fit.  [default: all not validating]", None, _CAMPAIGN)
+    validate: Names = _option(
+        "A campaign to hold the fit against, kept out of it.", None, _CAMPAIGN
+    )
+    with_shipped: bool = _option(
+        "Add the shipped tables to those of FILE.", False, None, "--with-shipped"
+    )
+    keep_good: bool = _option(
+        "Leave bad rows of FILE out instead of refusing it.", False, None, "--keep-good"
+    )
+    confidence: float = _option("Confidence of intervals and bands.", 0.9)
+
+
+@dataclass(frozen=True)
+class StrengthOptions(Common):
+    """Options of `workbench fit stud-strength`."""
+
+    model: Names = _option("A formula.  [default: all]", None, "NAME")
+    trend: Names = _option("Fit the exponent that a formula misses in it.", None, "VARIABLE")
+    factor: Names = _option("Fit this factor of the formula itself.", None, "steel|concrete")
+    loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
+    variation: Names = _option("Scatter of a variable in structures, for D.8.", None, "NAME=V")
+    points: str | None = _option("Load-slip curves, for slip capacities.", None, "POINTS.csv")
+    specified: float = _option("Specified stud strength.", 450.0, "MPA", "--specified-fu")
+
+
+@dataclass(frozen=True)
+class LoadSlipOptions(Common):
+    """Options of `workbench fit load-slip`."""
+
+    file: str | None = _file("[POINTS.csv]", "points")
+    law: Names = _option("ollgaard, bilinear or rational.  [default: all]", None, "NAME")
+    loss: str = _option("linear, huber or soft_l1.", "linear", "NAME")
+    least_points: int = _option("Points that a curve needs to count.", 3)
+
+
+@dataclass(frozen=True)
+class ResidualOptions(Common):
+    """Options of `workbench fit residual`."""
+
+    quantity: str = _option("strength, stiffness or both.", "both", "NAME")
+    predamage: str | None = _option("Tests after this damage only.", None, "KIND")
+    measure: str | None = _option("Tests with this measure of damage only.", None, "NAME")
+    mechanical: bool = _option("Let the mechanical model predict, or compete.", True)
+    diameter_mm: float = _option("Of the stud that the mechanical model computes.", 19.0)
+    height_mm: float = _option("Height of that stud.", 100.0)
+    fcm_mpa: float = _option("Mean strength of its slab.", 30.0)
+    fu_mpa: float = _option("Tensile strength of it.", 450.0)
+
+
+def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
+    """Make a verb of a function of one argument: its options, declared as fields of a class."""
+
+    def made(answer: Callable[[Any], Answer]) -> None:
+        kind = get_type_hints(answer)["options"]
+        hints = get_type_hints(kind)
+
+        def command(**given: Any) -> Answer:
+            from workbench.fields import Number
+
+            options = kind(**given)
+            Number(0.5, 0.999).check("--confidence", options.confidence)
+            return answer(options)
+
+        parameters = [
+            inspect.Parameter(
+                declared.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=declared.default,
+                annotation=Annotated[hints[declared.name], declared.metadata[""]],
+            )
+            for declared in fields(kind)
+        ]
+        command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        command.__doc__ = answer.__doc__
+        app.command(name)(verb(command))
+
+    return made
+
+
+@_verb("stud-strength")
+def stud_strength(options: StrengthOptions) -> Answer:
     """Judge and fit formulas of shear strength.
 
     Undamaged headed studs in solid slabs with use_for_fit = 1; with EN 1990 D.8 and EN 1994-1-1
@@ -83,231 +135,151 @@ def stud_strength(
     """
     from workbench.errors import InputError, OutOfDomainError
     from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points, shear_model
-    from workbench.studs.answers.series import series_content
     from workbench.studs.plain import plain
 
-    _check_confidence(confidence)
-    table, bad = _table(file, TESTS, "stud-push-out", with_shipped, keep_good)
-    fitted, held = _split(table, calibrate, validate)
-    options = {
-        "trends": tuple(trend or ()), "loss": loss, "confidence": confidence,
-        "variations": _variations(variation),
-    }  # fmt: skip
+    fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
-    for name in model or list(SHEAR_MODELS):
+    for name in options.model or list(SHEAR_MODELS):
         shear_model(name)
         try:
-            contents.append(_formula(fitted, held, name, factor, options))
+            contents.append(_formula(fitted, held, name, options))
         except (InputError, OutOfDomainError) as error:
-            if model or getattr(error, "field", "table") != "table":
+            if options.model or getattr(error, "field", "table") != "table":
                 raise
             left_out[name], why = str(error), error  # the others may need less of the table
     if not contents:
         raise why
-    curves = None if points is None else read_points(points)
-    series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
-    result = {
-        **_head("stud-strength", file, with_shipped, calibrate, held, confidence, bad),
-        "models": contents,
-        "not_fitted": left_out,
-        "series": plain([series_content(each) for each in series]),
-    }
-    print_json(result) if as_json else fit_text.strength(result)
+    curves = None if options.points is None else read_points(options.points)
+    series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
+    groups = plain([each.to_dict() for each in series])
+    result = {**head, "models": contents, "not_fitted": left_out, "series": groups}
+    return Answer(result, _strength(result))
 
 
-@app.command("load-slip")
-def load_slip(
-    file: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[POINTS.csv]", help="Your table of points.  [default: shipped tables]"
-        ),
-    ] = None,
-    law: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help="ollgaard, bilinear or rational.  [default: all]"),
-    ] = None,
-    loss: Annotated[str, typer.Option(metavar="NAME", help="linear, huber or soft_l1.")] = "linear",
-    least_points: Annotated[int, typer.Option(help="Points that a curve needs to count.")] = 3,
-    calibrate: Calibrate = None,
-    validate: Validate = None,
-    with_shipped: WithShipped = False,
-    keep_good: KeepGood = False,
-    confidence: Confidence = 0.9,
-    as_json: Json = False,
-) -> None:
+@_verb("load-slip")
+def load_slip(options: LoadSlipOptions) -> Answer:
     """Fit load-slip laws to push-out curves.
 
     Curves are the observations, not points: a curve of many points counts once.
     """
     from workbench.studs import LAWS, POINTS, fit_load_slip
-    from workbench.studs.answers.load_slip import load_slip_content
-    from workbench.studs.curve_judging import judge_curves
     from workbench.studs.load_slip import law_kind
-    from workbench.studs.plain import plain
 
-    _check_confidence(confidence)
-    table, bad = _table(file, POINTS, "stud-load-slip", with_shipped, keep_good)
-    fitted, held = _split(table, calibrate, validate)
+    fitted, held, head = _tables(options, "load-slip", POINTS, "stud-load-slip")
+    how = {name: getattr(options, name) for name in ("loss", "least_points", "confidence")}
     contents = []
-    for name in law or list(LAWS):
+    for name in options.law or list(LAWS):
         law_kind(name)
-        fit = fit_load_slip(
-            fitted, name, loss=loss, least_points=least_points, confidence=confidence
-        )
-        judged = judge_curves(held, fit.shape, fit, confidence) if not held.empty else None
-        contents.append(plain(load_slip_content(fit, judged, confidence)))
-    result = {
-        **_head("load-slip", file, with_shipped, calibrate, held, confidence, bad),
-        "laws": contents,
-    }
-    print_json(result) if as_json else fit_text.load_slip(result)
+        contents.append(_judged(fit_load_slip(fitted, name, **how), held, options.confidence))
+    result = {**head, "laws": contents}
+    return Answer(result, _load_slip(result))
 
 
-@app.command("residual")
-def residual(
-    file: File = None,
-    quantity: Annotated[
-        str, typer.Option(metavar="NAME", help="strength, stiffness or both.")
-    ] = "both",
-    predamage: Annotated[
-        str | None, typer.Option(metavar="KIND", help="Tests after this damage only.")
-    ] = None,
-    measure: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Tests with this measure of damage only.")
-    ] = None,
-    mechanical: Annotated[
-        bool, typer.Option(help="Let the mechanical model predict, or compete.")
-    ] = True,
-    diameter: Annotated[
-        float, typer.Option("--diameter-mm", help="Of the stud that the mechanical model computes.")
-    ] = 19.0,
-    height: Annotated[float, typer.Option("--height-mm", help="Height of that stud.")] = 100.0,
-    concrete: Annotated[float, typer.Option("--fcm-mpa", help="Mean strength of its slab.")] = 30.0,
-    steel: Annotated[float, typer.Option("--fu-mpa", help="Tensile strength of it.")] = 450.0,
-    calibrate: Calibrate = None,
-    validate: Validate = None,
-    with_shipped: WithShipped = False,
-    keep_good: KeepGood = False,
-    confidence: Confidence = 0.9,
-    as_json: Json = False,
-) -> None:
+@_verb("residual")
+def residual(options: ResidualOptions) -> Answer:
     """Fit what is left after pre-damage.
 
     The answer carries the grade of its evidence. Without tests after pre-damage the mechanical
     model predicts, and nothing validates it.
     """
     from workbench.errors import InputError
+    from workbench.scenarios import StudTests
     from workbench.studs import TESTS
-    from workbench.studs.answers.residual import answer_residual, judge_residual, residual_content
-    from workbench.studs.plain import plain
+    from workbench.studs.answers.mechanical import CALIBRATION, calibrated
+    from workbench.studs.answers.residual import answer_residual
+    from workbench.studs.mechanical import Stud
     from workbench.studs.residual import QUANTITIES, damaged_rows
 
-    _check_confidence(confidence)
+    quantity = options.quantity
     if quantity not in (*QUANTITIES, "both"):
         raise InputError("--quantity", quantity, "must be strength, stiffness or both")
-    table, bad = _table(file, TESTS, "stud-push-out", with_shipped, keep_good)
-    fitted, held = _split(table, calibrate, validate)
+    fitted, held, head = _tables(options, "residual", TESTS, "stud-push-out")
+    sizes = (1e-3 * options.diameter_mm, 1e-3 * options.height_mm)
+    stud = Stud.of_concrete(*sizes, 1e6 * options.fcm_mpa, 1e6 * options.fu_mpa)
+    # the shipped campaign that tells all that the mechanical model needs
+    known = StudTests("calibration", calibrate=(CALIBRATION,))
     contents = []
     for name in QUANTITIES if quantity == "both" else (quantity,):
         fit = answer_residual(
-            fitted, name, _stud(diameter, height, concrete, steel),
-            _calibrated if mechanical else None,
-            predamage=predamage, measure=measure, confidence=confidence,
-        )  # fmt: skip
+            fitted,
+            name,
+            stud,
+            (lambda: calibrated(known)) if options.mechanical else None,
+            predamage=options.predamage,
+            measure=options.measure,
+            confidence=options.confidence,
+        )
         relevant = damaged_rows(held, name, fit.predamage, fit.measure)
-        wanted = bool(validate) or not relevant.empty  # asked for by name, or there by their role
-        judged = judge_residual(fit, held, confidence) if wanted else None
-        contents.append(plain(residual_content(fit, judged, confidence)))
+        wanted = options.validate or not relevant.empty  # asked for by name, or there by their role
+        contents.append(_judged(fit, held if wanted else relevant, options.confidence))
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
-    result = {
-        **_head("residual", file, with_shipped, calibrate, held, confidence, bad),
-        "grade": "; ".join(grades),
-        "quantities": contents,
+    result = {**head, "grade": "; ".join(grades), "quantities": contents}
+    return Answer(result, _residual(result))
+
+
+def _tables(
+    options: Common, fit: str, schema: Table, name: str
+) -> tuple[pd.DataFrame, pd.DataFrame, Content]:
+    """The rows to fit, those that judge, and what every answer begins with."""
+    from workbench.studs import examine, shipped
+    from workbench.studs.split import campaigns_of, check_campaigns, joined, split_table
+
+    table, bad = None, []
+    if options.file is not None:
+        examination = examine(options.file, schema)
+        table = examination.rows if options.keep_good else examination.accept()
+        bad = [str(problem.error()) for problem in examination.problems]
+    own = options.with_shipped or table is None
+    if own:
+        parts = [shipped(name)] if table is None else [shipped(name), table]
+        table = joined(parts, unique=bool(schema.key))
+    assert table is not None
+    calibrate, validate = options.calibrate or [], options.validate or []
+    check_campaigns((*calibrate, *validate), table)
+    fitted, held = split_table(table, calibrate, validate)
+    head = {
+        "fit": fit,
+        "tables": [*([] if options.file is None else [options.file]), *["shipped"] * own],
+        "calibrate": calibrate,
+        "validate": campaigns_of(held),
+        "confidence": options.confidence,
+        "rows_left_out": bad,
     }
-    print_json(result) if as_json else fit_text.residual(result)
+    return fitted, held, head
+
+
+def _judged(fit: Fit, held: pd.DataFrame, confidence: float) -> Content:
+    """Everything that is known of a fit, and how it meets what was held out."""
+    from workbench.studs.plain import plain
+
+    judged = None if held.empty else fit.judge(held, confidence)
+    return dict(plain(fit.content(judged, confidence)))
 
 
 def _formula(
-    fitted: pd.DataFrame,
-    held: pd.DataFrame,
-    name: str,
-    factor: list[str] | None,
-    options: dict[str, Any],
-) -> dict[str, Any]:
-    """A formula fitted and, where tests are held out, judged by them."""
+    fitted: pd.DataFrame, held: pd.DataFrame, name: str, options: StrengthOptions
+) -> Content:
+    """A formula fitted and judged, as it is and corrected, and its own factors if wanted."""
     from workbench.studs import fit_factors, fit_strength
-    from workbench.studs.answers.strength import judge_strength, strength_content
     from workbench.studs.plain import plain
 
-    fit = fit_strength(fitted, name, **options)
-    judged = corrected = None
-    if not held.empty:
-        judged = judge_strength(fit, held, options["confidence"])
-        corrected = judge_strength(fit, held, options["confidence"], corrected=True)
-    content = strength_content(fit, judged)
-    content["corrected"] = None if corrected is None else corrected.to_dict()
-    factors = fit_factors(fitted, name, factor, loss=options["loss"]) if factor else None
-    content["factors"] = None if factors is None else factors.to_dict()
-    return dict(plain(content))
+    fit = fit_strength(
+        fitted,
+        name,
+        trends=tuple(options.trend or ()),
+        loss=options.loss,
+        confidence=options.confidence,
+        variations=_variations(options.variation),
+    )
+    corrected = None if held.empty else fit.judge(held, options.confidence, corrected=True)
+    own = None
+    if options.factor:
+        own = fit_factors(fitted, name, options.factor, loss=options.loss).to_dict()
+    more = {"corrected": None if corrected is None else corrected.to_dict(), "factors": own}
+    return {**_judged(fit, held, options.confidence), **plain(more)}
 
 
-def _table(
-    file: str | None, schema: Table, name: str, with_shipped: bool, keep_good: bool
-) -> tuple[pd.DataFrame, list[str]]:
-    """The rows to work on, and one sentence for every bad row that was left out."""
-    from workbench.studs import examine, shipped
-    from workbench.studs.split import joined
-
-    if file is None:
-        return shipped(name), []
-    examination = examine(file, schema)
-    rows = examination.rows if keep_good else examination.accept()
-    bad = [str(problem.error()) for problem in examination.problems]
-    if with_shipped:
-        rows = joined([shipped(name), rows], unique=bool(schema.key))
-    return rows, bad
-
-
-def _split(
-    table: pd.DataFrame, calibrate: list[str] | None, validate: list[str] | None
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    from workbench.studs.split import check_campaigns, split_table
-
-    check_campaigns((*(calibrate or ()), *(validate or ())), table)
-    return split_table(table, calibrate or (), validate or ())
-
-
-def _head(
-    fit: str,
-    file: str | None,
-    with_shipped: bool,
-    calibrate: list[str] | None,
-    held: pd.DataFrame,
-    confidence: float,
-    bad: list[str],
-) -> dict[str, Any]:
-    """What every answer begins with."""
-    from workbench.studs.split import campaigns_of
-
-    tables = ([] if file is None else [file]) + (["shipped"] if with_shipped or not file else [])
-    return {
-        "fit": fit,
-        "tables": tables,
-        "calibrate": calibrate or [],
-        "validate": campaigns_of(held),
-        "confidence": confidence,
-        "rows_left_out": bad,
-    }
-
-
-def _check_confidence(value: float) -> None:
-    from workbench.fields import Number
-
-    Number(0.5, 0.999).check("--confidence", value)
-
-
-def _variations(texts: list[str] | None) -> dict[str, float] | None:
+def _variations(texts: Names) -> dict[str, float] | None:
     from workbench.errors import InputError
     from workbench.fields import Number
     from workbench.studs.strength import VARIATIONS
@@ -327,19 +299,79 @@ def _variations(texts: list[str] | None) -> dict[str, float] | None:
     return result
 
 
-def _stud(diameter: float, height: float, concrete: float, steel: float) -> Any:
-    from workbench.studs.mechanical import Stud
-    from workbench.studs.quantities import concrete_modulus
+# -- what a terminal shows --------------------------------------------------------------------
 
-    strength = 1e6 * concrete
-    return Stud(
-        1e-3 * diameter, 1e-3 * height, strength, float(concrete_modulus(strength)), 1e6 * steel
+
+def _shown(result: Content, what: str, contents: list[Content], *blocks: Block) -> Iterator[Block]:
+    """What was fitted and what was left out, the blocks, every warning once."""
+    from workbench.content.tree import Callout, Paragraph, Section
+
+    tables = " and ".join("shipped tables" if t == "shipped" else t for t in result["tables"])
+    yield Paragraph(f"{what} ({tables})")
+    for text in (*result["rows_left_out"], *contents[0]["fit"].get("skipped", ())):
+        yield Paragraph(f"left out: {text}")
+    yield from blocks
+    warnings = dict.fromkeys(text for c in contents for text in c["fit"]["warnings"])
+    if warnings:
+        callouts = tuple(Callout("doubt", f"warning: {text}") for text in warnings)
+        yield Section("warnings", "", callouts)
+
+
+def _strength(result: Content) -> Iterator[Block]:
+    from workbench.content.tree import Paragraph
+    from workbench.report.chapters import stud_tables as tables
+
+    named = {content["fit"]["model"]: content for content in result["models"]}
+    fit = result["models"][0]["fit"]
+    kinds = {"judgement": "as it is", "corrected": "as fitted"}
+    caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
+    yield from _shown(
+        result,
+        f"{fit['tests']} tests of {', '.join(fit['campaigns'])}",
+        result["models"],
+        *(Paragraph(f"not fitted: {name}: {why}") for name, why in result["not_fitted"].items()),
+        *tables.fitted(named),
+        *tables.exponents(named),
+        *tables.unseen(named, kinds, caption),
+        *tables.design_values(named),
+        *tables.left_out(named),
+        *tables.series(result["series"]),
     )
 
 
-def _calibrated() -> Any:
-    """The mechanical model, calibrated on the shipped campaign that tells all it needs."""
-    from workbench.scenarios import StudTests
-    from workbench.studs.answers.mechanical import CALIBRATION, calibrated
+def _load_slip(result: Content) -> Iterator[Block]:
+    from workbench.content.formatting import number
+    from workbench.content.tree import Paragraph
+    from workbench.report.chapters import stud_tables as tables
 
-    return calibrated(StudTests("calibration", calibrate=(CALIBRATION,)))
+    named = {content["fit"]["law"]: content for content in result["laws"]}
+    fit = result["laws"][0]["fit"]
+    names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
+    rms, bias = (number(fit[name], 3) for name in names)
+    published = f"Ollgaard's published law on these curves: misfit {rms}, bias {bias} of the load."
+    yield from _shown(
+        result,
+        f"{fit['curves']} curves of {', '.join(fit['campaigns'])}",
+        result["laws"],
+        *tables.load_slip(named),
+        Paragraph(published),
+        *tables.unseen_curves(named),
+    )
+
+
+def _residual(result: Content) -> Iterator[Block]:
+    from workbench.content.tree import Callout
+    from workbench.report.chapters import stud_tables as tables
+
+    contents = result["quantities"]
+    named = {content["fit"]["quantity"]: content for content in contents}
+    most = max(content["fit"]["tests"] for content in contents)
+    yield from _shown(
+        result,
+        f"{most} tests after pre-damage",
+        contents,
+        Callout("bad", f"GRADE: {result['grade']}"),
+        *tables.residual(contents),
+        *tables.relations(contents),
+        *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),
+    )

@@ -3,28 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from workbench.content.formatting import count, number, percent
 from workbench.content.tree import Block, Bullets, Callout, Section
+from workbench.report.chapters.stud_tables import span
 from workbench.report.stored import Stored
+from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
 from workbench.studs.answers.common import content_of
 from workbench.study.definition import Study
 
-Answered = tuple[str, str, str, dict[str, Any]]  # case, label, what is asked, content
+
+class Answered(NamedTuple):
+    """A stored answer on studs: its case and label, what was asked, its content and findings."""
+
+    case: str
+    label: str
+    asked: str
+    content: dict[str, Any]
+    findings: list[Finding]
+
+    @property
+    def fit(self) -> dict[str, Any]:
+        """The fit behind the answer, empty where there is none."""
+        return self.content.get("fit") or {}
 
 
 def answers(study: Study, stored: Stored) -> Iterator[Answered]:
-    """Every stored answer to a question on studs: case, label, what was asked, its content."""
+    """Every stored answer to a question on studs."""
     for case in study.cases:
         if not isinstance(case.scenario, StudTests):
             continue
         for label in study.models:
             response = stored.response(case.name, label)
             content = {} if response is None else content_of(response)
-            if content:
-                yield case.name, label, case.scenario.asked, content
+            if response is not None and content:
+                found = findings_of(response)
+                yield Answered(case.name, label, case.scenario.asked, content, found)
 
 
 def in_short(study: Study, stored: Stored) -> Section | None:
@@ -45,38 +61,34 @@ def in_short(study: Study, stored: Stored) -> Section | None:
 
 
 def _residual(found: list[Answered]) -> Iterator[str]:
-    grades: dict[str, list[str]] = {}
-    for _, _, _, content in found:
-        if "curve" in content and not content["judgement"]:
-            fit = content["fit"]
-            quantities = grades.setdefault(fit["grade"], [])
-            if fit["quantity"] not in quantities:
-                quantities.append(fit["quantity"])
+    grades: dict[str, dict[str, None]] = {}
+    for each in found:
+        if "curve" in each.content and not each.content["judgement"]:
+            grades.setdefault(each.fit["grade"], {})[each.fit["quantity"]] = None
     for grade, quantities in grades.items():
         yield f"{' and '.join(quantities)} left after damage ({grade})"
 
 
 def _combined(found: list[Answered]) -> Iterator[str]:
-    asked = [content for _, _, asked, content in found if asked == "interaction"]
+    asked = [each.content for each in found if each.asked == "interaction"]
     if asked and not any(content.get("tests") for content in asked):
         yield "tension and shear together (no combined test is in the tables)"
 
 
 def _strength(found: list[Answered]) -> Iterator[Block]:
-    fits = [c["fit"] for _, _, asked, c in found if asked == "strength" and "tests" in c]
-    formulas = [fit for fit in fits if "d8" in fit]
+    formulas = [each for each in found if "d8" in each.fit]
     if not formulas:
         return
-    widest = max(formulas, key=lambda fit: len(fit["campaigns"]))
+    widest = max(formulas, key=lambda each: len(each.fit["campaigns"]))
     texts = []
-    if widest["new_campaign_factor"] is None:
+    if widest.fit["new_campaign_factor"] is None:
         texts.append(
-            f"Strength rests on {count(widest['tests'], 'test')} of "
-            f"{count(len(widest['campaigns']), 'campaign')}: they do not tell how much campaigns "
-            "differ, so there is no value for a new one, and EN 1990 D.8, which takes all tests as "
-            "independent, errs on the unsafe side."
+            f"Strength rests on {count(widest.fit['tests'], 'test')} of "
+            f"{count(len(widest.fit['campaigns']), 'campaign')}: they do not tell how much "
+            "campaigns differ, so there is no value for a new one, and EN 1990 D.8, which takes "
+            "all tests as independent, errs on the unsafe side."
         )
-    shank = [text for text in widest["warnings"] if "tensile strength of their shank" in text]
+    shank = [finding.text for finding in widest.findings if finding.subject == "shank"]
     texts += [f"{text[0].upper()}{text[1:]}." for text in shank]
     if texts:
         yield Callout("doubt", " ".join(texts))
@@ -85,28 +97,23 @@ def _strength(found: list[Answered]) -> Iterator[Block]:
 def _judged(study: Study, found: list[Answered]) -> Iterator[str]:
     """One sentence for every label that a gate judges by unseen tests."""
     for label in dict.fromkeys(gate.model for gate in study.gates):
-        parts = []
-        for _, own, asked, content in found:
-            judgement = content.get("judgement")
-            if own == label and judgement:
-                curves = asked == "load-slip"
-                parts.append(_curves(judgement) if curves else _tests(judgement))
+        own = (each for each in found if each.label == label and each.content.get("judgement"))
+        parts = [
+            (_curves if each.asked == "load-slip" else _tests)(each.content["judgement"])
+            for each in own
+        ]
         if parts:
             yield f"{label}: {'; '.join(parts)}."
 
 
 def _tests(judgement: dict[str, Any]) -> str:
-    ratio = number(judgement["test_over_prediction"], 3)
-    interval = judgement["interval"]
-    span = ""
-    if interval and None not in (interval["low"], interval["high"]):
-        span = f" ({number(interval['low'], 3)} to {number(interval['high'], 3)})"
+    ratio, interval = number(judgement["test_over_prediction"], 3), judgement["interval"]
+    closed = interval and None not in (interval["low"], interval["high"])
     least = judgement["least_test_over_prediction"]
     tests = f"{count(judgement['tests'], 'unseen test')} of {', '.join(judgement['campaigns'])}"
-    text = f"{tests} bore {ratio}{span} of the prediction in the median"
-    if least < 1.0:
-        text += f", {judgement['worst']} only {number(least, 2)}"
-    return text
+    text = f"{tests} bore {ratio}" + (f" ({span(interval)})" if closed else "")
+    text += " of the prediction in the median"
+    return text + (f", {judgement['worst']} only {number(least, 2)}" if least < 1.0 else "")
 
 
 def _curves(judgement: dict[str, Any]) -> str:
@@ -121,17 +128,12 @@ def _curves(judgement: dict[str, Any]) -> str:
 
 def _design(found: list[Answered]) -> Iterator[str]:
     """The partial factors that EN 1990 D.8 gives over most tests."""
-    factors: dict[str, tuple[int, float]] = {}
-    for _, label, asked, content in found:
-        fit = content.get("fit") or {}
-        star = fit.get("d8", {}).get("gamma_m_star") if asked == "strength" else None
-        if star is not None and fit["tests"] > factors.get(label, (0, 0.0))[0]:
-            factors[label] = fit["tests"], star
-    most = max((tests for tests, _ in factors.values()), default=0)
-    shown = [f"{number(f, 3)} ({label})" for label, (tests, f) in factors.items() if tests == most]
-    if shown:
+    known = [each for each in found if each.fit.get("d8", {}).get("gamma_m_star") is not None]
+    most = max((each.fit["tests"] for each in known), default=0)
+    factors = {e.label: e.fit["d8"]["gamma_m_star"] for e in known if e.fit["tests"] == most}
+    if factors:
+        shown = ", ".join(f"{number(star, 3)} ({label})" for label, star in factors.items())
         yield (
-            f"EN 1990 D.8 over {most} tests asks for a partial factor gamma_M* of "
-            f"{', '.join(shown)}; EN 1994-1-1 has 1.25. It shows the procedure, it is no design "
-            "value for a project."
+            f"EN 1990 D.8 over {most} tests asks for a partial factor gamma_M* of {shown}; EN "
+            "1994-1-1 has 1.25. It shows the procedure, it is no design value for a project."
         )

@@ -1,0 +1,322 @@
+"""Tables of fits to tests on studs: the same in a report and below `workbench fit`.
+
+Every function takes contents of fits, as `Fit.content` and stored answers hold them, under the name
+that their rows are to carry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from textwrap import wrap
+from typing import Any
+
+from workbench.content.formatting import number, percent, share, valued
+from workbench.content.tree import Block, Callout, Cell, Column, Table
+from workbench.studs.strength import LEAST_FOR_DESIGN
+
+Content = dict[str, Any]
+Named = Mapping[str, Content]  # the contents by the name of their rows
+Finder = Callable[[Any], Cell | str | int | None]
+KILO, MILLI = 1e-3, 1e3
+UNITS = {"rate": (1e-3, "1/mm"), "yield_slip": (1e3, "mm"), "peak_slip": (1e3, "mm")}
+_LEAST_IN_SERIES = 3  # tests, EN 1994-1-1, B.2.5
+_LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
+_GRADE_WIDTH = 30  # characters of a line
+
+
+def found(record: Any, path: str) -> Any:
+    """The entry at a dotted path of a nesting, None where there is none."""
+    for key in path.split("."):
+        record = None if record is None else record.get(key)
+    return record
+
+
+def span(interval: Content | None, factor: float = 1.0) -> str:
+    """An interval in words."""
+    if interval is None:
+        return "too few campaigns"
+    ends = (interval["low"], interval["high"])
+    low, high = ("open" if end is None else number(factor * end, 3) for end in ends)
+    return f"{low} to {high}"
+
+
+def _value(path: str, digits: int = 3, factor: float = 1.0) -> Finder:
+    return lambda record: valued(found(record, path), digits, factor=record.get("factor", factor))
+
+
+def _span(path: str) -> Finder:
+    return lambda record: span(found(record, path), record.get("factor", 1.0))
+
+
+_NAME = Column("formula", width=2.2, of="name")
+
+
+def _rows(named: Named, of: Callable[[Content], Iterable[Content]]) -> list[Content]:
+    return [{"name": name, **row} for name, each in named.items() for row in of(each)]
+
+
+def fitted(named: Named) -> Iterator[Block]:
+    """Test over prediction of every formula, with its scatters."""
+    columns = (
+        _NAME,
+        Column("median", True, of=_value("parameters.bias.value")),
+        Column("interval", True, of=_span("parameters.bias.profile")),
+        Column("bootstrap", True, of=_span("parameters.bias.bootstrap")),
+        Column("within", True, of=_value("sigma.value")),
+        Column("between", True, of=_value("tau.value")),
+        Column("5 % of a new campaign", True, of=_value("new_campaign_factor")),
+    )
+    yield Table.of("fitted", "Test over prediction:", columns, _rows(named, lambda c: [c["fit"]]))
+
+
+def exponents(named: Named) -> Iterator[Block]:
+    """Exponents that formulas miss, and factors of the formulas themselves, where fitted."""
+    kinds = (
+        ("trends", "Exponents that the formulas miss:", "exponent", _trends),
+        ("factors", "Fitted factors of the formulas:", "factor", _factors),
+    )
+    for key, caption, title, of in kinds:
+        rows = _rows(named, of)
+        columns = (
+            _NAME,
+            Column("variable", of="variable"),
+            Column(title, True, of=_value("value")),
+            Column("interval", True, of=_span("profile")),
+        )
+        if rows:
+            yield Table.of(key, caption, columns, rows)
+
+
+def _trends(content: Content) -> Iterator[Content]:
+    for name, parameter in content["fit"]["parameters"].items():
+        if name != "bias":
+            yield {"variable": name, **parameter}
+
+
+def _factors(content: Content) -> Iterator[Content]:
+    own = content.get("factors") or {"factors": {}}
+    for name, value in own["factors"].items():
+        yield {"variable": name, "value": value, "profile": own["profile"][name]}
+
+
+def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Block]:
+    """Test over prediction in unseen tests; `kinds`, entry of a content: its words."""
+    rows = _rows(
+        named, lambda c: [{"kind": words, **c[key]} for key, words in kinds.items() if c.get(key)]
+    )
+    columns = (
+        _NAME,
+        Column("prediction", of="kind"),
+        Column("tests", True, of="tests"),
+        Column("median", True, of=_value("test_over_prediction")),
+        Column("interval", True, of=_span("interval")),
+        Column("least", True, of=_value("least_test_over_prediction")),
+        Column("which", of="worst"),
+    )
+    if rows:
+        yield Table.of("unseen", caption, columns, rows)
+
+
+def design_values(named: Named) -> Iterator[Block]:
+    """EN 1990 D.8, without a design value where EN 1990 has no fractile factor."""
+
+    def record(content: Content) -> Content:
+        d8 = dict(content["fit"]["d8"])
+        if d8["count"] < LEAST_FOR_DESIGN:
+            d8 |= dict.fromkeys(("r_d", "gamma_m", "gamma_m_star"))
+        return d8
+
+    plain = {
+        "b": "b",
+        "V_δ": "V_delta",
+        "V_rt": "V_rt",
+        "V_r": "V_r",
+        "k_n": "k_n",
+        "k_d,n": "k_dn",
+    }
+    loads = {"g_rt(X_m)": "r_m", "r_k": "r_k", "r_d": "r_d"}
+    columns = (
+        _NAME,
+        *(Column(title, True, 0.75, _value(name)) for title, name in plain.items()),
+        *(Column(f"{t} (kN)", True, 0.95, _value(name, 4, KILO)) for t, name in loads.items()),
+        Column("γ_M", True, 0.75, _value("gamma_m", 4)),
+        Column("γ_M*", True, 0.75, _value("gamma_m_star", 4)),
+    )
+    caption = (
+        "EN 1990 D.8, all tests independent, for the stud in the middle of the tests: correction "
+        "b, scatter of the formula V_δ, of the basic variables V_rt and of both V_r, fractile "
+        "factors, resistance g_rt of the formula itself at mean values, characteristic and design "
+        "value with the correction; γ_M* is the nominal value of the code over r_d."
+    )
+    yield Table.of("design-d8", caption, columns, _rows(named, lambda c: [record(c)]))
+
+
+def left_out(named: Named) -> Iterator[Block]:
+    """Every campaign predicted from the others."""
+
+    def covered(record: Content) -> Cell:
+        none = Cell("none: too few campaigns", tone="doubt")
+        return none if record["covered"] is None else share(record["covered"])
+
+    columns = (
+        _NAME,
+        Column("campaign left out", width=1.6, of="campaign"),
+        Column("tests", True, 0.7, "count"),
+        Column("bias of the log ratio", True, 1.3, lambda r: valued(r["bias"], percent)),
+        Column("its root mean square", True, 1.4, lambda r: share(r["rms"])),
+        Column("inside the 90 % band", True, 1.8, covered),
+    )
+    caption = (
+        "Every campaign predicted by the formula with the bias of the others: negative, the tests "
+        "bore less than predicted."
+    )
+    rows = _rows(named, lambda c: c["fit"]["left_out"])
+    if rows:
+        yield Table.of("design-left-out", caption, columns, rows)
+
+
+def series(groups: list[Content]) -> Iterator[Block]:
+    """EN 1994-1-1 Annex B.2 on every series of three tests or more, or why there is none."""
+    if not any(group["result"] for group in groups):
+        largest = max((group["tests"] for group in groups), default=0)
+        yield Callout(
+            "doubt",
+            f"EN 1994-1-1, B.2 [@en1994-1-1] cannot be applied: none of the {len(groups)} groups "
+            f"of nominally equal tests has three within 10 % of their mean (the largest has "
+            f"{largest}). A table of your own with such a series is evaluated by `workbench fit "
+            "stud-strength FILE.csv`.",
+        )
+    words = {True: "ductile", False: "brittle", None: "not known"}
+
+    def class_of(group: Content) -> Cell:
+        if not group["result"]:
+            return Cell(group["refusal"], tone="muted")
+        ductile, note = group["result"]["ductile"], group["result"]["note"]
+        return Cell(words[ductile if ductile is None else bool(ductile)] + f": {note}" * bool(note))
+
+    columns = (
+        Column("series", width=3.2, of="name"),
+        Column("tests", True, 0.7, "tests"),
+        Column("P_Rk (kN)", True, 1.0, _value("result.P_Rk", 4, KILO)),
+        Column("P_Rd (kN)", True, 1.0, _value("result.P_Rd", 4, KILO)),
+        Column("δ_uk (mm)", True, 1.0, _value("result.slip_capacity", 3, MILLI)),
+        Column("class, or why there is none", width=3.2, of=class_of),
+    )
+    rows = [group for group in groups if group["tests"] >= _LEAST_IN_SERIES]
+    if rows:
+        caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
+        yield Table.of("design-series", caption, columns, rows, 12)
+
+
+def load_slip(named: Named) -> Iterator[Block]:
+    """Parameters of load-slip laws over the curves."""
+
+    def parameters(content: Content) -> Iterator[Content]:
+        for name, own in content["fit"]["population"].items():
+            factor, unit = UNITS.get(name, (1.0, ""))
+            words = name.replace("_", " ") + (f" ({unit})" if unit else "")
+            yield {"parameter": words, "factor": factor, "rms": content["fit"]["median_rms"], **own}
+
+    def scatter(path: str) -> Finder:
+        return lambda record: valued(found(record, path), 2)
+
+    columns = (
+        Column("law", width=3.0, of="name"),
+        Column("parameter", width=1.7, of="parameter"),
+        Column("median", True, 0.9, _value("median")),
+        Column("profile interval", True, 1.5, _span("profile")),
+        Column("bootstrap", True, 1.5, _span("bootstrap")),
+        Column("σ", True, 0.6, scatter("sigma.value")),
+        Column("τ", True, 0.6, scatter("tau.value")),
+        Column("misfit", True, 0.7, scatter("rms")),
+    )
+    caption = (
+        "Load-slip laws: median of each parameter over the curves with its intervals, scatter of "
+        "its logarithm within (σ, the error of each curve's fit included) and between (τ) "
+        "campaigns, median misfit of the load over the largest load."
+    )
+    rows = _rows(named, parameters)
+    if rows:
+        yield Table.of("design-load-slip", caption, columns, rows)
+
+
+def unseen_curves(named: Named) -> Iterator[Block]:
+    """Load-slip laws on unseen curves."""
+    columns = (
+        Column("law", of="name"),
+        Column("curves", True, of="curves"),
+        Column("misfit", True, of=_value("median_rms")),
+        Column("inside the band", True, of=lambda r: share(r["coverage"])),
+        Column("stiffness, test over law", True, of=_value("stiffness.test_over_prediction")),
+        Column("interval", True, of=_span("stiffness.interval")),
+    )
+    rows = _rows(named, lambda c: [c["judgement"]] if c["judgement"] else [])
+    if rows:
+        yield Table.of("unseen-curves", "Unseen curves:", columns, rows)
+
+
+def residual(contents: Iterable[Content]) -> Iterator[Block]:
+    """What is left after damage, with the grade of the evidence."""
+
+    def left(level: float) -> Finder:
+        def cell(content: Content) -> Cell:
+            curve = content["curve"]
+            at = min(range(len(curve["level"])), key=lambda i: abs(curve["level"][i] - level))
+            value = curve["left"][at]
+            text = number(value, 3)
+            if value is not None and curve["low"] is not None:
+                text += f"\n({number(curve['low'][at], 2)} to {number(curve['high'][at], 2)})"
+            return Cell(text, value)
+
+        return cell
+
+    def damage(content: Content) -> str:
+        return ", ".join(content["fit"][key] for key in ("quantity", "predamage", "measure"))
+
+    def grade(content: Content) -> Cell:
+        lines = wrap(content["fit"]["grade"], _GRADE_WIDTH, break_on_hyphens=False)
+        return Cell("\n".join(lines), tone="" if content["validated"] else "bad")
+
+    columns = (
+        Column("what is left", width=2.4, of=damage),
+        *(Column(f"level {level:g}", True, 1.1, left(level)) for level in _LEVELS),
+        Column("relation", width=1.1, of=lambda content: str(content["fit"]["relation"])),
+        Column("grade", width=2.6, of=grade),
+    )
+    caption = (
+        "Share that is left after damage, with its range: the band of a new test, or, for the "
+        "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
+        "bears."
+    )
+    contents = list(contents)
+    if contents:
+        yield Table.of("design-residual", caption, columns, contents)
+
+
+def relations(contents: Iterable[Content]) -> Iterator[Block]:
+    """Parameters of the relations that were fitted, and what the choice between them rests on."""
+    for content in contents:
+        fit = content["fit"]
+        if not fit["tests"]:
+            continue
+        columns = (
+            Column("parameter", of="name"),
+            Column("value", True, of=_value("value")),
+            Column("interval", True, of=_span("profile")),
+            Column("bootstrap", True, of=_span("bootstrap")),
+        )
+        kinds = ("profile", "bootstrap")
+        rows = [
+            {"name": name, "value": value, **{kind: fit[kind].get(name) for kind in kinds}}
+            for name, value in fit["parameters"].items()
+        ]
+        scores = ", ".join(
+            f"{each['name']} {each['rms']:.3f}" for each in fit["scores"] if each["rms"] is not None
+        )
+        yield Table.of(
+            "relation",
+            f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}); root "
+            f"mean square of what is left out, by {fit['scores'][0]['by']}: {scores}",
+            columns,
+            rows,
+        )
