@@ -67,7 +67,7 @@ def test_regression_agrees_with_its_simplified_form() -> None:
     for strength in (25e6, 30e6, 35e6):
         modulus = concrete_modulus(strength)
         simple = SHEAR_MODELS["ollgaard"].concrete(D, H, strength, modulus)
-        # Q = 1.106 A_s f_c^0.3 E_c^0.44 in kip and inch, Ollgaard, Slutter and Fisher 1971 (recalled)
+        # Q = 1.106 A_s f_c^0.3 E_c^0.44 in kip and inch, Ollgaard et al. 1971
         area, fc, ec = AREA / 0.0254**2, strength / 6.894757e6, float(modulus) / 6.894757e6
         regression = 4448.222 * 1.106 * area * fc**0.3 * ec**0.44
         assert regression == pytest.approx(float(simple), rel=0.06)
