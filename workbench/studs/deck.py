@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from workbench.errors import OutOfDomainError
-from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Flag, Number, checked
 
 _LENGTH = Number(1e-4, 1.0, "m", advice="lengths are in metres")
 DEEPEST_DECK = 0.085  # m, EN 1994-1-1, 6.6.4.2
@@ -24,7 +24,7 @@ _THIN = 1.0e-3  # m
 
 
 @dataclass(frozen=True)
-class Deck:
+class Deck(Declared, table="deck"):
     """Profiled deck around a stud.
 
     Arguments: `depth` h_p of the deck and mean `width` b_0 of the rib in m; `direction` of the
@@ -40,9 +40,6 @@ class Deck:
     thickness: float = checked(_LENGTH, 1.0e-3)
     welded_through: bool = checked(Flag(), True)
     middle_distance: float = checked(Number(0.0, 0.5, "m"), 0.051)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "deck")
 
     def reduction_en1994(self, height: float, diameter: float) -> float:
         """Factor k_l or k_t on the resistance in a solid slab (EN 1994-1-1, 6.6.4).

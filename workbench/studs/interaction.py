@@ -13,19 +13,16 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import Array
 from workbench.studs.schema import NO_PREDAMAGE
 
 
 @dataclass(frozen=True)
-class PowerInteraction:
+class PowerInteraction(Declared, table="interaction"):
     """t^p + v^p = 1: p = 5/3 in AISC 360-22 (I8.3c), 1 is linear, 2 a circle (steel, EN 1992-4)."""
 
     exponent: float = checked(Number(1.0, 100.0), 5.0 / 3.0)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "interaction")
 
     def utilisation(self, tension: ArrayLike, shear: ArrayLike) -> Array:
         """Utilisation (n,) for tension and shear over their resistances."""
@@ -40,16 +37,13 @@ class PowerInteraction:
 
 
 @dataclass(frozen=True)
-class TrilinearInteraction:
+class TrilinearInteraction(Declared, table="interaction"):
     """t <= 1, v <= 1, t + v <= `limit`: no interaction while one ratio is below `limit` - 1.
 
     The rule of ACI 318 and the PCI handbook with `limit` 1.2 (recalled, not read again).
     """
 
     limit: float = checked(Number(1.0, 2.0), 1.2)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "interaction")
 
     def utilisation(self, tension: ArrayLike, shear: ArrayLike) -> Array:
         """Utilisation (n,) for tension and shear over their resistances."""

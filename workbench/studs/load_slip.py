@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import Array
 
 
@@ -31,7 +31,7 @@ class LoadSlipLaw(Protocol):
 
 
 @dataclass(frozen=True)
-class OllgaardLaw:
+class OllgaardLaw(Declared, table="law"):
     """q = (1 - exp(-`rate` s))^`exponent`, `rate` in 1/m.
 
     The published parameters are 18 per inch (708.7 per m) and 0.4 (Ollgaard, Slutter and Fisher
@@ -42,9 +42,6 @@ class OllgaardLaw:
     rate: float = checked(Number(1.0, 1e6, "1/m"), 18.0 / 0.0254)
     exponent: float = checked(Number(0.01, 20.0), 0.4)
     name: ClassVar[str] = "ollgaard"
-
-    def __post_init__(self) -> None:
-        check_fields(self, "law")
 
     def ratio(self, slip: ArrayLike) -> Array:
         """Load over the largest load at slips (m)."""
@@ -57,7 +54,7 @@ class OllgaardLaw:
 
 
 @dataclass(frozen=True)
-class BilinearLaw:
+class BilinearLaw(Declared, table="law"):
     """Linear to `yield_slip`, constant to `slip_capacity` (m), no load beyond.
 
     The defaults, 0.5 and 6 mm, are those in use with the mean values of Roik.
@@ -67,8 +64,8 @@ class BilinearLaw:
     slip_capacity: float = checked(Number(0.0, 0.5, "m", low_included=False), 6.0e-3)
     name: ClassVar[str] = "bilinear"
 
-    def __post_init__(self) -> None:
-        check_fields(self, "law")
+    def check(self) -> None:
+        """Refuse what the fields cannot be together."""
         if self.slip_capacity < self.yield_slip:
             raise InputError(
                 "law.slip_capacity", self.slip_capacity, f"must reach {self.yield_slip:g} m"
@@ -85,7 +82,7 @@ class BilinearLaw:
 
 
 @dataclass(frozen=True)
-class RationalLaw:
+class RationalLaw(Declared, table="law"):
     """q = (k x + (D - 1) x^2) / (1 + (k - 2) x + D x^2), x = slip over `peak_slip` (m).
 
     `stiffness_ratio` k is the initial tangent over the secant to the peak; `softening` D in 0..1
@@ -97,9 +94,6 @@ class RationalLaw:
     stiffness_ratio: float = checked(Number(1.0, 1e3), 5.0)
     softening: float = checked(Number(0.0, 1.0), 0.5)
     name: ClassVar[str] = "rational"
-
-    def __post_init__(self) -> None:
-        check_fields(self, "law")
 
     def ratio(self, slip: ArrayLike) -> Array:
         """Load over the largest load at slips (m), not below zero."""

@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.fields import Flag, Number, check_fields, checked
+from workbench.fields import Declared, Flag, Number, checked
 from workbench.studs.quantities import Array, shank_area
 
 # factor k of N = k sqrt(f_c) h_ef^1.5 in N and mm, for cast-in headed studs
@@ -26,7 +26,7 @@ _LENGTH = Number(1e-3, 10.0, "m", advice="lengths are in metres")
 
 
 @dataclass(frozen=True)
-class Cone:
+class Cone(Declared, table="cone"):
     """Concrete cone of one stud in the middle of a block.
 
     Arguments: `embedment` h_ef and smallest `edge_distance` in m (None: far from edges); `width`
@@ -37,9 +37,6 @@ class Cone:
     edge_distance: float | None = checked(_LENGTH, optional=True)
     width: float | None = checked(_LENGTH, optional=True)
     cracked: bool = checked(Flag(), False)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "cone")
 
     @property
     def area_ratio(self) -> float:

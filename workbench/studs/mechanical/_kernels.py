@@ -9,6 +9,7 @@ slide of the slide. Laws rise as f = F (1 - exp(-K s / F)) and unload with the s
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -92,77 +93,79 @@ def cone(
     return slope * (s - rest), slope, largest
 
 
-@njit(cache=True, error_model="numpy")
-def evaluate(
-    q: Vector,
-    a: Indices,
-    b: Indices,
-    sign: Vector,
-    law: Indices,
-    parameters: NDArray[np.float64],
-    factor: Vector,
-    cap: Vector,
-    old: NDArray[np.float64],
-    new: NDArray[np.float64],
-    force: Vector,
-    slope: Vector,
-) -> None:
-    """Forces and slopes (links,) of all links at displacements `q`, from committed states `old`.
+class Layout(NamedTuple):
+    """Dofs `first` and `second` of links, `sign` and `law` (links,); `parameters` (links, 4).
 
-    Arguments: dofs `a`, `b` and `sign` (links,); `law` codes; `parameters` (links, 4): K, F, peak,
-    end; `factor` and `cap` (links,); states (links, 2). Writes `new`, `force`, `slope`.
+    The parameters are K, F, peak and end.
     """
+
+    first: Indices
+    second: Indices
+    sign: Vector
+    law: Indices
+    parameters: NDArray[np.float64]
+
+
+class State(NamedTuple):
+    """`factor`, `cap`, `force` and `slope` of links (links,), `old` and `new` states (links, 2)."""
+
+    factor: Vector
+    cap: Vector
+    old: NDArray[np.float64]
+    new: NDArray[np.float64]
+    force: Vector
+    slope: Vector
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(q: Vector, layout: Layout, state: State) -> None:
+    """Forces, slopes and new states of all links at displacements `q`."""
+    a, b, old, new = layout.first, layout.second, state.old, state.new
     for i in range(a.shape[0]):
         s = q[a[i]] - (q[b[i]] if b[i] >= 0 else 0.0)
-        s *= sign[i]
-        K, F = parameters[i, 0], parameters[i, 1]
-        if law[i] == BEARING:
-            f, k, large, small = bearing(s, old[i, 0], old[i, 1], K, F * cap[i])
-            force[i] = factor[i] * f
-            slope[i] = factor[i] * k
+        s *= layout.sign[i]
+        law, factor = layout.law[i], state.factor[i]
+        given = layout.parameters[i]
+        K, F = given[0], given[1]
+        if law == BEARING:
+            f, k, large, small = bearing(s, old[i, 0], old[i, 1], K, F * state.cap[i])
+            state.force[i] = factor * f
+            state.slope[i] = factor * k
             new[i, 0] = large
             new[i, 1] = small
-        elif law[i] == CONE:
-            force[i], slope[i], new[i, 0] = cone(
-                s, old[i, 0], K, F, parameters[i, 2], parameters[i, 3]
-            )
-        elif law[i] == CONTACT:
-            force[i] = K * s if s > 0.0 else 0.0
-            slope[i] = K if s > 0.0 else 0.0
+        elif law == CONE:
+            f, k, new[i, 0] = cone(s, old[i, 0], K, F, given[2], given[3])
+            state.force[i] = f
+            state.slope[i] = k
+        elif law == CONTACT:
+            state.force[i] = K * s if s > 0.0 else 0.0
+            state.slope[i] = K if s > 0.0 else 0.0
         else:
             trial = K * (s - old[i, 0])
-            limit = F * cap[i]
+            limit = F * state.cap[i]
             if abs(trial) <= limit:
-                force[i] = trial
-                slope[i] = K
+                state.force[i] = trial
+                state.slope[i] = K
                 new[i, 0] = old[i, 0]
             else:
-                force[i] = math.copysign(limit, trial)
-                # a trace of the slope keeps the structure stable when all else has yielded
-                slope[i] = 0.0
-                new[i, 0] = s - force[i] / K
+                state.force[i] = math.copysign(limit, trial)
+                state.slope[i] = 0.0
+                new[i, 0] = s - state.force[i] / K
 
 
 @njit(cache=True, error_model="numpy")
-def scatter(
-    force: Vector,
-    band: Vector,
-    positions: Indices,
-    a: Indices,
-    b: Indices,
-    sign: Vector,
-    f: Vector,
-    k: Vector,
-) -> None:
+def scatter(force: Vector, band: Vector, positions: Indices, layout: Layout, state: State) -> None:
     """Add the link forces to `force` (dofs,) and their slopes to the flat `band`.
 
     `positions` (links, 4): where the entries (a, a), (a, b), (b, a), (b, b) are.
     """
+    a, b, k = layout.first, layout.second, state.slope
     for i in range(a.shape[0]):
-        force[a[i]] += sign[i] * f[i]
+        f = layout.sign[i] * state.force[i]
+        force[a[i]] += f
         band[positions[i, 0]] += k[i]
         if b[i] >= 0:
-            force[b[i]] -= sign[i] * f[i]
+            force[b[i]] -= f
             band[positions[i, 1]] -= k[i]
             band[positions[i, 2]] -= k[i]
             band[positions[i, 3]] += k[i]

@@ -25,31 +25,17 @@ DIFFERENCE = 0.05  # of the logarithm of a parameter: wide against the steps of 
 
 def stud_of(row: pd.Series) -> Stud:
     """The stud of a row of a table of tests. Raises `InputError` for missing values."""
-    table = pd.DataFrame([row])
-    test = specimens(table)
-    values = {
-        "diameter": test.diameter[0],
-        "height": test.height[0],
-        "concrete_strength": test.concrete_strength[0],
-        "concrete_modulus": test.concrete_modulus[0],
-        "ultimate_strength": test.ultimate_strength[0],
-    }
+    test = specimens(pd.DataFrame([row]))
+    needed = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
+    values = {name: float(getattr(test, name)[0]) for name in needed}
     for name, value in values.items():
         if not np.isfinite(value):
             where = f"{row['campaign']} {row['specimen']}"
             raise InputError(f"{where}: {name}", None, "must be known for the mechanical model")
-    optional = {
-        "yield_stress": ("fy_MPa", 1e6),
-        "head_diameter": ("head_diameter_mm", 1e-3),
-        "collar_diameter": ("collar_diameter_mm", 1e-3),
-        "collar_height": ("collar_height_mm", 1e-3),
-    }
-    more = {
-        name: float(row[column]) * factor
-        for name, (column, factor) in optional.items()
-        if np.isfinite(row[column])
-    }
-    return Stud(**{name: float(v) for name, v in values.items()}, **more)
+    sizes = ("head_diameter", "collar_diameter", "collar_height")
+    optional = {"yield_stress": 1e6 * row["fy_MPa"]}
+    optional |= {name: 1e-3 * row[f"{name}_mm"] for name in sizes}
+    return Stud(**values, **{n: float(v) for n, v in optional.items() if np.isfinite(v)})
 
 
 def predict_rows(table: pd.DataFrame, around: Surroundings) -> pd.DataFrame:

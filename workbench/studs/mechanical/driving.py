@@ -36,27 +36,23 @@ class ShearCurve:
         """Largest load, in N."""
         return float(np.max(self.load))
 
-    @property
-    def slip_at_strength(self) -> float:
-        """Slip at the largest load, in m."""
-        return float(self.slip[int(np.argmax(self.load))])
-
     def strength_within(self, slip: float) -> float:
         """Largest load up to a slip (m), in N."""
         return float(np.max(self.load[self.slip <= slip * (1.0 + 1e-9)]))
 
+    def slips_at(self, *shares: float) -> Array:
+        """Slips (shares,) in m at which shares of the strength are first reached."""
+        rising = np.maximum.accumulate(self.load)
+        return np.interp(np.array(shares) * self.strength, rising, self.slip)
+
     def secant(self, level: float = 0.4) -> float:
         """Secant stiffness at a share of the strength, in N/m."""
-        target = level * self.strength
-        rising = np.maximum.accumulate(self.load)
-        slip = float(np.interp(target, rising, self.slip))
-        return target / slip
+        return level * self.strength / float(self.slips_at(level)[0])
 
     def chord(self, low: float = 0.1, high: float = 0.4) -> float:
         """Chord stiffness between two shares of the strength, in N/m."""
-        rising = np.maximum.accumulate(self.load)
-        ends = np.interp([low * self.strength, high * self.strength], rising, self.slip)
-        return float((high - low) * self.strength / (ends[1] - ends[0]))
+        start, end = self.slips_at(low, high)
+        return float((high - low) * self.strength / (end - start))
 
 
 @dataclass(frozen=True)
@@ -91,12 +87,14 @@ def _steps(end: float, first: float, count: int) -> Array:
     return np.asarray(end * share**power)
 
 
-def shear(structure: StudStructure, slip: float, steps: int = STEPS) -> ShearCurve:
+def shear(structure: StudStructure, slip: float | None = None, steps: int = STEPS) -> ShearCurve:
     """Push the flange of a structure in its present state by `slip` (m), to failure at most.
 
     Under a dead load on the flange the curve also ends where the anchorage cannot carry it any
     more. Raises `SolverError` when no equilibrium is found otherwise.
     """
+    if slip is None:  # beyond any rupture
+        slip = (1.2 * structure.around.slide_capacity + 0.3) * structure.stud.diameter
     structure.assembly.release([structure.slip_dof])
     origin = float(structure.assembly.displacement[structure.slip_dof])
     start = -float(structure.assembly.displacement[structure.uplift_dof])
@@ -149,20 +147,15 @@ def pull(
         if structure.ruptured:
             failure = "steel"
             break
-    loads = np.array(rows)
-    if failure == "none":
-        failure = _failure(structure)
+    lifted, loads = np.array(rows).T
+    if failure == "none" and structure.cone_damage > 0.0:
+        failure = "cone"
+    elif failure == "none" and structure.head_crushed:
+        failure = "head"
     if unload and failure != "steel":
-        _let_go(structure, float(loads[-1, 1]))
+        _let_go(structure, float(loads[-1]))
     left = -float(structure.assembly.displacement[dof])
-    return PullCurve(loads[:, 0], loads[:, 1], failure, left, structure.cone_damage)
-
-
-def _failure(structure: StudStructure) -> str:
-    if structure.cone_damage > 0.0:
-        return "cone"
-    link = structure.links.links[structure.pressure]
-    return "head" if structure.links.forces[structure.pressure] > 0.97 * link.strength else "none"
+    return PullCurve(lifted, loads, failure, left, structure.cone_damage)
 
 
 def _let_go(structure: StudStructure, load: float) -> None:
@@ -205,37 +198,21 @@ def push_out(
         structure.assembly.load[structure.uplift_dof] = -tension
         apply_loads(structure.assembly, steps=20)
         structure.update()
-    return shear(structure, _wide(stud, around) if slip is None else slip, steps)
-
-
-def _wide(stud: Stud, around: Surroundings) -> float:
-    return (1.2 * around.slide_capacity + 0.3) * stud.diameter
+    return shear(structure, slip, steps)
 
 
 def pull_out(
     stud: Stud, around: Surroundings, uplift: float | None = None, *, steps: int = STEPS
 ) -> PullCurve:
     """Pull-out of an undamaged stud to `uplift` (m) or rupture (None: to the end of the cone)."""
-    structure = StudStructure(stud, around)
-    far = _far(stud, around) if uplift is None else uplift
-    return pull(structure, far, steps, unload=False)
-
-
-def _far(stud: Stud, around: Surroundings) -> float:
-    return (1.05 * around.cone_end + 1.3 * around.rupture_strain) * stud.embedment
+    far = (1.05 * around.cone_end + 1.3 * around.rupture_strain) * stud.embedment
+    return pull(StudStructure(stud, around), far if uplift is None else uplift, steps, unload=False)
 
 
 def pull_then_push(
-    stud: Stud,
-    around: Surroundings,
-    uplift: float,
-    slip: float | None = None,
-    *,
-    steps: int = STEPS,
+    stud: Stud, around: Surroundings, uplift: float, *, steps: int = STEPS
 ) -> tuple[PullCurve, ShearCurve | None]:
     """Pull the stud to `uplift` (m), unload, then push it out (None if it tore in the pull-out)."""
     structure = StudStructure(stud, around)
     pulled = pull(structure, uplift, steps)
-    if pulled.failure == "steel":
-        return pulled, None
-    return pulled, shear(structure, _wide(stud, around) if slip is None else slip, steps)
+    return pulled, None if pulled.failure == "steel" else shear(structure, steps=steps)

@@ -45,35 +45,29 @@ class Links:
     def __init__(self, links: list[Link]) -> None:
         self.links = tuple(links)
         count = len(links)
-        self.nodes: Indices = np.array(
-            [[link.first, link.second] for link in links], dtype=np.int64
-        )
+        self.nodes: Indices = np.array([[k.first, k.second] for k in links], dtype=np.int64)
         self._sign = np.array([link.sign for link in links])
         self._law: Indices = np.array([link.law for link in links], dtype=np.int64)
-        self._parameters = np.array(
-            [[link.stiffness, link.strength, link.peak, link.end] for link in links]
+        self._parameters = np.array([[k.stiffness, k.strength, k.peak, k.end] for k in links])
+        self.factor, self.cap = np.ones(count), np.ones(count)
+        self._state = _kernels.State(
+            self.factor, self.cap, *np.zeros((2, count, 2)), *np.zeros((2, count))
         )
-        self.factor = np.ones(count)
-        self.cap = np.ones(count)
-        self._old, self._new = np.zeros((count, 2)), np.zeros((count, 2))
-        self._force_old, self._force = np.zeros(count), np.zeros(count)
-        self._slope = np.zeros(count)
+        self._force_old = np.zeros(count)
         self._deformation_old, self._deformation = np.zeros(count), np.zeros(count)
-        self._first: Indices = np.zeros(0, dtype=np.int64)
-        self._second: Indices = np.zeros(0, dtype=np.int64)
 
     def place(self, dofs: Indices, chords: Array) -> None:
         """Take the dofs (links, 6) from the assembly; links have no length."""
         component = np.array([link.component for link in self.links])
         grounded = np.array([link.grounded for link in self.links])
         rows = np.arange(len(self.links))
-        self._first = dofs[rows, component]
-        self._second = np.where(grounded, GROUND, dofs[rows, 3 + component])
-        entry = np.stack(
-            [7 * component, 6 * component + 3 + component, 6 * (3 + component) + component,
-             7 * (3 + component)], axis=1,
-        )  # fmt: skip
-        self._entry: Indices = entry.astype(np.int64)
+        second = np.where(grounded, GROUND, dofs[rows, 3 + component])
+        self._layout = _kernels.Layout(
+            dofs[rows, component], second, self._sign, self._law, self._parameters
+        )
+        other = 3 + component
+        entry = [7 * component, 6 * component + other, 6 * other + component, 7 * other]
+        self._entry: Indices = np.stack(entry, axis=1).astype(np.int64)
         self._rows: Indices = rows[:, None]
 
     def assemble(
@@ -88,30 +82,27 @@ class Links:
         """Add forces and tangent at the displacements `end`; statics only."""
         if weight is not None:
             raise OutOfDomainError("the links of a stud are made for statics")
-        _kernels.evaluate(
-            end, self._first, self._second, self._sign, self._law, self._parameters, self.factor,
-            self.cap, self._old, self._new, self._force, self._slope,
-        )  # fmt: skip
-        joined = np.where(self._second >= 0, end[self._second], 0.0)
-        self._deformation = self._sign * (end[self._first] - joined)
+        layout = self._layout
+        _kernels.evaluate(end, layout, self._state)
+        joined = np.where(layout.second >= 0, end[layout.second], 0.0)
+        self._deformation = self._sign * (end[layout.first] - joined)
         chosen = positions[self._rows, self._entry]
-        _kernels.scatter(
-            force, band, chosen, self._first, self._second, self._sign, self._force, self._slope
-        )
+        _kernels.scatter(force, band, chosen, layout, self._state)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step by the trapezoidal rule; stored is f^2 / 2 K."""
-        work = 0.5 * (self._force + self._force_old) * (self._deformation - self._deformation_old)
+        force, travel = self._state.force, self._deformation - self._deformation_old
+        work = 0.5 * (force + self._force_old) * travel
         slope = self._parameters[:, 0] * self.factor
-        stored = 0.5 * self._force**2 / slope
+        stored = 0.5 * force**2 / slope
         before = 0.5 * self._force_old**2 / slope
         lost = float(np.sum(work - (stored - before)))
         return StepEnergies(float(np.sum(stored)), lost, 0.0, lost)
 
     def commit(self) -> None:
         """Make the trial state the committed one."""
-        self._old[:] = self._new
-        self._force_old[:] = self._force
+        self._state.old[:] = self._state.new
+        self._force_old[:] = self._state.force
         self._deformation_old[:] = self._deformation
 
     def masses(self) -> tuple[Array, Array]:
@@ -131,4 +122,4 @@ class Links:
     @property
     def states(self) -> Array:
         """Committed states (links, 2), see the kernels."""
-        return self._old
+        return self._state.old

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from workbench.errors import InputError
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import concrete_modulus
 
 _LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
@@ -18,7 +18,7 @@ YIELD_SHARE = 0.8  # of the tensile strength, where the yield stress was not mea
 
 
 @dataclass(frozen=True)
-class Stud:
+class Stud(Declared, table="stud"):
     """A headed stud in a solid slab.
 
     Arguments: `diameter` and `height` in m; mean `concrete_strength` and `concrete_modulus`,
@@ -37,8 +37,8 @@ class Stud:
     collar_diameter: float | None = checked(_LENGTH, optional=True)
     collar_height: float | None = checked(Number(0.0, 0.05, "m"), optional=True)
 
-    def __post_init__(self) -> None:
-        check_fields(self, "stud")
+    def check(self) -> None:
+        """Refuse what the fields cannot be together."""
         for name, share in (
             ("head_diameter", HEAD_DIAMETER), ("head_height", HEAD_HEIGHT),
             ("collar_diameter", COLLAR_DIAMETER), ("collar_height", COLLAR_HEIGHT),
@@ -84,7 +84,7 @@ class Stud:
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Surroundings(Declared, table="surroundings"):
     """Parameters of the concrete around a stud.
 
     Calibrated on push-out tests (`calibrate`): `bearing_factor`, bearing strength of concrete over
@@ -108,7 +108,7 @@ class Surroundings:
     cone_loss: float = checked(Number(0.0, 1.0), 0.5)
     rupture_strain: float = checked(Number(0.01, 0.5), 0.12)
 
-    def __post_init__(self) -> None:
-        check_fields(self, "surroundings")
+    def check(self) -> None:
+        """Refuse what the fields cannot be together."""
         if self.cone_end <= self.cone_peak:
             raise InputError("surroundings.cone_end", self.cone_end, "must exceed cone_peak")

@@ -152,12 +152,16 @@ class StudStructure:
         return float(self.beams.local_forces[0, 0])
 
     @property
+    def head_crushed(self) -> bool:
+        """Whether the pressure under the head has come to its limit."""
+        limit = self.links.links[self.pressure].strength
+        return bool(self.links.forces[self.pressure] > 0.97 * limit)
+
+    @property
     def anchorage_exhausted(self) -> bool:
         """Whether the cone or the pressure under the head has come to its limit."""
-        forces, links = self.links.forces, self.links.links
         opened = float(self.links.deformations[self.crack])
-        crushed = float(forces[self.pressure]) > 0.97 * links[self.pressure].strength
-        return opened > 0.8 * links[self.crack].peak or crushed
+        return opened > 0.8 * self.links.links[self.crack].peak or self.head_crushed
 
     @property
     def cone_damage(self) -> float:
