@@ -173,16 +173,22 @@ class Many(Rule):
 
 
 def checked(
-    rule: Rule, default: Any = dataclasses.MISSING, *, optional: bool = False, path: str = ""
+    rule: Rule,
+    default: Any = dataclasses.MISSING,
+    *,
+    optional: bool = False,
+    path: str = "",
+    compare: bool = True,
 ) -> Any:
     """A dataclass field held to `rule`; `optional` also allows None (and defaults to it).
 
-    `path` is the key's path in a scenario file where it differs from ``table.field``.
+    `path` is the key's path in a scenario file where it differs from ``table.field``; `compare`,
+    whether it takes part in comparisons.
     """
     metadata = {"rule": rule, "optional": optional, "path": path}
     if optional and default is dataclasses.MISSING:
         default = None
-    return dataclasses.field(default=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata, compare=compare)
 
 
 def path_of(field: dataclasses.Field[Any], table: str) -> str:
@@ -212,14 +218,16 @@ class Declared:
     def check(self) -> None:
         """Refuse what the fields cannot be together. Raises `InputError`."""
 
+    def refusal(self, name: str, allowed: str, advice: str = "") -> InputError:
+        """The error of the field of this name, "" for all; the rest as in `InputError`."""
+        field = self.__dataclass_fields__.get(name)
+        if field is None:
+            return InputError(f"{self.TABLE}.{getattr(self, self.LABEL)}", None, allowed, advice)
+        return InputError(self._path(field), getattr(self, name), allowed, advice)
+
     def _path(self, field: dataclasses.Field[Any]) -> str:
         label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
         return path_of(field, self.TABLE + label)
-
-    def refusal(self, name: str, allowed: str, advice: str = "") -> InputError:
-        """The error of the field of this name; `allowed` and `advice` as in `InputError`."""
-        field = next(f for f in dataclasses.fields(self) if f.name == name)
-        return InputError(self._path(field), getattr(self, name), allowed, advice)
 
 
 def check_fields(instance: object, table: str) -> None:

@@ -18,14 +18,16 @@ from workbench.fields import Declared, Instance, Many, check_keys, path_of
 class Place(NamedTuple):
     """A declared field, its rule, and where files have it: `table` ("" for the top) and `key`.
 
-    `part` is the declared class whose own keys a file shows in place of this one, or None.
+    Declared classes: that of a `part`, whose own keys a file shows in place of this one, or that
+    of the `entries` of an array of tables.
     """
 
     field: dataclasses.Field[Any]
     rule: Any
     table: str
     key: str
-    part: Any
+    part: Any = None
+    entries: Any = None
 
     def among(self, tables: Mapping[str, Any]) -> bool:
         """Whether a file has this key."""
@@ -64,18 +66,17 @@ def label_of(entry: Mapping[str, Any], number: int) -> str:
 def _places(kind: type[Declared], entry: bool = False) -> Iterator[Place]:
     for field in dataclasses.fields(kind):
         rule = field.metadata["rule"]
-        part = None
-        if isinstance(rule, Instance) and rule.read is None:
-            part = rule.form or rule.kind
+        item = rule.item if isinstance(rule, Many) else rule
         path = field.name if entry else path_of(field, kind.TABLE)
         table, _, key = path.rpartition(".")
-        yield Place(field, rule, table, key, part)
+        part = item.form or item.kind if isinstance(item, Instance) and not item.read else None
+        yield Place(field, rule, table, key, *((part, None) if item is rule else (None, part)))
 
 
 def _leaves(kind: type[Declared]) -> Iterator[Place]:
     """Places of all keys that files may have for objects of this class."""
     for place in _places(kind):
-        yield from (place,) if place.part is None else _leaves(place.part)
+        yield from _leaves(place.part) if place.part else (place,)
 
 
 def _build(kind: type[Declared], tables: Mapping[str, Any], entry: str = "") -> Any:
@@ -83,67 +84,58 @@ def _build(kind: type[Declared], tables: Mapping[str, Any], entry: str = "") -> 
     values = {}
     for place in _places(kind, bool(entry)):
         name = place.field.name
-        if place.part is not None:
+        if place.part:
             if _is_given(place, tables) or not place.field.metadata["optional"]:
                 part = _build(place.part, tables)
-                values[name] = part if place.rule.form is None else part.build()
+                values[name] = part.build() if place.rule.form else part
         elif place.among(tables):
             holder = tables[place.table] if place.table else tables
             path = ".".join(filter(None, (entry, place.table, place.key)))
-            values[name] = _value(place.rule, path, holder[place.key])
+            values[name] = _value(place, path, holder[place.key])
         elif place.field.default is dataclasses.MISSING:
             raise _missing(place, tables, entry)
     return kind(**values)
 
 
-def _value(rule: Any, path: str, value: Any) -> Any:
+def _value(place: Place, path: str, value: Any) -> Any:
     """One value of a file as the rule of its field has it."""
-    if isinstance(rule, Instance) and rule.read is not None:
-        return rule.read(value, path)
-    if isinstance(rule, Many) and rule.single and isinstance(value, (int, float)):
-        value = [value]
-    if not _is_array(rule):
-        return rule.check(path, value)
-    if not isinstance(value, list) or not all(isinstance(entry, Mapping) for entry in value):
-        raise InputError(path, value, f"must be tables [[{path}]]")
-    parts = []
-    for number, entry in enumerate(value):
-        label = f"{path}.{label_of(entry, number)}"
-        check_keys(list(entry), [place.key for place in _places(rule.item.kind, True)], label)
-        parts.append(_build(rule.item.kind, entry, label))
-    return tuple(parts)
+    if place.entries:
+        if not isinstance(value, list) or not all(isinstance(entry, Mapping) for entry in value):
+            raise InputError(path, value, f"must be tables [[{path}]]")
+        parts = []
+        for number, entry in enumerate(value):
+            label = f"{path}.{label_of(entry, number)}"
+            check_keys(list(entry), [each.key for each in _places(place.entries, True)], label)
+            parts.append(_build(place.entries, entry, label))
+        return tuple(parts)
+    if isinstance(place.rule, Instance) and place.rule.read:
+        return place.rule.read(value, path)
+    alone = getattr(place.rule, "single", False) and isinstance(value, (int, float))
+    return place.rule.check(path, [value] if alone else value)
 
 
-def _fill(tables: dict[str, Any], part: Any, entry: bool) -> None:
+def _fill(tables: dict[str, Any], whole: Any, entry: bool) -> None:
     # What has a written form of its own, a section, may be a table: TOML wants it last.
-    for place in sorted(_places(type(part), entry), key=lambda place: _writes(place.rule)):
-        value = getattr(part, place.field.name)
+    places = _places(type(whole), entry)
+    for place in sorted(places, key=lambda place: bool(getattr(place.rule, "write", None))):
+        value = getattr(whole, place.field.name)
         if value is None or (entry and value == place.field.default):
             continue
-        if place.part is not None:
-            _fill(tables, value if place.rule.form is None else place.part.of(value), entry)
+        if place.part:
+            _fill(tables, place.part.of(value) if place.rule.form else value, entry)
             continue
-        if _is_array(place.rule):
-            value = tuple(write(each, entry=True) for each in value)
+        if place.entries:
+            value = tuple(write(part, entry=True) for part in value)
             if not value:
                 continue
-        elif _writes(place.rule):
+        elif isinstance(place.rule, Instance) and place.rule.write:
             value = place.rule.write(value)
         holder = tables.setdefault(place.table, {}) if place.table else tables
         holder[place.key] = list(value) if isinstance(value, tuple) else value
 
 
-def _is_array(rule: Any) -> bool:
-    return isinstance(rule, Many) and isinstance(rule.item, Instance)
-
-
-def _writes(rule: Any) -> bool:
-    return isinstance(rule, Instance) and rule.write is not None
-
-
 def _is_given(place: Place, tables: Mapping[str, Any]) -> bool:
     """Whether a file has a key of a part. Raises `InputError` where it may not have one."""
-    assert place.part is not None
     given = [leaf for leaf in _leaves(place.part) if leaf.among(tables)]
     for other in place.rule.instead_of:
         if given and other in tables:
@@ -155,8 +147,8 @@ def _is_given(place: Place, tables: Mapping[str, Any]) -> bool:
 
 def _missing(place: Place, tables: Mapping[str, Any], entry: str) -> InputError:
     key, table = place.key, place.table
-    if _is_array(place.rule):
-        keys = ", ".join(each.key for each in _places(place.rule.item.kind, True))
+    if place.entries:
+        keys = ", ".join(each.key for each in _places(place.entries, True))
         text, advice = f"the tables [[{key}]] are missing", f"add [[{key}]] with {keys}"
         return InputError(key, None, text, advice)
     if table and table not in tables:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from math import hypot
-from typing import TypeVar
+from typing import Any, cast
 
 from workbench.errors import InputError
 from workbench.fields import Declared, Flag, Instance, Many, checked, did_you_mean
@@ -47,11 +49,11 @@ class Frame(Declared, table="frame"):
         for joint in self.joints:
             if joint.name in PREDEFINED:
                 raise InputError("joint.name", joint.name, "is predefined", "choose another name")
-        for parts in (self.nodes, self.members, self.joints):
-            names = [part.name for part in parts]
-            for number, name in enumerate(names):
-                if name in names[:number]:
-                    raise parts[number].refusal("name", "is given twice", "names must be unique")
+        for parts in self._lists.values():
+            counts = Counter(part.name for part in parts)
+            for part in parts:
+                if counts[part.name] > 1:
+                    raise part.refusal("name", "is given twice", "names must be unique")
         for member in self.members:
             self._check_member(member)
         for load in self.loads:
@@ -62,15 +64,14 @@ class Frame(Declared, table="frame"):
 
     def _check_member(self, member: Member) -> None:
         path = f"member.{member.name}"
-        self.node(member.start, f"{path}.start")
-        self.node(member.end, f"{path}.end")
-        self.joint(member.joint_start, f"{path}.joint_start")
-        self.joint(member.joint_end, f"{path}.joint_end")
+        for end in ("start", "end"):
+            self.node(getattr(member, end), f"{path}.{end}")
+            self.joint(getattr(member, f"joint_{end}"), f"{path}.joint_{end}")
         length = self.length(member)
         if not LENGTH.low * ROUNDING <= length <= LENGTH.high / ROUNDING:
             ends = f"between {member.start} and {member.end}"
             text = f"is {length:g} m long {ends}; a length {LENGTH.allowed()}"
-            raise InputError(path, None, text, LENGTH.advice)
+            raise member.refusal("", text, LENGTH.advice)
 
     def _turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
@@ -78,17 +79,15 @@ class Frame(Declared, table="frame"):
         ends += [(m.end, m.joint_end) for m in self.members]
         return {node for node, joint in ends if self.joint(joint).rotational_stiffness != 0.0}
 
-    @cached_property
-    def _nodes(self) -> dict[str, Node]:
-        return {node.name: node for node in self.nodes}
+    @property
+    def _lists(self) -> dict[str, Sequence[Any]]:
+        return {"node": self.nodes, "member": self.members, "joint": self.joints}
 
     @cached_property
-    def _members(self) -> dict[str, Member]:
-        return {member.name: member for member in self.members}
-
-    @cached_property
-    def _joints(self) -> dict[str, Joint]:
-        return PREDEFINED | {joint.name: joint for joint in self.joints}
+    def _parts(self) -> dict[str, dict[str, Any]]:
+        """Nodes, members and joints by their kind and name."""
+        named = {kind: {part.name: part for part in parts} for kind, parts in self._lists.items()}
+        return {**named, "joint": PREDEFINED | named["joint"]}
 
     @cached_property
     def _properties(self) -> dict[str, MemberProperties]:
@@ -99,15 +98,15 @@ class Frame(Declared, table="frame"):
 
     def node(self, name: str, path: str = "node") -> Node:
         """The node of this name. Raises `InputError` naming `path`."""
-        return _named(self._nodes, name, path, "node")
+        return cast(Node, self._named("node", name, path))
 
     def member(self, name: str, path: str = "member") -> Member:
         """The member of this name. Raises `InputError` naming `path`."""
-        return _named(self._members, name, path, "member")
+        return cast(Member, self._named("member", name, path))
 
     def joint(self, name: str, path: str = "joint") -> Joint:
         """The joint of this name. Raises `InputError` naming `path`."""
-        return _named(self._joints, name, path, "joint")
+        return cast(Joint, self._named("joint", name, path))
 
     @cached_property
     def extent(self) -> float:
@@ -117,7 +116,7 @@ class Frame(Declared, table="frame"):
     def length(self, member: Member | str) -> float:
         """Length of a member, in m."""
         given = self._own(member)
-        start, end = self._nodes[given.start], self._nodes[given.end]
+        start, end = self.node(given.start), self.node(given.end)
         return hypot(end.x - start.x, end.y - start.y)
 
     def properties(self, member: Member | str) -> MemberProperties:
@@ -142,32 +141,25 @@ class Frame(Declared, table="frame"):
             on = f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m"
             advice = "measure from the start of the member"
             raise InputError("split.at", at, f"{on} from its start", advice)
-        if node in self._nodes:
+        if node in self._parts["node"]:
             raise InputError("split.node", node, "is the name of a node already", "choose another")
-        start, end = self._nodes[whole.start], self._nodes[whole.end]
+        start, end = self.node(whole.start), self.node(whole.end)
         share = distance / length
-        middle = Node(
-            node, start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
-        )
+        x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
         parts = (
             replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
             replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
         )
-        members: list[Member] = []
-        for other in self.members:
-            members.extend(parts if other is whole else (other,))
-        return replace(self, nodes=(*self.nodes, middle), members=tuple(members))
+        members = chain.from_iterable(parts if m is whole else (m,) for m in self.members)
+        return replace(self, nodes=(*self.nodes, Node(node, x, y)), members=tuple(members))
 
     def _own(self, member: Member | str) -> Member:
         return self.member(member.name if isinstance(member, Member) else member)
 
-
-Part = TypeVar("Part", Node, Member, Joint)
-
-
-def _named(parts: Mapping[str, Part], name: str, path: str, what: str) -> Part:
-    if isinstance(name, str) and name in parts:
-        return parts[name]
-    shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
-    advice = did_you_mean(name, parts, f"known are {shown}")
-    raise InputError(path, name, f"there is no {what} of this name", advice)
+    def _named(self, kind: str, name: str, path: str) -> Any:
+        parts = self._parts[kind]
+        if isinstance(name, str) and name in parts:
+            return parts[name]
+        shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
+        advice = did_you_mean(name, parts, f"known are {shown}")
+        raise InputError(path, name, f"there is no {kind} of this name", advice)

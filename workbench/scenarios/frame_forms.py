@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, count, islice, pairwise, product
+from string import ascii_uppercase
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Instance, Many, checked
@@ -30,33 +31,20 @@ class RegularForm(Declared, table="frame"):
 
     def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
         """The frame, its beams joined by one of `joints`. Raises `InputError`."""
-        axes = [_letters(i) for i in range(len(self.bays) + 1)]
+        words = (product(ascii_uppercase, repeat=length) for length in count(1))
+        letters = ("".join(word) for word in chain.from_iterable(words))
+        axes = list(islice(letters, len(self.bays) + 1))  # A to Z, then AA, AB and so on
         levels = range(len(self.storeys) + 1)
-        nodes = tuple(
-            Node(
-                f"{axis}{level}",
-                sum(self.bays[:i]),
-                sum(self.storeys[:level]),
-                support="free" if level else self.base,
-            )
-            for level in levels
-            for i, axis in enumerate(axes)
-        )
-
-        def member(start: str, end: str, section: Section, joint: str = RIGID.name) -> Member:
-            return Member(f"{start}-{end}", start, end, section, joint_start=joint, joint_end=joint)
-
-        columns = [
-            member(f"{axis}{level}", f"{axis}{level + 1}", self.column)
-            for axis in axes
-            for level in levels[:-1]
-        ]
-        beams = [
-            member(f"{left}{level}", f"{right}{level}", self.beam, self.beam_joint)
-            for level in levels[1:]
-            for left, right in pairwise(axes)
-        ]
-        return Frame(nodes, (*columns, *beams), (), tuple(joints), steel, fillets)
+        nodes = []
+        for level, i in product(levels, range(len(axes))):
+            x, y = sum(self.bays[:i]), sum(self.storeys[:level])
+            nodes.append(Node(f"{axes[i]}{level}", x, y, "free" if level else self.base))
+        columns = [(f"{axis}{i}", f"{axis}{i + 1}") for axis in axes for i in levels[:-1]]
+        beams = [(f"{a}{i}", f"{b}{i}") for i in levels[1:] for a, b in pairwise(axes)]
+        joint = self.beam_joint
+        members = [Member(f"{a}-{b}", a, b, self.column) for a, b in columns]
+        members += [Member(f"{a}-{b}", a, b, self.beam, joint, joint) for a, b in beams]
+        return Frame(tuple(nodes), tuple(members), (), tuple(joints), steel, fillets)
 
 
 @dataclass(frozen=True)
@@ -132,13 +120,3 @@ def regular_frame(
         joints, beam_joint = (*joints, beam_joint), beam_joint.name
     form = RegularForm(tuple(bays), tuple(storeys), column, beam, base, beam_joint)
     return form.frame(Steel() if steel is None else steel, fillets, joints)
-
-
-def _letters(number: int) -> str:
-    """A to Z, then AA, AB and so on."""
-    letters = ""
-    number += 1
-    while number:
-        number, rest = divmod(number - 1, 26)
-        letters = chr(ord("A") + rest) + letters
-    return letters

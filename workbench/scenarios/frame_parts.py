@@ -6,7 +6,6 @@ Directions are global: x to the right, y up, rotation counter-clockwise.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
 
 from workbench.fields import Choice, Declared, Number, Text, checked
 from workbench.scenarios.members import (
@@ -139,8 +138,3 @@ class Load(Declared, table="load", label="node"):
     x: float = checked(Number(-1e9, 1e9, "N"), 0.0)
     y: float = checked(Number(-1e9, 1e9, "N"), 0.0)
     moment: float = checked(Number(-1e9, 1e9, "N m"), 0.0)
-
-    @property
-    def resultant(self) -> tuple[float, float]:
-        """Magnitude of its force (N) and of its moment (N m)."""
-        return hypot(self.x, self.y), abs(self.moment)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from math import hypot
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError
-from workbench.scenarios.frame_parts import COMPONENT, Member, Node
+from workbench.scenarios.frame_parts import COMPONENT, Joint, Member, Node
+
+Part = TypeVar("Part", Node, Member, Joint)
 
 APART = 1e-6  # m; nodes closer than this are in one place
 FREE = 1e-6  # singular value of the support conditions below which a motion is free
@@ -21,56 +24,39 @@ def extent(nodes: Sequence[Node]) -> float:
     return hypot(max(x) - min(x), max(y) - min(y))
 
 
+def check_unique(parts: Sequence[Part], keys: Iterable[Hashable], text: str, advice: str) -> None:
+    """Refuse parts with equal keys (`InputError`); `text` names the earlier one as ``{}``."""
+    seen: dict[Hashable, Part] = {}
+    for part, key in zip(parts, keys, strict=True):
+        if key in seen:
+            raise part.refusal("", text.format(seen[key].name), advice)
+        seen[key] = part
+
+
 def check_places(nodes: Sequence[Node], members: Sequence[Member]) -> None:
     """Refuse two nodes in one place and two members between the same nodes (`InputError`)."""
-    places: dict[tuple[int, int], str] = {}
-    for node in nodes:
-        place = (round(node.x / APART), round(node.y / APART))
-        if place in places:
-            raise InputError(
-                f"node.{node.name}",
-                None,
-                f"lies where node {places[place]} lies",
-                "join the members at one node; joints make pins",
-            )
-        places[place] = node.name
-    pairs: dict[frozenset[str], str] = {}
-    for member in members:
-        pair = frozenset((member.start, member.end))
-        if pair in pairs:
-            raise InputError(
-                f"member.{member.name}",
-                None,
-                f"joins the same nodes as member {pairs[pair]}",
-                "drop one of them",
-            )
-        pairs[pair] = member.name
+    places = [(round(node.x / APART), round(node.y / APART)) for node in nodes]
+    advice = "join the members at one node; joints make pins"
+    check_unique(nodes, places, "lies where node {} lies", advice)
+    pairs = [frozenset((member.start, member.end)) for member in members]
+    check_unique(members, pairs, "joins the same nodes as member {}", "drop one of them")
 
 
 def check_connected(nodes: Sequence[Node], members: Sequence[Member]) -> None:
     """Refuse nodes that no chain of members joins to the first one (`InputError`)."""
-    neighbours: dict[str, list[str]] = {node.name: [] for node in nodes}
-    for member in members:
-        neighbours[member.start].append(member.end)
-        neighbours[member.end].append(member.start)
-    for name, near in neighbours.items():
-        if not near:
-            raise InputError(f"node.{name}", None, "no member ends there", "drop the node")
-    reached, waiting = {nodes[0].name}, [nodes[0].name]
-    while waiting:
-        for name in neighbours[waiting.pop()]:
-            if name not in reached:
-                reached.add(name)
-                waiting.append(name)
+    pairs = [{member.start, member.end} for member in members]
+    joined = set().union(*pairs)
+    for node in nodes:
+        if node.name not in joined:
+            raise node.refusal("", "no member ends there", "drop the node")
+    reached = {nodes[0].name}
+    while found := set().union(*(pair for pair in pairs if pair & reached)) - reached:
+        reached |= found
     apart = [node.name for node in nodes if node.name not in reached]
     if apart:
-        raise InputError(
-            "frame.members",
-            None,
-            f"the frame falls apart: no chain of members joins node {apart[0]} to node "
-            f"{nodes[0].name}",
-            "add a member or make it a scenario of its own",
-        )
+        chain = f"no chain of members joins node {apart[0]} to node {nodes[0].name}"
+        advice = "add a member or make it a scenario of its own"
+        raise InputError("frame.members", None, f"the frame falls apart: {chain}", advice)
 
 
 def check_supported(nodes: Sequence[Node], turned: Collection[str], loaded: bool) -> None:
@@ -81,22 +67,22 @@ def check_supported(nodes: Sequence[Node], turned: Collection[str], loaded: bool
     """
     places = np.array([[node.x, node.y] for node in nodes])
     centre, size = places.mean(axis=0), extent(nodes)
-    rows = [
-        _condition(component, (node.x - centre[0]) / size, (node.y - centre[1]) / size)
-        for node in nodes
-        for component in _conditions(node, loaded)
-        if component != "rotation" or node.name in turned
-    ]
+    rows = []
+    for node in nodes:
+        x, y = (node.x - centre[0]) / size, (node.y - centre[1]) / size
+        # what a motion of the whole does to each displacement of the node
+        motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
+        held = _conditions(node, loaded) - (set() if node.name in turned else {"rotation"})
+        rows += [row for component, row in motion.items() if component in held]
     # motion of the whole: displacement of the centre along x and y, rotation times extent
     _, values, motions = np.linalg.svd(np.array([*rows, *np.zeros((3, 3))]))
     free = motions[values < FREE]
     if len(free):
-        motion = free[0] / np.array([1.0, 1.0, size])
-        how = "nothing holds it" if len(free) == 3 else f"it can {_words(motion, centre, size)}"
+        can = _words(free[0] / np.array([1.0, 1.0, size]), centre, size)
+        how = "nothing holds it" if len(free) == 3 else f"it can {can}"
         when = " under its dead loads, before springs and locks act" if loaded else ""
-        raise InputError(
-            "node.support", None, f"the frame is not supported{when}: {how}", "add supports"
-        )
+        text = f"the frame is not supported{when}: {how}"
+        raise InputError("node.support", None, text, "add supports")
 
 
 def _conditions(node: Node, loaded: bool) -> set[str]:
@@ -105,13 +91,6 @@ def _conditions(node: Node, loaded: bool) -> set[str]:
         held |= {c for name, c in COMPONENT.items() if getattr(node, f"spring_{name}") > 0.0}
         held |= {COMPONENT[node.locked]} if node.locked != "none" else set()
     return held
-
-
-def _condition(component: str, x: float, y: float) -> tuple[float, float, float]:
-    """What a motion of the whole does to a displacement at (x, y) from the centre."""
-    if component == "u":
-        return (1.0, 0.0, -y)
-    return (0.0, 1.0, x) if component == "v" else (0.0, 0.0, 1.0)
 
 
 def _words(motion: NDArray[np.float64], centre: NDArray[np.float64], size: float) -> str:

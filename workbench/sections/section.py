@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.fields import Number, Text
+from workbench.fields import Declared, Instance, Number, Text, checked
 from workbench.materials import Steel
 from workbench.sections.bands import Floats, half_integrals
 from workbench.sections.catalogue import profiles
@@ -21,21 +21,15 @@ _POINTS = Number(3, 100_000, integer=True)
 
 
 @dataclass(frozen=True)
-class Section:
+class Section(Declared, table="section"):
     """A doubly symmetric cross section bent about its strong axis.
 
     Arguments: `name`, a label that takes no part in comparisons; `shape`, the geometry. Two
     sections are equal when their shapes are.
     """
 
-    name: str = field(compare=False)
-    shape: Shape
-
-    def __post_init__(self) -> None:
-        Text().check("section.name", self.name)
-        if not isinstance(self.shape, Shape):
-            advice = "use find(name) or a constructor such as i_section"
-            raise InputError("section.shape", self.shape, "must be a shape", advice)
+    name: str = checked(Text(), compare=False)
+    shape: Shape = checked(Instance(Shape, "use find(name) or a constructor such as i_section"))
 
     @property
     def height(self) -> float:
