@@ -18,10 +18,11 @@ from threadpoolctl import threadpool_limits
 
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
-from workbench.structures.fiber_beams import FiberBeams, FiberSection, radau_rule
+from workbench.structures.fiber_beams import FiberBeams, radau_rule
+from workbench.structures.fibers import BeamSection
 from workbench.structures.impact import PointMass, impact
 from workbench.structures.meshing import graded_lengths
-from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.uniaxial import LinearHardening
 
 E, FY, SIDE, LAYERS, MASS, HARDENING = 210e9, 355e6, 0.2, 20, 314.0, 1e-6
@@ -86,12 +87,12 @@ class Mesh:
 def ours(mesh: Mesh, kind: str, step: float) -> Iterator[float]:
     """Displacements of the hit node, step by step."""
     of = np.zeros(len(mesh.elements), dtype=np.int64)
+    law = LinearHardening(E, FY, HARDENING * E)
     if kind.startswith("reissner"):
-        law = LinearHardening(E, FY, HARDENING * E)
         section = BeamSection(Y, AREA, law, MASS, E / 2.6 * SIDE**2 * 5.0 / 6.0)
         group: ReissnerBeams | FiberBeams = ReissnerBeams(mesh.elements, of, [section])
     else:
-        fibers = FiberSection(Y, AREA, E, FY, HARDENING * E, MASS)
+        fibers = BeamSection(Y, AREA, law, MASS)
         balanced = kind == "balanced"
         rule = radau_rule(mesh.far_end) if balanced else None
         group = FiberBeams(mesh.elements, of, [fibers], rule, balanced=balanced)

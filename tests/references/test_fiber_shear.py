@@ -12,7 +12,7 @@ from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, outcome_of, warnings_of
 from workbench.scenarios import ColumnPushover
 from workbench.sections import section_from
-from workbench.structures.reissner_beams.fibers import section_fibers
+from workbench.structures.fibers import section_fibers
 from workbench.testing import check_model
 
 AT = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]

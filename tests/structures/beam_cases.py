@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, FiberSection, radau_rule
+from workbench.structures.fiber_beams import FiberBeams, radau_rule
+from workbench.structures.fibers import BeamSection
+from workbench.structures.uniaxial import LinearHardening
 
 E_STEEL, YIELD = 210e9, 355e6
 KINDS = {
@@ -24,15 +26,16 @@ def rectangle(
     hardening: float = 1e-6 * E_STEEL,
     mass: float = 314.0,
     shear: float = 0.0,
-) -> FiberSection:
+) -> BeamSection:
     """Rectangle in equal layers."""
     edges = np.linspace(-0.5 * height, 0.5 * height, layers + 1)
     area = np.full(layers, width * height / layers)
     middle = 0.5 * (edges[1:] + edges[:-1])
-    return FiberSection(middle, area, E_STEEL, yield_stress, hardening, mass, shear)
+    law = LinearHardening(E_STEEL, yield_stress, hardening)
+    return BeamSection(middle, area, law, mass, shear)
 
 
-def plates(flange: int, web: int) -> FiberSection:
+def plates(flange: int, web: int) -> BeamSection:
     """HEB 220 as three plates with hardening 1e-4 E, layered as the OpenSees model was."""
     depth, wall, thickness, width = 0.22, 0.0095, 0.016, 0.22
     parts = []
@@ -44,12 +47,12 @@ def plates(flange: int, web: int) -> FiberSection:
         edges = np.linspace(low, high, count + 1)
         parts.append((0.5 * (edges[1:] + edges[:-1]), np.full(count, breadth * np.diff(edges))))
     y, area = (np.concatenate(p) for p in zip(*parts, strict=True))
-    return FiberSection(y, area, E_STEEL, YIELD, 1e-4 * E_STEEL, 71.4)
+    return BeamSection(y, area, LinearHardening(E_STEEL, YIELD, 1e-4 * E_STEEL), 71.4)
 
 
 def chain(
     lengths,
-    section: FiberSection,
+    section: BeamSection,
     *,
     angle: float = 0.0,
     balanced: bool = False,

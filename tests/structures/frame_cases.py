@@ -8,7 +8,8 @@ import numpy as np
 from reissner_cases import square
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.fibers import BeamSection
+from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.uniaxial import LinearHardening
 
 HEIGHT, SPAN = 4.0, 6.0

@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.fibers import BeamSection
+from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.shear_beams import ShearYielding
 from workbench.structures.uniaxial import MILD_STEEL, LinearHardening, MenegottoPinto
 

@@ -11,8 +11,10 @@ from workbench.impact import collide
 from workbench.structures import explicit
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, stable_step
-from workbench.structures.fiber_beams import FiberBeams, FiberSection
+from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.fibers import BeamSection
 from workbench.structures.impact import PointMass, impact
+from workbench.structures.uniaxial import LinearHardening
 
 SPAN = 3.0
 
@@ -101,7 +103,8 @@ def test_order_of_the_explicit_scheme_is_two_without_contact() -> None:
 def test_groups_without_a_force_only_path_work_too() -> None:
     """Co-rotational beams in the explicit driver agree with those in the implicit one."""
     y = (np.arange(10) - 4.5) / 10 * SIDE
-    section = FiberSection(y, np.full(10, SIDE**2 / 10), E, 355e6, 1e-6 * E, 314.0, G * SIDE**2)
+    law = LinearHardening(E, 355e6, 1e-6 * E)
+    section = BeamSection(y, np.full(10, SIDE**2 / 10), law, 314.0, G * SIDE**2)
     nodes = np.stack([np.arange(24), np.arange(1, 25)], axis=1)
     x = np.linspace(0.0, SPAN, 25)
     peaks = []

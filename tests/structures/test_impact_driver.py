@@ -12,8 +12,10 @@ from workbench.errors import SolverError
 from workbench.impact import collide
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, FiberSection
+from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.fibers import BeamSection
 from workbench.structures.impact import PointMass, impact
+from workbench.structures.uniaxial import LinearHardening
 
 FAR = PointMass(1.0, 0.0, position=-100.0)  # a striker that never arrives
 
@@ -30,7 +32,8 @@ def history(assembly, dof, striker, spans, weight):
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_collision_with_a_node(restitution):
     """1500 kg at 20 m/s hit a node of 100 kg: closed forms to 1e-8."""
-    feather = FiberSection(np.array([-0.1, 0.1]), np.ones(2), 1e-3, 1.0, 0.0, 1e-12)
+    law = LinearHardening(1e-3, 1.0)
+    feather = BeamSection(np.array([-0.1, 0.1]), np.ones(2), law, 1e-12)
     assembly, _ = chain([1.0], feather)
     clamp(assembly, 0)
     assembly.hold([5])
@@ -111,7 +114,8 @@ def clamped_column(size: float, lumped: bool):
     """HEB 220 clamped and fixed at both ends, 2 + 2 m (Heng 2017, section 5.1)."""
     section = find("HEB 220")
     y, area = section.fibers(20)
-    beam = FiberSection(y, area, E_STEEL, 355e6, 1e-6 * E_STEEL, 7850 * section.area)
+    law = LinearHardening(E_STEEL, 355e6, 1e-6 * E_STEEL)
+    beam = BeamSection(y, area, law, 7850 * section.area)
     count = round(4.0 / size)
     assembly, _ = chain(np.full(count, size), beam, lumped=lumped)
     clamp(assembly, 0)

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from section_cases import stress_path
 
 from workbench.errors import InputError
 from workbench.structures.shear_beams import ShearYielding
 from workbench.structures.shear_beams._kernels import sheared
-from workbench.structures.uniaxial import LinearHardening, stress_path
+from workbench.structures.uniaxial import LinearHardening
 
 E, FY = 210e9, 355e6
 G = E / 2.6

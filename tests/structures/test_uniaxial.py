@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from section_cases import stress_path
 
 from workbench.errors import InputError
 from workbench.structures.uniaxial import (
@@ -13,7 +14,6 @@ from workbench.structures.uniaxial import (
     CowperSymonds,
     LinearHardening,
     MenegottoPinto,
-    stress_path,
 )
 
 E, FY = 210e9, 355e6

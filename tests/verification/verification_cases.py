@@ -8,8 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, FiberSection
-from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
+from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.fibers import BeamSection
+from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.uniaxial import LinearHardening
 
 FORMULATIONS = ("reissner", "corotational")
@@ -27,10 +28,7 @@ def group(kind: str, elements: Sequence[Sequence[int]], y, area, law: LinearHard
     of = np.zeros(len(elements), dtype=np.int64)
     if kind == "reissner":
         return ReissnerBeams(elements, of, [BeamSection(y, area, law, mass, shear)])
-    section = FiberSection(
-        y, area, law.elastic_modulus, law.yield_stress, law.kinematic_modulus, mass
-    )
-    return FiberBeams(elements, of, [section])
+    return FiberBeams(elements, of, [BeamSection(y, area, law, mass)])
 
 
 def steel_chain(kind: str, points, yield_stress=FY, hardening=1e-7, lumped=False) -> PlanarAssembly:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.scenarios import Frame, Load
-from workbench.structures.assembly import ElementGroup, PlanarAssembly
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.elements import ElementGroup
 from workbench.structures.statics import apply_loads
 
 Array = NDArray[np.float64]

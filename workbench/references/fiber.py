@@ -20,7 +20,7 @@ from workbench.frames.structure import FrameStructure
 from workbench.frames.timing import Spans, spans_to, struck_wave_time, time_to_peak
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.references.members import BeamElements, stand_fibers
+from workbench.references.members import stand_fibers
 from workbench.references.mesh import (
     FrameMesh,
     MeshRule,
@@ -41,7 +41,7 @@ from workbench.scenarios import (
     FrameStatic,
     Scenario,
 )
-from workbench.structures.assembly import ElementGroup
+from workbench.structures.fibers import FiberElements
 
 Array = NDArray[np.float64]
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
@@ -105,8 +105,8 @@ class FiberReference(ABC):
         """Where an element samples plasticity, from its end next to a hinge and over its length."""
 
     @abstractmethod
-    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[BeamElements, ElementGroup]:
-        """The elements of a mesh, and the group that assembles them (often the same)."""
+    def elements(self, frame: Frame, mesh: FrameMesh) -> FiberElements:
+        """The elements of a mesh."""
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and what fibers or mesh do not follow."""
@@ -149,12 +149,11 @@ class FiberReference(ABC):
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
         frame = as_frame(scenario).frame
         mesh = self.placed(mesh_frame(frame, self.lengths(scenario)))
-        beams, group = self.elements(frame, mesh)
+        beams = self.elements(frame, mesh)
         return stand_fibers(
             frame,
             mesh,
             beams,
-            group,
             sampled=self.sampled,
             shear_yields=self.shear_yields,
             lumped=self.integrator == "explicit",

@@ -18,7 +18,9 @@ from workbench.references.fiber import FiberReference
 from workbench.references.mesh import FrameMesh, MeshRule
 from workbench.references.refine import REFINEMENT
 from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
-from workbench.structures.fiber_beams import FiberBeams, FiberSection, radau_rule
+from workbench.structures.fiber_beams import FiberBeams, radau_rule
+from workbench.structures.fibers import BeamSection
+from workbench.structures.uniaxial import LinearHardening
 
 INTERPOLATED, BALANCED = ELEMENTS = ("interpolated", "balanced")
 STATIC_SHARE = 1.0 / 8.0  # largest element over the longest member: no hinge travels in statics
@@ -83,24 +85,22 @@ class FiberCorotational(FiberReference):
         """Where an element samples plasticity, from its end next to a hinge and over its length."""
         return SAMPLED[self.element]
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[FiberBeams, FiberBeams]:
+    def elements(self, frame: Frame, mesh: FrameMesh) -> FiberBeams:
         """Co-rotational beams, balanced or classical."""
         balanced = self.element == BALANCED
         sections = [self.section(frame, member) for member in frame.members]
         rule = radau_rule(mesh.upper) if balanced else None
-        beams = FiberBeams(mesh.nodes, mesh.member, sections, rule, balanced=balanced)
-        return beams, beams
+        return FiberBeams(mesh.nodes, mesh.member, sections, rule, balanced=balanced)
 
-    def section(self, frame: Frame, member: Member) -> FiberSection:
+    def section(self, frame: Frame, member: Member) -> BeamSection:
         """The fibers of a member's strength section with its material and mass."""
         steel, section = frame.steel, frame.strength_section(member)
         y, area = section.fibers(self.layers)
-        return FiberSection(
-            y=y,
-            area=area,
-            elastic_modulus=steel.elastic_modulus,
-            yield_stress=steel.yield_stress,
-            hardening_modulus=self.hardening_ratio * steel.elastic_modulus,
-            mass_per_length=frame.properties(member).mass_per_length,
+        modulus = steel.elastic_modulus
+        return BeamSection(
+            y,
+            area,
+            LinearHardening(modulus, steel.yield_stress, self.hardening_ratio * modulus),
+            frame.properties(member).mass_per_length,
             shear_stiffness=shear_stiffness(section, steel) if self.shear_flexible else 0.0,
         )

@@ -27,9 +27,8 @@ from workbench.references.refine import LEVELS
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.sections.shapes import ISection
-from workbench.structures.assembly import ElementGroup
-from workbench.structures.reissner_beams import BeamSection, ReissnerBeams
-from workbench.structures.reissner_beams.fibers import PATTERNS, section_fibers
+from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
+from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.uniaxial import (
     MILD_STEEL,
     CowperSymonds,
@@ -86,11 +85,10 @@ class ExactBeams(FiberReference):
         bow = self.out_of_straightness * length * np.sin(np.pi * heights / length)
         return mesh._replace(coordinates=np.stack([bow, heights], axis=1))
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[ReissnerBeams, ElementGroup]:
+    def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams, assembled by the compiled kernel."""
         sections = [self.section(frame, member) for member in frame.members]
-        beams = ReissnerBeams(mesh.nodes, mesh.member, sections)
-        return beams, beams
+        return ReissnerBeams(mesh.nodes, mesh.member, sections)
 
     @abstractmethod
     def section(self, frame: Frame, member: Member) -> BeamSection:
@@ -174,14 +172,14 @@ class FiberReissner(ExactBeams):
         """Elements grow fast from the very small ones of the rule only."""
         return RULE if self.smallest_element is None else RULE._replace(growth=MILD_GROWTH)
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> tuple[ReissnerBeams, ElementGroup]:
+    def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams, assembled by the compiled kernel or by scikit-fem forms."""
-        beams, group = super().elements(frame, mesh)
-        if self.formulation == "forms":
-            from workbench.references.reissner_forms import ReissnerForms
+        if self.formulation != "forms":
+            return super().elements(frame, mesh)
+        from workbench.references.reissner_forms import ReissnerForms
 
-            group = ReissnerForms(beams)
-        return beams, group
+        sections = [self.section(frame, member) for member in frame.members]
+        return ReissnerForms(mesh.nodes, mesh.member, sections)
 
     def section(self, frame: Frame, member: Member) -> BeamSection:
         """Fibers with elastic shear strain of the shear area."""

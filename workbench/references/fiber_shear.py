@@ -13,8 +13,7 @@ from workbench.frames.shear import shear_modulus
 from workbench.references.fiber_reissner import ExactBeams
 from workbench.references.mesh import MeshRule
 from workbench.scenarios import Frame, FrameScenario, Member
-from workbench.structures.reissner_beams import BeamSection
-from workbench.structures.reissner_beams.fibers import section_fibers
+from workbench.structures.fibers import BeamSection, section_fibers
 from workbench.structures.shear_beams import ShearYielding
 
 RULE = MeshRule(1.0 / 64.0, 0.05)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,47 +10,14 @@ from numpy.typing import NDArray
 from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
 from workbench.references.mesh import FrameMesh
 from workbench.scenarios import Frame
-from workbench.structures.assembly import ElementGroup, PlanarAssembly
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.fibers import FiberElements
 from workbench.structures.joints import JointSpring, JointSprings
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 ENVELOPE = 181  # points of the exact interaction curve
 STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
-
-
-class BeamElements(ElementGroup, Protocol):
-    """What a frame reads off its fiber elements, committed and in SI units.
-
-    `crumples`: whether an element means nothing once a plastic hinge has shortened it to nothing.
-    """
-
-    lengths: Array
-    crumples: bool
-
-    @property
-    def local_forces(self) -> Array:
-        """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
-        ...
-
-    @property
-    def shear_forces(self) -> Array:
-        """Shear forces (elements,)."""
-        ...
-
-    @property
-    def shear_strains(self) -> Array:
-        """Shear strains (elements,)."""
-        ...
-
-    @property
-    def elongations(self) -> Array:
-        """Changes of length along the axis (elements,)."""
-        ...
-
-    def plastic_rotations(self) -> Array:
-        """Plastic curvature integrated over each element (elements,)."""
-        ...
 
 
 class FiberMembers:
@@ -66,7 +32,7 @@ class FiberMembers:
         self,
         frame: Frame,
         mesh: FrameMesh,
-        beams: BeamElements,
+        beams: FiberElements,
         springs: JointSprings | None,
         sampled: float,
         shear_yields: bool,
@@ -190,8 +156,7 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
 def stand_fibers(
     frame: Frame,
     mesh: FrameMesh,
-    beams: BeamElements,
-    group: ElementGroup,
+    beams: FiberElements,
     *,
     sampled: float,
     shear_yields: bool,
@@ -199,11 +164,11 @@ def stand_fibers(
 ) -> FrameStructure:
     """The frame as fiber beams under its dead loads.
 
-    Arguments: `mesh`; its elements `beams` and the `group` that assembles them, often the same;
-    `sampled` and `shear_yields`, see `FiberMembers`; `lumped` mass. Raises `SolverError`.
+    Arguments: `mesh` and its elements `beams`; `sampled` and `shear_yields`, see `FiberMembers`;
+    `lumped` mass. Raises `SolverError`.
     """
     springs = joint_springs(frame, mesh)
-    groups = [group] if springs is None else [group, springs]
+    groups = [beams] if springs is None else [beams, springs]
     members = FiberMembers(frame, mesh, beams, springs, sampled, shear_yields)
     skeleton = Skeleton(mesh.coordinates, groups, mesh.ties, len(mesh.nodes))
     return stand_frame(frame, skeleton, members, lumped=lumped)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from skfem import BilinearForm, LinearForm
 from skfem.helpers import grad
 
+from workbench.structures.elements import Step
 from workbench.structures.reissner_beams import ReissnerBeams
 
 Array = NDArray[np.float64]
@@ -78,49 +79,30 @@ def directors(initial: Array, rotation: Array, stretch: Array) -> Directors:
     return Directors(a, b, np.stack([np.sum(stretch * b, axis=0), -np.sum(stretch * a, axis=0)]))
 
 
-class ReissnerForms:
-    """The elements of a `ReissnerBeams` group, assembled by scikit-fem.
+class ReissnerForms(ReissnerBeams):
+    """Geometrically exact beams like those of `ReissnerBeams`, assembled by scikit-fem."""
 
-    A group for the assembly like the one it wraps, whose states, energies and readings it uses.
-    """
-
-    def __init__(self, beams: ReissnerBeams) -> None:
-        self.beams = beams
-        self.nodes = beams.nodes
-        self.place = beams.place
-        self.begin_step = beams.begin_step
-        self.account = beams.account
-        self.commit = beams.commit
-        self.masses = beams.masses
-
-    def assemble(
-        self,
-        force: Array,
-        band: Array,
-        positions: Indices,
-        start: Array,
-        end: Array,
-        weight: float | None,
-    ) -> None:
-        """Add forces and tangent; arguments as of `ReissnerBeams.assemble`."""
-        tables, basis = self.beams.tables, self.beams.basis
+    def assemble(self, step: Step) -> None:
+        """Add forces and tangent of a step from the committed state; keep the trial state."""
+        tables, basis = self.tables, self.basis
         count = len(tables.measure)
         to_line = np.empty(6 * count, dtype=np.int64)  # frame dof of every line dof: the map T
         to_line[basis.element_dofs.T] = tables.dofs
-        _, old, new, tangent = self.beams.respond(end)
-        fields = _fields(basis, tables.director.T, start[to_line], end[to_line], weight)
-        share = 1.0 if weight is None else weight
+        old, new, tangent = self.respond(step)
+        at = step.start[to_line], step.end[to_line]
+        fields = _fields(basis, tables.director.T, *at, step.dynamic)
+        share = step.weight
         forces = (1.0 - share) * old.T + share * new.T
         fields["force"] = forces[:, :, None]
         fields["tangent"] = share * np.moveaxis(tangent, 0, -1)[..., None]
-        fields.update(_changes(fields, forces, weight is not None))
-        np.add.at(force, to_line, residual.assemble(basis, **fields))
+        fields.update(_changes(fields, forces, step.dynamic))
+        np.add.at(step.force, to_line, residual.assemble(basis, **fields))
         matrix = material.assemble(basis, **fields) + geometric.assemble(basis, **fields)
         # every element owns its line dofs, so that the matrix is a diagonal of 6 x 6 blocks
         entries = matrix.tocoo()
         element, row = np.divmod(_ranks(basis)[entries.row], 6)
         column = _ranks(basis)[entries.col] % 6
-        np.add.at(band, positions[element, 6 * row + column], entries.data)
+        np.add.at(step.band, self.bars.positions[element, 6 * row + column], entries.data)
 
 
 def _ranks(basis: Any) -> Indices:
@@ -131,7 +113,7 @@ def _ranks(basis: Any) -> Indices:
 
 
 def _fields(
-    basis: Any, initial: Array, start: Array, end: Array, weight: float | None
+    basis: Any, initial: Array, start: Array, end: Array, dynamic: bool
 ) -> dict[str, Array]:
     """Directors at the quadrature points, at the end and, in a time step, in the mean."""
     rotation1, slope1 = _at_points(basis, end)
@@ -139,7 +121,7 @@ def _fields(
     last = directors(initial, rotation1, stretch1)
     mean = last
     fields: dict[str, Array] = {}
-    if weight is not None:
+    if dynamic:
         rotation0, slope0 = _at_points(basis, start)
         half = 0.5 * (rotation1 - rotation0)
         mean_stretch = initial + 0.5 * (slope0 + slope1)

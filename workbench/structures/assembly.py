@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,85 +13,13 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from workbench.errors import InputError
 from workbench.structures import _kernels
+from workbench.structures.elements import Bars, ElementGroup, Step
 from workbench.structures.ledger import StepEnergies
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 ROUNDINGS = 8 * float(np.finfo(float).eps)
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
-
-
-class ElementGroup(Protocol):
-    """What the assembly asks of the elements of one kind (see `FiberBeams`)."""
-
-    @property
-    def nodes(self) -> Indices:
-        """Node numbers (elements, 2)."""
-        ...
-
-    def place(self, dofs: Indices, chords: Array) -> None:
-        """Take dofs (elements, 6) and initial chords (elements, 2)."""
-        ...
-
-    def assemble(
-        self,
-        force: Array,
-        band: Array,
-        positions: Indices,
-        start: Array,
-        end: Array,
-        weight: float | None,
-    ) -> None:
-        """Add forces and tangent for a step from `start` to `end`; keep the trial state."""
-        ...
-
-    def account(self, weight: float) -> StepEnergies:
-        """Energies of the step to the trial state."""
-        ...
-
-    def commit(self) -> None:
-        """Make the trial state the committed one."""
-        ...
-
-    def masses(self) -> tuple[Array, Array]:
-        """Mass and rotary inertia of each element."""
-        ...
-
-
-@runtime_checkable
-class ForceGroup(Protocol):
-    """A group that can give forces without a tangent (see `ReissnerBeams`)."""
-
-    def resist(self, force: Array, end: Array) -> None:
-        """Add forces at the displacements `end`; keep the trial state."""
-        ...
-
-
-@runtime_checkable
-class RateGroup(Protocol):
-    """A group whose material may depend on the rate, or whose inertia on the motion."""
-
-    def begin_step(self, duration: float) -> None:
-        """Take the duration of the step to come, in s."""
-        ...
-
-
-@runtime_checkable
-class KineticGroup(Protocol):
-    """A group with inertia that depends on the configuration (see `Superelements`)."""
-
-    def kinetic_energy(self) -> float:
-        """Committed kinetic energy that is not in the mass matrix, in J."""
-        ...
-
-
-@runtime_checkable
-class MassGroup(Protocol):
-    """A group with constant inertia that couples the dofs of an element."""
-
-    def mass_matrices(self) -> Array:
-        """Mass matrices (elements, 6, 6), in addition to `masses`."""
-        ...
 
 
 class PlanarAssembly:
@@ -115,18 +42,15 @@ class PlanarAssembly:
     ) -> None:
         self.coordinates: Array = np.asarray(coordinates, dtype=float).reshape(-1, 2)
         self.groups = tuple(groups)
-        # asked once: checks of protocols are slow
-        self._rate_groups = [group for group in self.groups if isinstance(group, RateGroup)]
-        self._kinetic_groups = [group for group in self.groups if isinstance(group, KineticGroup)]
         self.size = 3 * len(self.coordinates)
         self._master = self._masters(tuple(ties))
         self._dof_of_node = self._numbering()
-        self.width = 5
-        self._shortest = np.inf
-        for group in self.groups:
-            self._place(group)
+        placed = [self._dof_of_node[group.nodes].reshape(-1, 6) for group in self.groups]
+        self.width = max(5, *(int(np.max(np.ptp(dofs, axis=1))) for dofs in placed))
         self._rows = 3 * self.width + 1
-        self._positions = [self._band_positions(self._dofs(group.nodes)) for group in self.groups]
+        self._shortest = np.inf
+        for group, dofs in zip(self.groups, placed, strict=True):
+            self._place(group, dofs)
         self.band: Array = np.zeros(self._rows * self.size)
         self.mass: Array = np.zeros_like(self.band)
         self._add_masses(lumped)
@@ -137,6 +61,7 @@ class PlanarAssembly:
         self._springs: dict[int, tuple[float, float]] = {}
         self.stored = 0.0
         self._force: Array = np.zeros(self.size)
+        self._duration = np.inf
         self._largest_force = 1e-6
 
     # -- numbering ---------------------------------------------------------------------------
@@ -187,24 +112,14 @@ class PlanarAssembly:
         """Numbers of the same dof of several nodes."""
         return np.array([self.dof(node, component) for node in nodes], dtype=np.int64)
 
-    def _dofs(self, nodes: Indices) -> Indices:
-        return self._dof_of_node[nodes].reshape(len(nodes), 6)
-
-    def _place(self, group: ElementGroup) -> None:
-        dofs = self._dofs(group.nodes)
-        self.width = max(self.width, int(np.max(dofs.max(axis=1) - dofs.min(axis=1))))
-        ends = self.coordinates[group.nodes]
-        chords = ends[:, 1] - ends[:, 0]
+    def _place(self, group: ElementGroup, dofs: Indices) -> None:
+        chords = np.diff(self.coordinates[group.nodes], axis=1)[:, 0]
         lengths = np.hypot(*chords.T)
-        self._shortest = min(
-            self._shortest, float(np.min(lengths, where=lengths > 0.0, initial=np.inf))
-        )
-        group.place(dofs, chords)
-
-    def _band_positions(self, dofs: Indices) -> Indices:
+        shortest = np.min(lengths, where=lengths > 0.0, initial=np.inf)
+        self._shortest = min(self._shortest, float(shortest))
         rows, columns = dofs[:, :, None], dofs[:, None, :]
-        flat = columns * self._rows + 2 * self.width + rows - columns
-        return np.ascontiguousarray(flat.reshape(len(dofs), -1))
+        positions = columns * self._rows + 2 * self.width + rows - columns
+        group.place(Bars(dofs, positions.reshape(-1, 36), chords, lengths))
 
     # -- what is attached to dofs ------------------------------------------------------------
 
@@ -215,15 +130,17 @@ class PlanarAssembly:
         pattern = np.array([[0.5, 0.0], [0.0, 0.5]] if lumped else [[2.0, 1.0], [1.0, 2.0]])
         if not lumped:
             pattern /= 6.0
-        for group, positions in zip(self.groups, self._positions, strict=True):
+        for group in self.groups:
+            positions = group.bars.positions
             inertia = np.stack([np.asarray(m) for m in group.masses()])[[0, 0, 1]]
             for component in range(3):
                 for i in range(2):
                     for j in range(2):
                         place = positions[:, 6 * (3 * i + component) + 3 * j + component]
                         np.add.at(self.mass, place, pattern[i, j] * inertia[component])
-            if isinstance(group, MassGroup):
-                np.add.at(self.mass, positions, group.mass_matrices().reshape(len(positions), 36))
+            matrices = group.mass_matrices()
+            if matrices is not None:
+                np.add.at(self.mass, positions, matrices.reshape(-1, 36))
 
     def add_mass(self, node: int, mass: float, rotary: float = 0.0) -> None:
         """Add a point mass (kg), and a rotary inertia (kg m2), to a node."""
@@ -258,38 +175,32 @@ class PlanarAssembly:
         energy-exact forces of a time step (springs take the mid-step), None for equilibrium at
         the end; `mass_factor` times the mass matrix is added to the tangent.
         """
-        force = np.zeros(self.size)
         np.multiply(self.mass, mass_factor, out=self.band)
-        for group, positions in zip(self.groups, self._positions, strict=True):
-            group.assemble(force, self.band, positions, self.displacement, end, weight)
-        for dof, (stiffness, reference) in self._springs.items():
-            if weight is None:
-                force[dof] += stiffness * (end[dof] - reference)
-                self.band[self._diagonal(dof)] += stiffness
-            else:
-                mid = 0.5 * (end[dof] + self.displacement[dof])
-                force[dof] += stiffness * (mid - reference)
-                self.band[self._diagonal(dof)] += 0.5 * stiffness
-        self._force = force
+        force = self._forces(end, weight, True)
+        for dof, (stiffness, _) in self._springs.items():
+            self.band[self._diagonal(dof)] += stiffness if weight is None else 0.5 * stiffness
         return force
 
     def resist(self, end: Array) -> Array:
         """Internal forces (dofs,) at the displacements `end`; groups keep the trial state."""
-        force = np.zeros(self.size)
-        for group, positions in zip(self.groups, self._positions, strict=True):
-            if isinstance(group, ForceGroup):
-                group.resist(force, end)
-            else:
-                group.assemble(force, self.band, positions, self.displacement, end, None)
+        return self._forces(end, None, False)
+
+    def _forces(self, end: Array, weight: float | None, tangent: bool) -> Array:
+        force = self._force = np.zeros(self.size)
+        share, dynamic = (1.0, False) if weight is None else (weight, True)
+        step = Step(
+            force, self.band, self.displacement, end, share, dynamic, self._duration, tangent
+        )
+        for group in self.groups:
+            group.assemble(step)
         for dof, (stiffness, reference) in self._springs.items():
-            force[dof] += stiffness * (end[dof] - reference)
-        self._force = force
+            at = 0.5 * (end[dof] + self.displacement[dof]) if dynamic else end[dof]
+            force[dof] += stiffness * (at - reference)
         return force
 
     def begin_step(self, duration: float) -> None:
         """Tell groups to which the rate matters how long the next step is, in s."""
-        for group in self._rate_groups:
-            group.begin_step(duration)
+        self._duration = duration
 
     def add_to_diagonal(self, dof: int, value: float) -> None:
         """Add to the diagonal of the tangent."""
@@ -363,5 +274,5 @@ class PlanarAssembly:
     def kinetic_energy(self, velocity: Array | None = None) -> float:
         """Kinetic energy of the structure, in J; `velocity` (dofs,), None for the committed one."""
         v = self.velocity if velocity is None else velocity
-        groups = sum(group.kinetic_energy() for group in self._kinetic_groups)
+        groups = sum(group.kinetic_energy() for group in self.groups)
         return 0.5 * float(v @ self.mass_times(v)) + groups

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,15 +74,6 @@ class TimeStep(NamedTuple):
     kinetic: float
     evaluations: int
     cuts: int
-
-
-@runtime_checkable
-class TurningGroup(Protocol):
-    """A group that keeps velocities of its own (see `Superelements`)."""
-
-    def turn_with(self, displacement: Array, velocity: Array) -> None:
-        """Take them from the nodes (dofs,), in m and m/s."""
-        ...
 
 
 def impact(
@@ -269,8 +260,7 @@ class _Stepper:
         assembly = self.assembly
         before = assembly.kinetic_energy()
         for group in assembly.groups:
-            if isinstance(group, TurningGroup):
-                group.turn_with(assembly.displacement, assembly.velocity)
+            group.turn_with(assembly.displacement, assembly.velocity)
         turned = before - assembly.kinetic_energy()
         moved = found.apart * np.asarray(self._direction)
         return turned - float(moved @ (found.trial.force - assembly.load))
@@ -282,18 +272,17 @@ def _refuse_own_velocities(assembly: PlanarAssembly, weight: float) -> None:
         raise InputError("weight", weight, "must be 0.5 with the integrator moreau")
     spin = np.random.default_rng(0).normal(size=assembly.size)
     for group in assembly.groups:
-        if isinstance(group, TurningGroup):
-            at_rest = assembly.kinetic_energy()
-            group.turn_with(assembly.displacement, assembly.velocity + spin)
-            turning = assembly.kinetic_energy()
-            group.turn_with(assembly.displacement, assembly.velocity)
-            if turning != at_rest:
-                raise InputError(
-                    "integrator",
-                    MOREAU,
-                    "has no place for rotary inertia that turns with the bars",
-                    "take linear rotary inertia or none, or another integrator",
-                )
+        at_rest = assembly.kinetic_energy()
+        group.turn_with(assembly.displacement, assembly.velocity + spin)
+        turning = assembly.kinetic_energy()
+        group.turn_with(assembly.displacement, assembly.velocity)
+        if turning != at_rest:
+            raise InputError(
+                "integrator",
+                MOREAU,
+                "has no place for rotary inertia that turns with the bars",
+                "take linear rotary inertia or none, or another integrator",
+            )
 
 
 def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
+from workbench.structures.elements import Bars, ElementGroup, Step
 from workbench.structures.ledger import StepEnergies
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -41,15 +42,16 @@ class JointSpring:
                 raise InputError(f"joint.{name}", getattr(self, name), "must be positive")
 
 
-class _State:
-    def __init__(self, count: int) -> None:
-        self.rotation: Array = np.zeros(count)
-        self.plastic: Array = np.zeros(count)
-        self.moment: Array = np.zeros(count)
+class JointState(NamedTuple):
+    """Rotations and their plastic parts in rad, moments in N m, (springs,) each."""
+
+    rotation: Array
+    plastic: Array
+    moment: Array
 
 
-class JointSprings:
-    """An element group of rotational springs; states are committed by swapping two buffers.
+class JointSprings(ElementGroup):
+    """An element group of rotational springs.
 
     Arguments: `nodes` (springs, 2), pairs of tied nodes, in the order in which they come along
     the member; `springs`, one for each pair. The rotation of a spring is that of its second node
@@ -57,37 +59,29 @@ class JointSprings:
     positive where it stretches the fibers on the right of somebody who looks along the member.
     """
 
+    _old: JointState
+    _new: JointState
+
     def __init__(self, nodes: ArrayLike, springs: Sequence[JointSpring]) -> None:
-        self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
+        super().__init__(nodes, JointState(*np.zeros((3, len(springs)))))
         if len(springs) != len(self.nodes):
             raise ValueError("one spring for each pair of nodes")
         self.springs = tuple(springs)
         self._stiffness: Array = np.array([spring.stiffness for spring in springs])
         self._most: Array = np.array([spring.strength for spring in springs])
         self._least: Array = -np.array([spring.strength_negative for spring in springs])
-        self._old, self._new = _State(len(springs)), _State(len(springs))
 
-    def place(self, dofs: Indices, chords: Array) -> None:
-        """Take from the assembly the dofs (springs, 6); the chords must have no length."""
-        if np.any(chords != 0.0):
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure; the chords must have no length."""
+        if np.any(bars.chords != 0.0):
             raise ValueError("joint springs connect nodes at one place")
-        self._first, self._second = dofs[:, 2].copy(), dofs[:, 5].copy()
+        super().place(bars)
 
-    def assemble(
-        self,
-        force: Array,
-        band: Array,
-        positions: Indices,
-        start: Array,
-        end: Array,
-        weight: float | None,
-    ) -> None:
-        """Add moments and tangent at the displacements `end`, from the committed state.
-
-        Arguments as those of `FiberBeams.assemble`.
-        """
+    def assemble(self, step: Step) -> None:
+        """Add moments and tangent of a step from the committed state; keep the trial state."""
+        first, second = self.bars.dofs[:, 2], self.bars.dofs[:, 5]
         old, new, k = self._old, self._new, self._stiffness
-        new.rotation[:] = end[self._second] - end[self._first]
+        new.rotation[:] = step.end[second] - step.end[first]
         trial = k * (new.rotation - old.plastic)
         new.moment[:] = np.clip(trial, self._least, self._most)
         yields = new.moment != trial
@@ -95,13 +89,12 @@ class JointSprings:
         new.plastic[yields] += (trial[yields] - new.moment[yields]) / k[yields]
         pinned = k == 0.0
         new.plastic[pinned] = new.rotation[pinned]
-        share = 1.0 if weight is None else weight
-        moment = share * new.moment + (1.0 - share) * old.moment
-        np.add.at(force, self._first, -moment)
-        np.add.at(force, self._second, moment)
-        tangent = np.where(yields, 0.0, share * k)
+        moment = step.weight * new.moment + (1.0 - step.weight) * old.moment
+        np.add.at(step.force, first, -moment)
+        np.add.at(step.force, second, moment)
+        tangent = np.where(yields, 0.0, step.weight * k)
         for row, column, sign in ((2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)):
-            np.add.at(band, positions[:, 6 * row + column], sign * tangent)
+            np.add.at(step.band, self.bars.positions[:, 6 * row + column], sign * tangent)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
@@ -115,15 +108,6 @@ class JointSprings:
             (weight - 0.5) * float(softness @ (new.moment - old.moment) ** 2),
             float(new.moment @ flow),
         )
-
-    def commit(self) -> None:
-        """Make the state assembled last the committed one."""
-        self._old, self._new = self._new, self._old
-
-    def masses(self) -> tuple[Array, Array]:
-        """Mass and rotary inertia of the springs (springs,): none."""
-        none = np.zeros(len(self.nodes))
-        return none, none
 
     @property
     def moments(self) -> Array:

@@ -9,23 +9,41 @@ Source: Heng 2017, chapter 5; discrete gradients after Simo and Tarnow 1992 and 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-Indices = NDArray[np.int64]
-# r_x, r_y, g_x, g_y, then the derivatives of r and of g with respect to d at the end of the step
-Gradients = tuple[
-    float, float, float, float, float, float, float, float, float, float, float, float
-]
 
 SMALL_TURN = 1e-3  # rad; below it xi / sin(xi) is taken from its series
 
 
-@njit(cache=True, error_model="numpy")
+class Chord(NamedTuple):
+    """Chord (x, y) and its `length` in m, `rotation` (rad) and `elongation` (m) since the start."""
+
+    x: float
+    y: float
+    length: float
+    rotation: float
+    elongation: float
+
+
+class Gradients(NamedTuple):
+    """Gradients r and g, then their derivatives with respect to d at the end of the step."""
+
+    rx: float
+    ry: float
+    gx: float
+    gy: float
+    rxx: float
+    rxy: float
+    ryx: float
+    ryy: float
+    gxx: float
+    gxy: float
+    gyx: float
+    gyy: float
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
 def chord_rotation(Dx: float, Dy: float, dx: float, dy: float, mean_rotation: float) -> float:
     """Rotation of the chord (rad), unwrapped to the branch nearest to the mean end rotation.
 
@@ -36,7 +54,25 @@ def chord_rotation(Dx: float, Dy: float, dx: float, dy: float, mean_rotation: fl
     return raw + 2.0 * math.pi * turns
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
+def chord_at(bars, e, q):
+    """The chord of element `e` at displacements `q` (dofs,); of first order where bars are."""
+    i1, i2, i3, i4, i5, i6 = bars.dofs[e]
+    Dx, Dy, L = bars.chords[e, 0], bars.chords[e, 1], bars.lengths[e]
+    ux, uy = q[i4] - q[i1], q[i5] - q[i2]
+    if bars.first_order:
+        return Chord(Dx, Dy, L, (Dx * uy - Dy * ux) / (L * L), (ux * Dx + uy * Dy) / L)
+    dx, dy = Dx + ux, Dy + uy
+    if not bars.relative:
+        dx, dy = Dx + q[i4] - q[i1], Dy + q[i5] - q[i2]
+        ux, uy = dx - Dx, dy - Dy
+    length = math.sqrt(dx * dx + dy * dy)
+    rotation = chord_rotation(Dx, Dy, dx, dy, 0.5 * (q[i3] + q[i6]))
+    # l - L without cancellation: elements of centimetres carry strains of 1e-6
+    return Chord(dx, dy, length, rotation, (ux * (dx + Dx) + uy * (dy + Dy)) / (length + L))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
 def end_gradients(dx: float, dy: float, length: float) -> Gradients:
     """Gradients of chord length and rotation at a chord (dx, dy) of the given length (m)."""
     c, s = dx / length, dy / length
@@ -44,30 +80,19 @@ def end_gradients(dx: float, dy: float, length: float) -> Gradients:
     # dr/dd = n n^T / l;  dg/dd = -(e n^T + n e^T) / l^2 with n = (-s, c)
     shear = (s * s - c * c) * inverse * inverse
     twist = 2.0 * c * s * inverse * inverse
-    return (
-        c,
-        s,
-        -s * inverse,
-        c * inverse,
-        s * s * inverse,
-        -c * s * inverse,
-        -c * s * inverse,
-        c * c * inverse,
-        twist,
-        shear,
-        shear,
-        -twist,
-    )
+    rxx, rxy, ryy = s * s * inverse, -c * s * inverse, c * c * inverse
+    gx, gy = -s * inverse, c * inverse
+    return Gradients(c, s, gx, gy, rxx, rxy, rxy, ryy, twist, shear, shear, -twist)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def initial_gradients(Dx: float, Dy: float, L: float) -> Gradients:
     """Gradients of first-order theory: those of the initial chord, which do not change."""
     c, s = Dx / L, Dy / L
-    return (c, s, -s / L, c / L, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return Gradients(c, s, -s / L, c / L, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def step_gradients(
     d0x: float, d0y: float, l0: float, d1x: float, d1y: float, l1: float, turn: float
 ) -> Gradients:
@@ -97,26 +122,47 @@ def step_gradients(
     ax = (-emx * phi - emy * slope) / mean
     ay = (-emy * phi + emx * slope) / mean
     bx, by = -0.5 * e1y / l1, 0.5 * e1x / l1
-    return (
-        rx,
-        ry,
-        gx,
-        gy,
-        half * (1.0 - rx * e1x),
-        -half * rx * e1y,
-        -half * ry * e1x,
-        half * (1.0 - ry * e1y),
-        ax * bx - gx * half * e1x,
-        ax * by - gx * half * e1y,
-        ay * bx - gy * half * e1x,
-        ay * by - gy * half * e1y,
-    )
+    rxx, rxy = half * (1.0 - rx * e1x), -half * rx * e1y
+    ryx, ryy = -half * ry * e1x, half * (1.0 - ry * e1y)
+    gxx, gxy = ax * bx - gx * half * e1x, ax * by - gx * half * e1y
+    gyx, gyy = ay * bx - gy * half * e1x, ay * by - gy * half * e1y
+    return Gradients(rx, ry, gx, gy, rxx, rxy, ryx, ryy, gxx, gxy, gyx, gyy)
 
 
-@njit(cache=True, error_model="numpy")
-def add_force(
-    force: Vector, dofs: Indices, N: float, M1: float, M2: float, gradients: Gradients
-) -> None:
+@njit(cache=True, error_model="numpy", forceinline=True)
+def add_element(step, bars, e, chord, local_old, local, k, work):
+    """Add the forces and the tangent of element `e` for a `step`.
+
+    Arguments: its `chord` at the end; local forces (3,) `local_old` committed and `local` at the
+    end; `k` (3, 3), derivative of the latter by the local deformations; `work`, scratch (7, 4).
+    Result: the gradients used, and the rotation of the chord in a time step.
+    """
+    turn = 0.0
+    if step.dynamic:
+        before = chord_at(bars, e, step.start)
+        turn = chord.rotation - before.rotation
+    if bars.first_order:
+        gradients = initial_gradients(chord.x, chord.y, chord.length)
+    elif step.dynamic:
+        gradients = step_gradients(
+            before.x, before.y, before.length, chord.x, chord.y, chord.length, turn
+        )
+    else:
+        gradients = end_gradients(chord.x, chord.y, chord.length)
+    N, M1, M2 = local[0], local[1], local[2]
+    if step.dynamic:
+        rest = 1.0 - step.weight
+        N = rest * local_old[0] + step.weight * N
+        M1 = rest * local_old[1] + step.weight * M1
+        M2 = rest * local_old[2] + step.weight * M2
+    add_force(step.force, bars.dofs[e], N, M1, M2, gradients)
+    if step.tangent:
+        add_tangent(step, bars.positions[e], k, N, M1 + M2, gradients, chord, work)
+    return gradients, turn
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def add_force(force, dofs, N, M1, M2, gradients):
     """Add the six global forces of an element with local forces (N, M1, M2) to `force`."""
     rx, ry, gx, gy = gradients[0], gradients[1], gradients[2], gradients[3]
     fx = N * rx - (M1 + M2) * gx
@@ -129,29 +175,17 @@ def add_force(
     force[dofs[5]] += M2
 
 
-@njit(cache=True, error_model="numpy")
-def add_tangent(
-    band: Vector,
-    positions: Indices,
-    k: Matrix,
-    N: float,
-    M1: float,
-    M2: float,
-    weight: float,
-    gradients: Gradients,
-    e1x: float,
-    e1y: float,
-    l1: float,
-    work: Matrix,
-) -> None:
-    """Add the 6 x 6 tangent of an element to band storage.
+@njit(cache=True, error_model="numpy", forceinline=True)
+def add_tangent(step, positions, k, N, moment, gradients, chord, work):
+    """Add the 6 x 6 tangent of an element to the band of a `step`.
 
-    Arguments: `band`, flat band storage; `positions` (36,), where each entry goes; `k` (3, 3),
-    derivative of the local forces by the local deformations at the end of the step; (N, M1, M2),
-    the weighted local forces; `weight` of the end state in them; `gradients` used for the forces;
-    direction and length of the chord at the end of the step; `work`, scratch (10, 4).
+    Arguments: `positions` (36,), where each entry goes; `k` (3, 3), see `add_element`; N and the
+    sum of both end moments, weighted as in the step; `gradients` used for the forces; `chord` at
+    the end; `work`, scratch (7, 4).
     """
+    band, weight, l1 = step.band, step.weight, chord.length
     rx, ry, gx, gy, rxx, rxy, ryx, ryy, gxx, gxy, gyx, gyy = gradients
+    e1x, e1y = chord.x / l1, chord.y / l1
     # columns of the end gradient over (d_x, d_y, theta_1, theta_2); right = k B_1
     nx, ny = -e1y / l1, e1x / l1
     right = work[0:3]
@@ -168,7 +202,6 @@ def add_tangent(
         reduced[1, j] = ry * right[0, j] - gy * pair
         reduced[2, j] = right[1, j]
         reduced[3, j] = right[2, j]
-    moment = M1 + M2
     reduced[0, 0] += N * rxx - moment * gxx
     reduced[0, 1] += N * rxy - moment * gxy
     reduced[1, 0] += N * ryx - moment * gyx

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import InputError
 from workbench.structures.uniaxial import _kernels as codes
+from workbench.structures.uniaxial.laws import parameters
 
 Array = NDArray[np.float64]
 
@@ -44,15 +45,5 @@ class ShearYielding:
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
-        return np.array(
-            [
-                self.elastic_modulus,
-                self.kinematic_modulus,
-                self.yield_stress,
-                self.shear_modulus,
-                0.0,
-                1.0,
-                0.0,
-                0.0,
-            ]
-        )
+        moduli = self.elastic_modulus, self.kinematic_modulus
+        return parameters(*moduli, self.yield_stress, self.shear_modulus)

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from workbench.structures.elements import Bars, ElementGroup, Step
 from workbench.structures.ledger import StepEnergies
 from workbench.structures.superelements import _kernels
 from workbench.structures.superelements.element import Superelement
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak changes by < 0.1 %
 
 
@@ -32,8 +32,25 @@ class SuperelementState(NamedTuple):
     rate: Array
 
 
-class Superelements:
-    """Two-node superelements; states are committed by swapping two buffers.
+class HingeTables(NamedTuple):
+    """Hinges and bars of all elements, one row each.
+
+    `flexibility` (e, 4) as in `project_pair` and its inverse `stiffness` (e, 4), zero for pins;
+    `bounds` (e, 2, 4), `exponents` (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia
+    `rotary` (e,) of the turning chord in kg m2; share `eta` of elastic stiffness beside them.
+    """
+
+    flexibility: Array
+    stiffness: Array
+    bounds: Array
+    exponents: Array
+    pinned: NDArray[np.bool_]
+    rotary: Array
+    eta: float
+
+
+class Superelements(ElementGroup):
+    """Two-node superelements.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
     each element is; `regularisation`, the share of the elastic stiffness that acts beside the
@@ -42,6 +59,8 @@ class Superelements:
     """
 
     crumples = True  # the direction of a chord without length is undefined
+    _old: SuperelementState
+    _new: SuperelementState
 
     def __init__(
         self,
@@ -52,110 +71,40 @@ class Superelements:
         regularisation: float = REGULARISATION,
         first_order: bool = False,
     ) -> None:
-        self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
-        self.section_of: Indices = np.asarray(section_of, dtype=np.int64)
-        self.sections = tuple(sections)
-        self.regularisation = regularisation
-        self.first_order = first_order
-        self._own = [self.sections[i] for i in self.section_of]  # of each element
-        self._bounds = np.stack([section.bounds() for section in self._own])
-        self._exponents = np.stack([section.exponents() for section in self._own])
-        self._pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
-        count = len(self.nodes)
-        self._old, self._new = (
-            SuperelementState(
-                np.zeros((count, 4)),
-                np.zeros((count, 3)),
-                np.zeros((count, 3)),
-                np.zeros((count, 3)),
-                np.zeros(count),
-            )
-            for _ in range(2)
-        )
-        self._duration = np.inf
+        self._own = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
+        self.regularisation, self.first_order = regularisation, first_order
+        count = len(self._own)
+        widths = ((4,), (3,), (3,), (3,), ())
+        super().__init__(nodes, SuperelementState(*(np.zeros((count, *w)) for w in widths)))
 
-    def place(self, dofs: Indices, chords: Array) -> None:
-        """Take from the assembly the dofs (elements, 6) and initial chords (elements, 2) in m."""
-        self.dofs: Indices = np.ascontiguousarray(dofs)
-        self.chords: Array = np.ascontiguousarray(chords)
-        self.lengths: Array = np.hypot(chords[:, 0], chords[:, 1])
-        self._flexibility = np.stack(
-            [s.flexibility(length) for s, length in zip(self._own, self.lengths, strict=True)]
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars._replace(first_order=self.first_order, relative=True))
+        own = zip(self._own, self.lengths, strict=True)
+        flexibility = np.stack([section.flexibility(length) for section, length in own])
+        pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
+        self._hinges = HingeTables(
+            flexibility,
+            _inverse(flexibility, pinned),
+            np.stack([section.bounds() for section in self._own]),
+            np.stack([section.exponents() for section in self._own]),
+            pinned,
+            self._rotary_inertias("nonlinear"),
+            self.regularisation,
         )
-        self._stiffness = _inverse(self._flexibility, self._pinned)
-        self._rotary = self._rotary_inertias("nonlinear")
 
     def _rotary_inertias(self, kind: str) -> Array:
         """Inertia of the turning chord (elements,) in kg m2 where it is of a kind, else zero."""
         inertia = [s.rotary_inertia if s.rotation_inertia == kind else 0.0 for s in self._own]
         return np.array(inertia) * self.lengths
 
-    def begin_step(self, duration: float) -> None:
-        """Take the duration of the step to come, in s, for the rotary inertia."""
-        self._duration = duration
-
-    def assemble(
-        self,
-        force: Array,
-        band: Array,
-        positions: Indices,
-        start: Array,
-        end: Array,
-        weight: float | None,
-    ) -> None:
-        """Add forces and tangent at the displacements `end`, from the committed state.
-
-        Arguments: `force` (dofs,) and flat `band` to add to; `positions` (elements, 36) in it;
-        committed displacements `start`; `weight` of the end state in the energy-exact forces of a
-        time step, None for equilibrium at the end. The forces of a time step include those of the
-        nonlinear rotary inertia.
-        """
-        _kernels.assemble(
-            force,
-            band,
-            start,
-            end,
-            1.0 if weight is None else weight,
-            weight is not None,
-            self._duration,
-            self.regularisation,
-            self.first_order,
-            self.dofs,
-            positions,
-            self.chords,
-            self.lengths,
-            self._flexibility,
-            self._stiffness,
-            self._bounds,
-            self._exponents,
-            self._pinned,
-            self._rotary,
-            self._old.plastic,
-            self._old.local,
-            self._old.rate,
-            *self._new,
-        )
+    def assemble(self, step: Step) -> None:
+        """Add forces and tangent; a time step has the forces of the nonlinear rotary inertia."""
+        _kernels.assemble(step, self.bars, self._hinges, self._old, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
-        return StepEnergies(
-            *_kernels.account(
-                weight,
-                self.regularisation,
-                self._flexibility,
-                self._stiffness,
-                self._old.plastic,
-                self._old.carried,
-                self._old.deformation,
-                self._new.plastic,
-                self._new.carried,
-                self._new.deformation,
-            )
-        )
-
-    def commit(self) -> None:
-        """Make the state assembled last the committed one."""
-        self._old, self._new = self._new, self._old
+        return StepEnergies(*_kernels.account(weight, self._hinges, self._old, self._new))
 
     def masses(self) -> tuple[Array, Array]:
         """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
@@ -164,7 +113,7 @@ class Superelements:
 
     def mass_matrices(self) -> Array:
         """Constant rotary inertia (elements, 6, 6) of the initial chords, where it is linear."""
-        along = self.chords / self.lengths[:, None]
+        along = self.bars.chords / self.lengths[:, None]
         normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / self.lengths[:, None]
         gradient = np.zeros((len(self.nodes), 6))
         gradient[:, 0:2], gradient[:, 3:5] = -normal, normal
@@ -173,12 +122,13 @@ class Superelements:
 
     def kinetic_energy(self) -> float:
         """Committed kinetic energy of the nonlinear rotary inertia, in J."""
-        return 0.5 * float(self._rotary @ self._old.rate**2)
+        return 0.5 * float(self._hinges.rotary @ self._old.rate**2)
 
     def turn_with(self, displacement: Array, velocity: Array) -> None:
         """Give the chords the angular velocities that the nodes have (dofs,), in m and m/s."""
-        d = self.chords + displacement[self.dofs[:, 3:5]] - displacement[self.dofs[:, 0:2]]
-        v = velocity[self.dofs[:, 3:5]] - velocity[self.dofs[:, 0:2]]
+        first, last = self.bars.dofs[:, 0:2], self.bars.dofs[:, 3:5]
+        d = self.bars.chords + displacement[last] - displacement[first]
+        v = velocity[last] - velocity[first]
         self._old.rate[:] = (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0]) / np.sum(d**2, axis=1)
 
     @property
@@ -213,11 +163,11 @@ class Superelements:
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
         carried = self._old.carried
-        side = np.where(carried[:, :1] >= 0.0, self._bounds[:, :, 0], self._bounds[:, :, 1])
-        n = np.abs(carried[:, :1]) / side
+        bounds, exponents = self._hinges.bounds, self._hinges.exponents
+        n = np.abs(carried[:, :1]) / np.where(carried[:, :1] >= 0.0, bounds[..., 0], bounds[..., 1])
         moment = carried[:, 1:]
-        m = np.abs(moment) / np.where(moment >= 0.0, self._bounds[:, :, 2], self._bounds[:, :, 3])
-        return np.asarray(m ** self._exponents[:, :, 0] + n ** self._exponents[:, :, 1])
+        m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
+        return np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
 
     def shapes(self, displacement: Array, points: ArrayLike) -> Array:
         """Displaced axis (elements, points, 2) less the initial position of the first node, in m.
@@ -226,8 +176,8 @@ class Superelements:
         bar is bent by its committed moments, a rigid one is straight.
         """
         x = np.asarray(points, dtype=float)
-        first = displacement[self.dofs[:, 0:2]]
-        d = self.chords + displacement[self.dofs[:, 3:5]] - first
+        first = displacement[self.bars.dofs[:, 0:2]]
+        d = self.bars.chords + displacement[self.bars.dofs[:, 3:5]] - first
         bends = np.array([1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own])
         m1, m4 = self._old.carried[:, 1], self._old.carried[:, 2]
         turn1 = self.lengths / 6.0 * bends * (2.0 * m1 - m4)

@@ -6,7 +6,6 @@ from workbench.structures.uniaxial.laws import (
     LinearHardening,
     MenegottoPinto,
     UniaxialLaw,
-    stress_path,
 )
 
 __all__ = [
@@ -15,5 +14,4 @@ __all__ = [
     "LinearHardening",
     "MenegottoPinto",
     "UniaxialLaw",
-    "stress_path",
 ]

@@ -12,10 +12,6 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED = 0, 1, 2, 3
 RATE_ITERATIONS = 60
@@ -48,24 +44,25 @@ def linear(E, H, fy, Hi, eps, plastic, accumulated):
     excess = abs(trial) - fy - Hi * accumulated
     modulus = E
     if excess > 0.0:
-        resistance = E + H + Hi
-        flow = excess / resistance
-        modulus = E * (H + Hi) / resistance
+        inverse = 1.0 / (E + H + Hi)
+        flow = excess * inverse
+        modulus = E * (H + Hi) * inverse
         plastic += math.copysign(flow, trial)
         accumulated += flow
     return E * (eps - plastic), modulus, plastic, accumulated
 
 
 @njit(cache=True, error_model="numpy")
-def linear_rate(E, H, fy, Hi, D, q, duration, eps, plastic, accumulated):
+def linear_rate(p, duration, eps, plastic, accumulated):
     """Linear hardening with Cowper-Symonds overstress over a step of `duration` (s)."""
+    E, H, fy, Hi = p[0], p[1], p[2], p[3]
     if duration == np.inf:
         return linear(E, H, fy, Hi, eps, plastic, accumulated)
     trial = E * (eps - plastic) - H * plastic
     excess = abs(trial) - fy - Hi * accumulated
     modulus = E
     if excess > 0.0:
-        flow, slope = rate_flow(excess, E + H + Hi, fy, D, q, duration)
+        flow, slope = rate_flow(excess, E + H + Hi, fy, p[4], p[5], duration)
         modulus = E * (1.0 - E * slope)
         plastic += math.copysign(flow, trial)
         accumulated += flow
@@ -127,26 +124,3 @@ def menegotto_pinto(p, eps, old, new, f):
     new[0, f] = eps - stress / E
     new[1, f] = eps
     return stress, ratio * (b + (1.0 - b) * bend)
-
-
-@njit(cache=True, error_model="numpy")
-def follow(code, p, duration, strains, states, result):
-    """Lead one fiber along `strains` (n,); stress and tangent go to `result` (n, 2).
-
-    `states` (2, states) are zero: committed and new.
-    """
-    old = states[0].copy().reshape(-1, 1)
-    new = states[1].copy().reshape(-1, 1)
-    for i in range(strains.shape[0]):
-        if code == LINEAR:
-            stress, modulus, new[0, 0], new[1, 0] = linear(
-                p[0], p[1], p[2], p[3], strains[i], old[0, 0], old[1, 0]
-            )
-        elif code == LINEAR_RATE:
-            stress, modulus, new[0, 0], new[1, 0] = linear_rate(
-                p[0], p[1], p[2], p[3], p[4], p[5], duration, strains[i], old[0, 0], old[1, 0]
-            )
-        else:
-            stress, modulus = menegotto_pinto(p, strains[i], old, new, 0)
-        result[i, 0], result[i, 1] = stress, modulus
-        old, new = new, old

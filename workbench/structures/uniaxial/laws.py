@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from workbench.errors import InputError
 from workbench.structures.uniaxial import _kernels
@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 def _positive(owner: object, name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise InputError(f"{type(owner).__name__}.{name}", value, "must be a positive number")
+
+
+def parameters(*values: float) -> Array:
+    """Numbers of a law for the kernels, (8,)."""
+    return np.array([*values, *[0.0] * (8 - len(values))])
 
 
 @dataclass(frozen=True)
@@ -70,18 +75,14 @@ class LinearHardening:
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
-        rate = self.rate
-        return np.array(
-            [
-                self.elastic_modulus,
-                self.kinematic_modulus,
-                self.yield_stress,
-                self.isotropic_modulus,
-                0.0 if rate is None else rate.reference_rate,
-                1.0 if rate is None else rate.exponent,
-                0.0,
-                0.0,
-            ]
+        rate = self.rate or CowperSymonds(1.0, 1.0)  # without a rate not read
+        return parameters(
+            self.elastic_modulus,
+            self.kinematic_modulus,
+            self.yield_stress,
+            self.isotropic_modulus,
+            rate.reference_rate,
+            rate.exponent,
         )
 
 
@@ -119,30 +120,8 @@ class MenegottoPinto:
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
-        return np.array(
-            [
-                self.elastic_modulus,
-                0.0,
-                self.yield_stress,
-                self.hardening_ratio,
-                self.roundness,
-                self.softening,
-                self.softening_strain,
-                0.0,
-            ]
-        )
+        moduli = self.elastic_modulus, 0.0, self.yield_stress, self.hardening_ratio
+        return parameters(*moduli, self.roundness, self.softening, self.softening_strain)
 
 
 UniaxialLaw = LinearHardening | MenegottoPinto
-
-
-def stress_path(law: UniaxialLaw, strains: ArrayLike, duration: float = np.inf) -> Array:
-    """Stresses (n, 2) and tangents of a fiber that is led along `strains` (n,) from rest.
-
-    Arguments: `law`; `strains`, one after the other; `duration` of every step in s, for laws that
-    depend on the rate. Result: column 0 stress, column 1 consistent tangent modulus, in Pa.
-    """
-    path = np.asarray(strains, dtype=float)
-    result = np.zeros((len(path), 2))
-    _kernels.follow(law.code, law.parameters(), duration, path, np.zeros((2, law.states)), result)
-    return result

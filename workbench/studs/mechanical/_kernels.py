@@ -9,7 +9,6 @@ slide of the slide. Laws rise as f = F (1 - exp(-K s / F)) and unload with the s
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -93,79 +92,56 @@ def cone(
     return slope * (s - rest), slope, largest
 
 
-class Layout(NamedTuple):
-    """Dofs `first` and `second` of links, `sign` and `law` (links,); `parameters` (links, 4).
-
-    The parameters are K, F, peak and end.
-    """
-
-    first: Indices
-    second: Indices
-    sign: Vector
-    law: Indices
-    parameters: NDArray[np.float64]
-
-
-class State(NamedTuple):
-    """`factor`, `cap`, `force` and `slope` of links (links,), `old` and `new` states (links, 2)."""
-
-    factor: Vector
-    cap: Vector
-    old: NDArray[np.float64]
-    new: NDArray[np.float64]
-    force: Vector
-    slope: Vector
-
-
 @njit(cache=True, error_model="numpy")
-def evaluate(q: Vector, layout: Layout, state: State) -> None:
-    """Forces, slopes and new states of all links at displacements `q`."""
-    a, b, old, new = layout.first, layout.second, state.old, state.new
+def evaluate(q, links, factor, cap, old, new):
+    """Forces and slopes of all links at displacements `q` (dofs,), from the committed state `old`.
+
+    Arguments: `links`, see `LinkTables`; `factor` and `cap` (links,). Writes the state `new`.
+    """
+    a, b, sign, law, parameters = links
     for i in range(a.shape[0]):
         s = q[a[i]] - (q[b[i]] if b[i] >= 0 else 0.0)
-        s *= layout.sign[i]
-        law, factor = layout.law[i], state.factor[i]
-        given = layout.parameters[i]
-        K, F = given[0], given[1]
-        if law == BEARING:
-            f, k, large, small = bearing(s, old[i, 0], old[i, 1], K, F * state.cap[i])
-            state.force[i] = factor * f
-            state.slope[i] = factor * k
-            new[i, 0] = large
-            new[i, 1] = small
-        elif law == CONE:
-            f, k, new[i, 0] = cone(s, old[i, 0], K, F, given[2], given[3])
-            state.force[i] = f
-            state.slope[i] = k
-        elif law == CONTACT:
-            state.force[i] = K * s if s > 0.0 else 0.0
-            state.slope[i] = K if s > 0.0 else 0.0
+        s *= sign[i]
+        K, F = parameters[i, 0], parameters[i, 1]
+        if law[i] == BEARING:
+            f, k, large, small = bearing(s, old.inner[i, 0], old.inner[i, 1], K, F * cap[i])
+            new.force[i] = factor[i] * f
+            new.slope[i] = factor[i] * k
+            new.inner[i, 0] = large
+            new.inner[i, 1] = small
+        elif law[i] == CONE:
+            new.force[i], new.slope[i], new.inner[i, 0] = cone(
+                s, old.inner[i, 0], K, F, parameters[i, 2], parameters[i, 3]
+            )
+        elif law[i] == CONTACT:
+            new.force[i] = K * s if s > 0.0 else 0.0
+            new.slope[i] = K if s > 0.0 else 0.0
         else:
-            trial = K * (s - old[i, 0])
-            limit = F * state.cap[i]
+            trial = K * (s - old.inner[i, 0])
+            limit = F * cap[i]
             if abs(trial) <= limit:
-                state.force[i] = trial
-                state.slope[i] = K
-                new[i, 0] = old[i, 0]
+                new.force[i] = trial
+                new.slope[i] = K
+                new.inner[i, 0] = old.inner[i, 0]
             else:
-                state.force[i] = math.copysign(limit, trial)
-                state.slope[i] = 0.0
-                new[i, 0] = s - state.force[i] / K
+                new.force[i] = math.copysign(limit, trial)
+                # a trace of the slope keeps the structure stable when all else has yielded
+                new.slope[i] = 0.0
+                new.inner[i, 0] = s - new.force[i] / K
 
 
 @njit(cache=True, error_model="numpy")
-def scatter(force: Vector, band: Vector, positions: Indices, layout: Layout, state: State) -> None:
+def scatter(force, band, links, chosen, state):
     """Add the link forces to `force` (dofs,) and their slopes to the flat `band`.
 
-    `positions` (links, 4): where the entries (a, a), (a, b), (b, a), (b, b) are.
+    `chosen` (links, 4): where the entries (a, a), (a, b), (b, a), (b, b) are.
     """
-    a, b, k = layout.first, layout.second, state.slope
+    a, b, sign = links.first, links.second, links.sign
     for i in range(a.shape[0]):
-        f = layout.sign[i] * state.force[i]
-        force[a[i]] += f
-        band[positions[i, 0]] += k[i]
+        force[a[i]] += sign[i] * state.force[i]
+        band[chosen[i, 0]] += state.slope[i]
         if b[i] >= 0:
-            force[b[i]] -= f
-            band[positions[i, 1]] -= k[i]
-            band[positions[i, 2]] -= k[i]
-            band[positions[i, 3]] += k[i]
+            force[b[i]] -= sign[i] * state.force[i]
+            band[chosen[i, 1]] -= state.slope[i]
+            band[chosen[i, 2]] -= state.slope[i]
+            band[chosen[i, 3]] += state.slope[i]

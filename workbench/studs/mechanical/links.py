@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError
+from workbench.structures.elements import Bars, ElementGroup, Step
 from workbench.structures.ledger import StepEnergies
 from workbench.studs.mechanical import _kernels
 from workbench.studs.quantities import Array
@@ -39,87 +41,87 @@ class Link:
     grounded: bool = False
 
 
-class Links:
-    """All links of a stud, with two state buffers; `factor` and `cap` may be set between steps."""
+class LinkState(NamedTuple):
+    """States (links, 2), see the kernels; forces in N, their slopes in N/m, deformations in m."""
+
+    inner: Array
+    force: Array
+    slope: Array
+    deformation: Array
+
+
+class LinkTables(NamedTuple):
+    """Links as arrays: dofs (or `GROUND`), sign, law, and `parameters` K, F, peak, end."""
+
+    first: Indices
+    second: Indices
+    sign: Array
+    law: Indices
+    parameters: Array
+
+
+class Links(ElementGroup):
+    """All links of a stud; `factor` and `cap` may be set between steps."""
+
+    _old: LinkState
+    _new: LinkState
 
     def __init__(self, links: list[Link]) -> None:
-        self.links = tuple(links)
         count = len(links)
-        self.nodes: Indices = np.array([[k.first, k.second] for k in links], dtype=np.int64)
-        self._sign = np.array([link.sign for link in links])
-        self._law: Indices = np.array([link.law for link in links], dtype=np.int64)
-        self._parameters = np.array([[k.stiffness, k.strength, k.peak, k.end] for k in links])
-        self.factor, self.cap = np.ones(count), np.ones(count)
-        self._state = _kernels.State(
-            self.factor, self.cap, *np.zeros((2, count, 2)), *np.zeros((2, count))
-        )
-        self._force_old = np.zeros(count)
-        self._deformation_old, self._deformation = np.zeros(count), np.zeros(count)
+        state = LinkState(np.zeros((count, 2)), *np.zeros((3, count)))
+        super().__init__([[link.first, link.second] for link in links], state)
+        self.links = tuple(links)
+        self.factor = np.ones(count)
+        self.cap = np.ones(count)
 
-    def place(self, dofs: Indices, chords: Array) -> None:
-        """Take the dofs (links, 6) from the assembly; links have no length."""
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure; links have no length."""
+        super().place(bars)
         component = np.array([link.component for link in self.links])
         grounded = np.array([link.grounded for link in self.links])
         rows = np.arange(len(self.links))
-        second = np.where(grounded, GROUND, dofs[rows, 3 + component])
-        self._layout = _kernels.Layout(
-            dofs[rows, component], second, self._sign, self._law, self._parameters
+        self._tables = LinkTables(
+            bars.dofs[rows, component],
+            np.where(grounded, GROUND, bars.dofs[rows, 3 + component]),
+            np.array([link.sign for link in self.links]),
+            np.array([link.law for link in self.links], dtype=np.int64),
+            np.array([[k.stiffness, k.strength, k.peak, k.end] for k in self.links]),
         )
-        other = 3 + component
-        entry = [7 * component, 6 * component + other, 6 * other + component, 7 * other]
-        self._entry: Indices = np.stack(entry, axis=1).astype(np.int64)
-        self._rows: Indices = rows[:, None]
+        near, far = component, 3 + component
+        entry = np.stack([7 * near, 6 * near + far, 6 * far + near, 7 * far], axis=1)
+        self._chosen: Indices = bars.positions[rows[:, None], entry]
 
-    def assemble(
-        self,
-        force: Array,
-        band: Array,
-        positions: Indices,
-        start: Array,
-        end: Array,
-        weight: float | None,
-    ) -> None:
-        """Add forces and tangent at the displacements `end`; statics only."""
-        if weight is not None:
+    def assemble(self, step: Step) -> None:
+        """Add forces and tangent of a static step; keep the trial state."""
+        if step.dynamic:
             raise OutOfDomainError("the links of a stud are made for statics")
-        layout = self._layout
-        _kernels.evaluate(end, layout, self._state)
-        joined = np.where(layout.second >= 0, end[layout.second], 0.0)
-        self._deformation = self._sign * (end[layout.first] - joined)
-        chosen = positions[self._rows, self._entry]
-        _kernels.scatter(force, band, chosen, layout, self._state)
+        tables, end, new = self._tables, step.end, self._new
+        _kernels.evaluate(end, tables, self.factor, self.cap, self._old, new)
+        joined = np.where(tables.second >= 0, end[tables.second], 0.0)
+        new.deformation[:] = tables.sign * (end[tables.first] - joined)
+        _kernels.scatter(step.force, step.band, tables, self._chosen, new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step by the trapezoidal rule; stored is f^2 / 2 K."""
-        force, travel = self._state.force, self._deformation - self._deformation_old
-        work = 0.5 * (force + self._force_old) * travel
-        slope = self._parameters[:, 0] * self.factor
-        stored = 0.5 * force**2 / slope
-        before = 0.5 * self._force_old**2 / slope
+        old, new = self._old, self._new
+        work = 0.5 * (new.force + old.force) * (new.deformation - old.deformation)
+        slope = self._tables.parameters[:, 0] * self.factor
+        stored = 0.5 * new.force**2 / slope
+        before = 0.5 * old.force**2 / slope
         lost = float(np.sum(work - (stored - before)))
         return StepEnergies(float(np.sum(stored)), lost, 0.0, lost)
-
-    def commit(self) -> None:
-        """Make the trial state the committed one."""
-        self._state.old[:] = self._state.new
-        self._force_old[:] = self._state.force
-        self._deformation_old[:] = self._deformation
-
-    def masses(self) -> tuple[Array, Array]:
-        """Links have no mass."""
-        return np.zeros(len(self.links)), np.zeros(len(self.links))
 
     @property
     def forces(self) -> Array:
         """Committed forces (links,) in N."""
-        return self._force_old
+        return self._old.force
 
     @property
     def deformations(self) -> Array:
         """Committed deformations (links,) in m."""
-        return self._deformation_old
+        return self._old.deformation
 
     @property
     def states(self) -> Array:
         """Committed states (links, 2), see the kernels."""
-        return self._state.old
+        return self._old.inner

@@ -16,8 +16,10 @@ import numpy as np
 
 from workbench.errors import OutOfDomainError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, FiberSection
+from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.fibers import BeamSection
 from workbench.structures.meshing import graded_lengths
+from workbench.structures.uniaxial import LinearHardening
 from workbench.studs.mechanical import _kernels
 from workbench.studs.mechanical.links import AXIAL, LATERAL, Link, Links
 from workbench.studs.mechanical.parameters import (
@@ -37,7 +39,7 @@ BOND_SHARE = 0.01  # bond of the shank over its tensile strength
 RUPTURE_STRETCH = 2.0  # diameters from the base over which the axial strain is averaged
 
 
-def round_section(stud: Stud) -> FiberSection:
+def round_section(stud: Stud) -> BeamSection:
     """Layers of the round shank; hardening from yield to the ultimate strength at 15 % strain."""
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, LAYERS + 1)
     r = 0.5 * stud.diameter
@@ -46,13 +48,11 @@ def round_section(stud: Stud) -> FiberSection:
     first = np.diff(-2.0 / 3.0 * r**3 * np.cos(angle) ** 3)
     yield_stress = float(stud.yield_stress or stud.ultimate_strength)
     hardening = max((stud.ultimate_strength - yield_stress) / 0.15, 1e-5 * STEEL_MODULUS)
-    return FiberSection(
-        y=first / area,
-        area=area,
-        elastic_modulus=STEEL_MODULUS,
-        yield_stress=yield_stress,
-        hardening_modulus=hardening,
-        mass_per_length=DENSITY * stud.area,
+    return BeamSection(
+        first / area,
+        area,
+        LinearHardening(STEEL_MODULUS, yield_stress, hardening),
+        DENSITY * stud.area,
         shear_stiffness=0.9 * SHEAR_MODULUS * stud.area,
     )
 
@@ -176,7 +176,7 @@ class StudStructure:
     @property
     def axial_strain(self) -> float:
         """Mean plastic axial strain over two diameters from the base."""
-        return float(np.sum(self.beams.plastic_strains.mean(axis=1) * self._stretch))
+        return float(np.sum(self.beams.plastic_strains * self._stretch))
 
     @property
     def slide_ratio(self) -> float:

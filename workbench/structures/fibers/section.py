@@ -42,7 +42,10 @@ class BeamSection:
 
 
 class SectionTables(NamedTuple):
-    """Sections as arrays for the kernels: which one an element has, laws, and fibers (s, f)."""
+    """Sections as arrays for the kernels: which one an element has, laws, and fibers (s, f).
+
+    `second` moment of area (s,) in m4; the rest as in `BeamSection`, `initial` as a strain.
+    """
 
     of: Indices
     code: Indices
@@ -52,6 +55,7 @@ class SectionTables(NamedTuple):
     share: Array
     initial: Array
     shear: Array
+    second: Array
 
 
 def section_tables(of: Indices, sections: Sequence[BeamSection]) -> SectionTables:
@@ -72,13 +76,15 @@ def section_tables(of: Indices, sections: Sequence[BeamSection]) -> SectionTable
         None if s.initial_stress is None else s.initial_stress / s.law.elastic_modulus
         for s in sections
     ]
+    y, area = filled([s.y for s in sections]), filled([s.area for s in sections])
     return SectionTables(
         of,
         np.array([section.law.code for section in sections], dtype=np.int64),
         np.stack([section.law.parameters() for section in sections]),
-        filled([section.y for section in sections]),
-        filled([section.area for section in sections]),
+        y,
+        area,
         filled([section.shear_share for section in sections]),
         filled(strains),
         np.array([section.shear_stiffness for section in sections]),
+        np.sum(y**2 * area, axis=1),
     )

@@ -1,0 +1,98 @@
+"""What an assembly knows of the elements of one kind: their bars, two states, and the step."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.structures.ledger import StepEnergies
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Bars(NamedTuple):
+    """Two-node elements in their structure.
+
+    `dofs` (e, 6); `positions` (e, 36) of their tangents in the flat band; initial `chords` (e, 2)
+    and `lengths` (e,) in m; `first_order`, geometry and equilibrium of the undeformed structure;
+    `relative`, chords from relative displacements, not from places (the same but for rounding).
+    """
+
+    dofs: Indices
+    positions: Indices
+    chords: Array
+    lengths: Array
+    first_order: bool = False
+    relative: bool = False
+
+
+class Step(NamedTuple):
+    """What an assembly asks of its groups: forces and tangent at the displacements `end`.
+
+    `force` (dofs,) and flat `band` to add to; committed displacements `start` (dofs,). If
+    `dynamic`, forces are the energy-exact ones of a time step of `duration` (s), with `weight` of
+    the end state; otherwise those of equilibrium at the end (weight 1). Without `tangent` the band
+    is of no interest.
+    """
+
+    force: Array
+    band: Array
+    start: Array
+    end: Array
+    weight: float
+    dynamic: bool
+    duration: float
+    tangent: bool
+
+
+class ElementGroup(ABC):
+    """All elements of one kind; states are committed by swapping two buffers.
+
+    Arguments: `nodes` (elements, 2), node numbers; an empty `state`, a NamedTuple of arrays.
+    """
+
+    def __init__(self, nodes: ArrayLike, state: Any) -> None:
+        self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
+        self._old = state
+        self._new = type(state)(*(values.copy() for values in state))
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        self.bars = bars
+
+    @abstractmethod
+    def assemble(self, step: Step) -> None:
+        """Add forces and tangent of a step from the committed state; keep the trial state."""
+
+    @abstractmethod
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step from the committed state to the one assembled last."""
+
+    def commit(self) -> None:
+        """Make the state assembled last the committed one."""
+        self._old, self._new = self._new, self._old
+
+    def masses(self) -> tuple[Array, Array]:
+        """Mass (kg) and rotary inertia (kg m2) of every element, (elements,) each: none."""
+        none = np.zeros(len(self.nodes))
+        return none, none
+
+    def mass_matrices(self) -> Array | None:
+        """Constant mass matrices (elements, 6, 6) in addition to `masses`, if there are any."""
+        return None
+
+    def kinetic_energy(self) -> float:
+        """Committed kinetic energy that is not in the mass matrix, in J."""
+        return 0.0
+
+    def turn_with(self, displacement: Array, velocity: Array) -> None:  # noqa: B027
+        """Give velocities that a group keeps of its own the values of the nodes (dofs,), SI."""
+
+    @property
+    def lengths(self) -> Array:
+        """Initial lengths (elements,), in m."""
+        return self.bars.lengths

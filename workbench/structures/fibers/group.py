@@ -1,0 +1,80 @@
+"""What all beams with fiber sections have in common, whatever their kinematics."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.structures.elements import ElementGroup
+from workbench.structures.fibers.section import BeamSection, section_tables
+
+Array = NDArray[np.float64]
+
+
+class FiberElements(ElementGroup):
+    """Beams with fiber sections, and what a member reads off them, committed and in SI units.
+
+    Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
+    each element has; `sections`. `crumples`: whether an element means nothing once a plastic hinge
+    has shortened it to nothing.
+    """
+
+    crumples: ClassVar[bool]
+
+    def __init__(
+        self, nodes: ArrayLike, section_of: ArrayLike, sections: Sequence[BeamSection]
+    ) -> None:
+        self.sections = tuple(sections)
+        self._sections = section_tables(np.asarray(section_of, dtype=np.int64), self.sections)
+        states = max(section.law.states for section in sections)
+        count, fibers = len(self._sections.of), self._sections.y.shape[1]
+        super().__init__(nodes, self._rest(count, states, fibers))
+
+    @abstractmethod
+    def _rest(self, count: int, states: int, fibers: int) -> Any:
+        """State of so many elements at rest."""
+
+    def masses(self) -> tuple[Array, Array]:
+        """Mass (kg) and rotary inertia (kg m2) of every element, (elements,) each."""
+        of = self._sections.of
+        mass = np.array([s.mass_per_length for s in self.sections])[of] * self.lengths
+        return mass, mass * np.array([s.radius_squared for s in self.sections])[of]
+
+    @property
+    @abstractmethod
+    def local_forces(self) -> Array:
+        """Committed N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
+
+    @property
+    @abstractmethod
+    def elongations(self) -> Array:
+        """Committed change of length along the axis of the elements (elements,), in m."""
+
+    @property
+    @abstractmethod
+    def shear_forces(self) -> Array:
+        """Committed shear force of the elements (elements,), in N."""
+
+    @property
+    @abstractmethod
+    def shear_strains(self) -> Array:
+        """Committed shear strain of the elements (elements,)."""
+
+    @property
+    @abstractmethod
+    def plastic_strains(self) -> Array:
+        """Committed plastic strains (elements, fibers), the mean along each element."""
+
+    def plastic_rotations(self) -> Array:
+        """Committed plastic curvature integrated over each element (elements,), in rad.
+
+        That of a section is -sum(eps_p y A) / sum(y^2 A): what bends it when its stresses are
+        removed.
+        """
+        tables = self._sections
+        lever = (tables.y * tables.area / tables.second[:, None])[tables.of]
+        return np.asarray(-self.lengths * np.sum(self.plastic_strains * lever, axis=1))
