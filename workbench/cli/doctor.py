@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -25,6 +26,22 @@ class Check(NamedTuple):
     state: str
     detail: str
     remedy: str = ""
+
+
+def _judged(name: str, fine: str, problem: str, remedy: str, state: str = "fail") -> Check:
+    """A check that found what is `fine`, or a `problem` (empty: none) with its remedy."""
+    return Check(name, state, problem, remedy) if problem else Check(name, "ok", fine)
+
+
+def _can_write(directory: Path) -> bool:
+    import tempfile
+
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory):
+            return True
+    except OSError:
+        return False
 
 
 @verb
@@ -78,10 +95,8 @@ def _guarded(name: str, check: Callable[[], Iterator[Check]]) -> list[Check]:
 
 def _python() -> Iterator[Check]:
     version = ".".join(map(str, sys.version_info[:3]))
-    if sys.maxsize < 2**32:
-        yield Check("Python", "fail", f"{version}, 32 bits", "use a 64-bit Python")
-    else:
-        yield Check("Python", "ok", version)
+    problem = f"{version}, 32 bits" if sys.maxsize < 2**32 else ""
+    yield _judged("Python", version, problem, "use a 64-bit Python")
 
 
 def _libraries() -> Iterator[Check]:
@@ -119,20 +134,12 @@ def _libraries() -> Iterator[Check]:
 
 
 def _kernel_cache() -> Iterator[Check]:
-    import os
-    import tempfile
-
     given = os.environ.get("NUMBA_CACHE_DIR")
     package = Path(__file__).resolve().parents[1]
-    directory = Path(given) if given else package / "hinges" / "__pycache__"
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory):
-            yield Check("kernel cache", "ok", "can be written")
-    except OSError:
-        remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
-        detail = "cannot be written: every process compiles all kernels anew"
-        yield Check("kernel cache", "warn", detail, remedy)
+    writable = _can_write(Path(given) if given else package / "hinges" / "__pycache__")
+    problem = "" if writable else "cannot be written: every process compiles all kernels anew"
+    remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
+    yield _judged("kernel cache", "can be written", problem, remedy, "warn")
 
 
 def _threads() -> Iterator[Check]:
@@ -143,42 +150,34 @@ def _threads() -> Iterator[Check]:
     pools = threadpool_info()
     with threadpool_limits(1):
         stuck = [pool["internal_api"] for pool in threadpool_info() if pool["num_threads"] > 1]
-    if stuck:
-        remedy = "set OMP_NUM_THREADS=1 before a run"
-        yield Check("threads", "warn", f"{', '.join(stuck)} cannot be limited", remedy)
-    else:
-        shown = ", ".join(f"{pool['internal_api']} {pool['num_threads']}" for pool in pools)
-        yield Check("threads", "ok", f"{shown or 'no thread pools'}; one each in workers")
+    shown = ", ".join(f"{pool['internal_api']} {pool['num_threads']}" for pool in pools)
+    fine = f"{shown or 'no thread pools'}; one each in workers"
+    problem = f"{', '.join(stuck)} cannot be limited" if stuck else ""
+    yield _judged("threads", fine, problem, "set OMP_NUM_THREADS=1 before a run", "warn")
 
 
 def _store(root: Path) -> Iterator[Check]:
     import shutil
-    import tempfile
 
     nearest = next(p for p in (root.resolve(), *root.resolve().parents) if p.exists())
-    try:
-        with tempfile.TemporaryFile(dir=nearest):
-            yield Check("store", "ok", f"{root} can be written")
-    except OSError:
-        remedy = "choose another directory with --store"
-        yield Check("store", "fail", f"{root} cannot be written", remedy)
-        return
-    free = shutil.disk_usage(nearest).free / 1e9
-    state = "fail" if free < 0.1 else "warn" if free < 1.0 else "ok"
-    advice = "free some disk space" if state != "ok" else ""
-    yield Check("disk", state, f"{free:.3g} GB free", advice)
+    problem = "" if _can_write(nearest) else f"{root} cannot be written"
+    remedy = "choose another directory with --store"
+    yield _judged("store", f"{root} can be written", problem, remedy)
+    if not problem:
+        free = shutil.disk_usage(nearest).free / 1e9
+        state = "fail" if free < 0.1 else "warn" if free < 1.0 else "ok"
+        advice = "free some disk space" if state != "ok" else ""
+        yield Check("disk", state, f"{free:.3g} GB free", advice)
 
 
 def _data() -> Iterator[Check]:
     from workbench.evidence import check, datasets
 
-    problems = check()
-    if problems:
-        remedy = "restore the data directory; `workbench data check` lists all problems"
-        detail = f"{len(problems)} problems, first: {problems[0]}"
-        yield Check("data catalogue", "fail", detail, remedy)
-    else:
-        yield Check("data catalogue", "ok", f"{len(datasets())} datasets in order")
+    found = check()
+    problem = f"{len(found)} problems, first: {found[0]}" if found else ""
+    remedy = "restore the data directory; `workbench data check` lists all problems"
+    fine = "" if problem else f"{len(datasets())} datasets in order"
+    yield _judged("data catalogue", fine, problem, remedy)
 
 
 def _models() -> Iterator[Check]:
@@ -240,8 +239,8 @@ def _compared(
     """A value of a model beside its closed form and their unit, and the energy of the run."""
     found, expected, unit = pair
     energy = float(abs(response["balance_error"]).max() / response["input_energy"])
-    fine = abs(found / expected - 1.0) < tolerance and energy < 1e-6
     detail = f"{what} {found:.4g} {unit}, closed form {expected:.4g} {unit}; "
-    remedy = "" if fine else "run make test; compare the libraries with the lock file"
-    state = "ok" if fine else "fail"
-    return Check(f"physics {name}", state, f"{detail}energy error {energy:.1e}", remedy)
+    detail += f"energy error {energy:.1e}"
+    problem = "" if abs(found / expected - 1.0) < tolerance and energy < 1e-6 else detail
+    remedy = "run make test; compare the libraries with the lock file"
+    return _judged(f"physics {name}", detail, problem, remedy)

@@ -19,8 +19,7 @@ from workbench.study.store import Store
 
 NOT_RUN = "not run"
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
-_TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts")
-_OPTIONAL = ("bias",)
+_TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias")
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
@@ -72,22 +71,18 @@ class Stored:
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Tables of the assessment by name, as `_TABLES` lists them, and ``bias`` if it exists.
+        """Tables of the assessment by name, as `_TABLES` lists them.
 
         Raises `InputError` if the study has not been run and assessed.
         """
         found = {}
-        for name in (*_TABLES, *_OPTIONAL):
+        for name in _TABLES:
             path = self.directory / "tables" / f"{name}.csv"
             if not path.is_file():
-                if name in _OPTIONAL:
-                    continue
-                raise InputError(
-                    "study", self.study.name, f"has no table {name} in its store", "run it first"
-                )
+                problem = f"has no table {name} in its store"
+                raise InputError("study", self.study.name, problem, "run it first")
             table = pd.read_csv(path, dtype=_TEXTS)
-            texts = [column for column in table.columns if column in _TEXTS]
-            found[name] = table.fillna(dict.fromkeys(texts, ""))
+            found[name] = table.fillna({name: "" for name in table.columns if name in _TEXTS})
         return found
 
     @cached_property
@@ -143,12 +138,8 @@ class Stored:
     def errors(self, quantity: str, metric: str, against: str) -> pd.DataFrame:
         """Comparisons of one quantity by one metric against one label."""
         table = self.tables["comparisons"]
-        chosen = (
-            (table["quantity"] == quantity)
-            & (table["metric"] == metric)
-            & (table["against"] == against)
-        )
-        return table[chosen]
+        wanted = (quantity, metric, against)
+        return table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
 
     @cached_property
     def rows(self) -> dict[str, list[dict[str, Any]]]:

@@ -162,7 +162,7 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
         if before == after:
             continue
         if name == "options" and isinstance(before, dict):
-            reasons.extend(_differences(before, after, f"{text} "))
+            reasons.extend(_changes(before, after, f"{text} "))
         elif name == "data":
             reasons.append(text)
         else:
@@ -183,17 +183,40 @@ def _scenario_changes(cell: Cell, last: Ingredients, store: Store) -> Iterator[s
         after = tomllib.loads(to_toml(cell.scenario))
         before.pop("name", None)
         after.pop("name", None)
-        changes = list(_differences(before, after, ""))
+        changes = _changes(before, after)
     yield "scenario changed" + (": " + ", ".join(changes) if changes else "")
 
 
-def _differences(before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> Iterator[str]:
-    for name in sorted(before.keys() | after.keys()):
-        old, new = before.get(name), after.get(name)
-        if isinstance(old, dict) and isinstance(new, dict):
-            yield from _differences(old, new, f"{path}{name}.")
-        elif old != new:
-            yield f"{path}{name} {_shown(old)} -> {_shown(new)}"
+def differences(
+    before: Mapping[str, Any], after: Mapping[str, Any], path: str = ""
+) -> Iterator[tuple[str, Any, Any]]:
+    """Path, old and new value of every entry in which two trees of tables differ.
+
+    Tables in a list go by their names; an entry that one side lacks is None there.
+    """
+    for name in dict.fromkeys([*before, *after]):
+        old, new = _by_name(before.get(name)), _by_name(after.get(name))
+        if old == new:
+            continue
+        if all(value is None or isinstance(value, dict) for value in (old, new)):
+            yield from differences(old or {}, new or {}, f"{path}{name}.")
+        else:
+            yield f"{path}{name}", old, new
+
+
+def _by_name(value: Any) -> Any:
+    if isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value):
+        return {
+            str(entry.get("name", entry.get("node", i))): entry for i, entry in enumerate(value)
+        }
+    return value
+
+
+def _changes(before: Mapping[str, Any], after: Mapping[str, Any], head: str = "") -> list[str]:
+    return [
+        f"{head}{path} {_shown(old)} -> {_shown(new)}"
+        for path, old, new in differences(before, after)
+    ]
 
 
 def _shown(value: Any) -> str:

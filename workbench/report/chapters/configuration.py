@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import textwrap
 import tomllib
-from collections.abc import Mapping
 from typing import Any
 
 from workbench.content.bibliography import cited
@@ -23,6 +22,7 @@ from workbench.models.base import options_of
 from workbench.report.stored import Stored
 from workbench.scenarios import to_toml
 from workbench.study.definition import Case, Study
+from workbench.study.manifest import differences
 
 _PRINTED = 60
 _MOST_CHANGES = 12
@@ -102,14 +102,14 @@ def _asked(case: Case) -> str:
 
 def _changes(first: str, other: str) -> str:
     """Entries in which one scenario file differs from another."""
-    old, new = _flat(tomllib.loads(first)), _flat(tomllib.loads(other))
-    keys = [
-        key for key in dict.fromkeys([*old, *new]) if key != "name" and old.get(key) != new.get(key)
+    found = [
+        f"`{path} = {_short(new)}`"
+        for path, _, new in differences(tomllib.loads(first), tomllib.loads(other))
+        if path != "name"
     ]
-    if len(keys) > _MOST_CHANGES:
-        return f"{len(keys)} entries: its listing is in the HTML report"
-    said = [f"`{key} = {_short(new.get(key, 'not set'))}`" for key in keys]
-    return ", ".join(said) or "nothing but its name"
+    if len(found) > _MOST_CHANGES:
+        return f"{len(found)} entries: its listing is in the HTML report"
+    return ", ".join(found) or "nothing but its name"
 
 
 def _compact(toml: str) -> str:
@@ -125,23 +125,11 @@ def _compact(toml: str) -> str:
 
 def _short(value: Any) -> str:
     """A value as text, long lists by their ends."""
+    if value is None:
+        return "not set"
     if isinstance(value, list) and len(value) > _MOST_ITEMS:
         return f"[{value[0]}, ..., {value[-1]}] ({len(value)} values)"
     return str(value)
-
-
-def _flat(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Every entry by its path; tables in lists go by their names."""
-    found: dict[str, Any] = {}
-    for key, value in tables.items():
-        if isinstance(value, dict):
-            found.update(_flat(value, f"{path}{key}."))
-        elif isinstance(value, list) and value and all(isinstance(v, dict) for v in value):
-            named = {str(v.get("name", v.get("node", i))): v for i, v in enumerate(value)}
-            found.update(_flat(named, f"{path}{key}."))
-        else:
-            found[f"{path}{key}"] = value
-    return found
 
 
 def _provenance(stored: Stored) -> Section:
