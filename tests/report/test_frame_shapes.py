@@ -21,9 +21,9 @@ from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report
 from workbench.report.figures import draw
-from workbench.report.figures.film import LARGEST, film
-from workbench.report.figures.hinge_states import YIELDING, YIELDS, colour_of, hinge_places
-from workbench.report.figures.shapes import Shapes, magnification, shapes_of
+from workbench.report.drawing.film import LARGEST, film
+from workbench.report.drawing.utilisation import YIELDING, YIELDS, colour_of, hinge_places
+from workbench.report.drawing.shapes import Shapes, magnification, shapes_of
 from workbench.scenarios import (
     Frame,
     FrameImpact,
@@ -177,12 +177,11 @@ def test_columns_also_come_as_small_multiples(small):
 
 
 def test_circles_stand_beside_the_ends_of_curves():
-    angle = np.linspace(0.0, np.pi, 181)
-    x, y = np.cos(angle)[None, :], np.sin(angle)[None, :]
-    first, last = hinge_places(x, y, 0.3)
-    assert np.arctan2(first[1], first[0]) == pytest.approx(0.3, rel=1e-3)
-    assert np.pi - np.arctan2(last[1], last[0]) == pytest.approx(0.3, rel=1e-3)
-    close = hinge_places(x[:, :2], y[:, :2], 0.3)  # shorter than twice the gap
+    arc = np.exp(1j * np.linspace(0.0, np.pi, 181))[None, :]
+    first, last = hinge_places(arc, 0.3)
+    assert np.angle(first) == pytest.approx(0.3, rel=1e-3)
+    assert np.pi - np.angle(last) == pytest.approx(0.3, rel=1e-3)
+    close = hinge_places(arc[:, :2], 0.3)  # shorter than twice the gap
     assert close[0] != pytest.approx(close[1])
 
 
@@ -217,7 +216,8 @@ def test_the_film_shows_every_snapshot_where_it_was(frames):
     assert data["at"] == pytest.approx(lead.at / lead.at[-1], abs=1e-4)
     for panel, (label, one) in zip(data["panels"], found.items(), strict=True):
         pixels = np.stack([decoded(path, data["fine"])[:, [0, -1]] for path in panel["paths"]])
-        ends = np.stack([one.x, one.y], axis=-1)[:, [0, -1]].transpose(0, 2, 1, 3)
+        ends = np.stack([one.curves.real, one.curves.imag], axis=-1)[:, [0, -1]]
+        ends = ends.transpose(0, 2, 1, 3)
         (ax, bx), *_ = np.polyfit(ends[..., 0].ravel(), pixels[..., 0].ravel(), 1, full=True)
         (ay, by), *_ = np.polyfit(ends[..., 1].ravel(), pixels[..., 1].ravel(), 1, full=True)
         assert ax == pytest.approx(-ay, rel=1e-3), label  # one scale for both directions

@@ -11,8 +11,8 @@ from synthetic_study import columns
 from test_report_figures import request
 
 from workbench.report.figures import draw
-from workbench.report.figures.frame_layout import Layout
-from workbench.report.figures.frame_margins import _spans
+from workbench.report.drawing.layout import Layout
+from workbench.report.drawing.margins import spans
 from workbench.scenarios import (
     ColumnImpact,
     Frame,
@@ -152,8 +152,8 @@ def test_many_equal_loads_and_masses_share_a_label(frames):
     assert "100 kN" not in words
 
 
-def test_spans():
-    assert [text for _, _, text in _spans([0.0, 0.8, 4.0])] == ["0.8 m", "3.2 m"]
-    assert _spans(list(np.arange(12.0))) == [(0.0, 11.0, "11 × 1 m = 11 m")]
+def testspans():
+    assert [text for _, _, text in spans([0.0, 0.8, 4.0])] == ["0.8 m", "3.2 m"]
+    assert spans(list(np.arange(12.0))) == [(0.0, 11.0, "11 × 1 m = 11 m")]
     uneven = [*np.arange(11.0), 12.0]
-    assert _spans(uneven) == [(0.0, 12.0, "12 m")]
+    assert spans(uneven) == [(0.0, 12.0, "12 m")]

@@ -54,7 +54,7 @@ def run(
     on. Exit status 1 if a cell that should have an answer has none (a refusal, out-of-domain, is
     an answer); a gate that fails makes the status of `workbench validate`.
     """
-    from workbench.report.kinds import check_kind
+    from workbench.report.figures import check_kind
     from workbench.study import assess, load_study, run_study
     from workbench.study.progress import Silent, progress_for
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from workbench.content.tree import Picture
 from workbench.errors import InputError
-from workbench.report.figures import Drawing, Request, draw
-from workbench.report.figures.drawing import save_png, to_csv, to_svg
-from workbench.report.figures.style import looks
+from workbench.report.drawing.output import save_png, to_csv, to_svg
+from workbench.report.drawing.sheet import Drawing, Request
+from workbench.report.drawing.style import looks
+from workbench.report.figures import draw
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.study.definition import Case, Figure, Study

@@ -1,28 +1,39 @@
-"""The figures of a report, one module per kind."""
+"""The figures of a report: a module per kind, found by its file name, with ``draw(request)``.
+
+The kinds are known without the libraries that draw them.
+"""
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+import pkgutil
+from typing import TYPE_CHECKING
 
-from workbench.report.figures.drawing import Drawing, Request, nothing
-from workbench.report.figures.style import house_style, settle
-from workbench.report.kinds import KINDS, check_kind
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    from workbench.report.drawing.sheet import Drawing, Request
+
+KINDS = tuple(sorted(found.name.replace("_", "-") for found in pkgutil.iter_modules(__path__)))
+
+
+def check_kind(kind: str) -> None:
+    """Refuse a kind of figure that nothing draws. Raises `InputError`."""
+    if kind not in KINDS:
+        raise InputError("figure.kind", kind, "must be one of " + ", ".join(KINDS))
 
 
 def draw(request: Request) -> Drawing:
     """Draw a figure in the house style. Raises `InputError` for an unknown kind."""
-    kind = request.figure.kind
-    check_kind(kind)
+    from workbench.report.drawing.sheet import nothing
+    from workbench.report.drawing.style import house_style, settle
+
+    check_kind(request.figure.kind)
     if not request.cases:
         return nothing("No case of the study names this figure.")
-    module = importlib.import_module(f"workbench.report.figures.{KINDS[kind]}")
-    function: Callable[[Request], Drawing] = module.draw
+    module = importlib.import_module(f"{__name__}.{request.figure.kind.replace('-', '_')}")
     with house_style():
-        drawing = function(request)
+        drawing: Drawing = module.draw(request)
         if drawing.canvas is not None:
             settle(drawing.canvas)
     return drawing
-
-
-__all__ = ["KINDS", "Drawing", "Request", "draw"]

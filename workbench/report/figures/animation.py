@@ -9,28 +9,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from workbench.report.figures.deformed import collected
-from workbench.report.figures.drawing import Drawing, Request, nothing
-from workbench.report.figures.film import LARGEST, film
-from workbench.report.figures.shapes import INSTANTS
-from workbench.report.figures.small_multiples import multiples
+from workbench.report.drawing.film import LARGEST, film
+from workbench.report.drawing.multiples import multiples
+from workbench.report.drawing.shapes import INSTANTS, collected
+from workbench.report.drawing.sheet import Drawing, Request, first, nothing
 
 _MOST = 3  # answers side by side
 
 
 def draw(request: Request) -> Drawing:
     """Stills of up to three answers to one case, and the film that an HTML report shows."""
-    named = request.option("case", "")
-    cases = tuple(case for case in request.cases if not named or case.name == named)
-    found, statements = collected(replace(request, cases=cases))
+    said: list[str] = []
+    found = collected(request, request.named()[:6], said)
     if not found:
-        return nothing("No model states deformed shapes for these cases.", *statements)
-    case, by_label = found[0]
-    if len(by_label) > _MOST:
-        statements.append(f"Shown are the first {_MOST} of {len(by_label)} answers.")
-        by_label = dict(list(by_label.items())[:_MOST])
-    stills = multiples(request, [(case, by_label)], statements, INSTANTS)
-    moving, every = film(by_label)
+        return nothing("No model states deformed shapes for these cases.", *said)
+    case, known = found[0]
+    known = dict(first(list(known.items()), _MOST, "answers", said))
+    stills = multiples(request, [(case, known)], said, INSTANTS)
+    moving, every = film(known)
     said = [f"Case: {case.name}.", *stills.statements]
     if every > 1:
         said.append(

@@ -8,203 +8,95 @@ at its peak and dotted at the end; the default for columns, which then lie on th
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from workbench.content.formatting import TIMES, in_unit
 from workbench.fields import Choice
-from workbench.report.figures.drawing import (
-    Absences,
-    Array,
-    Drawing,
-    Request,
-    joined,
-    nothing,
-)
-from workbench.report.figures.panels import chosen_cases, handle
-from workbench.report.figures.shapes import Shapes, extent_of, magnification, shapes_of
-from workbench.report.figures.small_multiples import multiples, shape_rows
-from workbench.report.figures.style import (
-    INK,
-    MUTED,
-    TEXT_WIDTH,
-    Look,
-    grid_shape,
-    legend_below,
-    new_figure,
-)
+from workbench.report.drawing.multiples import mark_supports, multiples, scale_words, window_of
+from workbench.report.drawing.shapes import Found, Points, Shapes, collected, magnification
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, grid_shape, nothing
+from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry, new_figure
 from workbench.study.definition import Case
 
 _LAYOUT = Choice(("instants", "overlaid"))
-_DOTS: Any = (0, (1, 1.5))
+_END: Style = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0}
+_REST: Style = {"color": MUTED, "linewidth": 0.8}
 _LEAST, _MOST = 1.05, 3.2  # inches of a panel's height
-Found = list[tuple[Case, dict[str, Shapes]]]
 
 
 def draw(request: Request) -> Drawing:
     """The shapes that responses know, true to scale unless they are too small to be seen."""
-    found, statements = collected(request)
+    said: list[str] = []
+    found = collected(request, request.chosen(said), said)
     if not found:
-        return nothing("No model states deformed shapes for these cases.", *statements)
-    upright = all(_stands(shapes) for _, by_label in found for shapes in by_label.values())
+        return nothing("No model states deformed shapes for these cases.", *said)
+    # whether every structure at rest is one upright line
+    upright = all(np.ptp(s.rest.real) == 0.0 for _, known in found for s in known.values())
     layout = request.option("layout", "overlaid" if upright else "instants")
     if _LAYOUT.check("figure.options.layout", layout) == "instants":
-        return multiples(request, found, statements)
-    return _overlaid(request, found, statements, lying=upright)
+        return multiples(request, found, said)
+    return _overlaid(request, found, said, lying=upright)
 
 
-def collected(request: Request) -> tuple[Found, list[str]]:
-    """Shapes by case and label, and statements on what is absent."""
-    cases, statements = chosen_cases(request)
-    absent = Absences()
-    found: Found = []
-    for case in cases:
-        by_label = {}
-        for label in request.shown(case):
-            response = request.stored.response(case.name, label)
-            if response is None:
-                absent.no_answer(label, case.name)
-                continue
-            shapes = shapes_of(case, response)
-            if shapes is None:
-                absent.without("deformed shape", label)
-            else:
-                by_label[label] = shapes
-        if by_label:
-            found.append((case, by_label))
-    statements += absent.sentences()
-    chords = [label for _, known in found for label, shapes in known.items() if shapes.chords]
-    if chords:
-        names = ", ".join(dict.fromkeys(chords))
-        statements.append(
-            f"Straight lines, {names}: these models state the displacement of the hit point and "
-            "the shortening only; the shape between is not known."
-        )
-    return found, statements
-
-
-def _stands(shapes: Shapes) -> bool:
-    """Whether the structure at rest is one upright line."""
-    return float(np.ptp(shapes.undeformed[0])) == 0.0
-
-
-def _overlaid(request: Request, found: Found, statements: list[str], *, lying: bool) -> Drawing:
-    largest = max(
-        shapes.largest([shapes.peak, len(shapes.at) - 1])
-        for _, by_label in found
-        for shapes in by_label.values()
-    )
-    size = max(extent_of(s.frame) for _, by_label in found for s in by_label.values())
+def _overlaid(request: Request, found: Found, said: list[str], *, lying: bool) -> Drawing:
+    everything = [shapes for _, known in found for shapes in known.values()]
+    largest = max(shapes.largest([shapes.peak, len(shapes.at) - 1]) for shapes in everything)
+    size = max(shapes.size for shapes in everything)
     times = magnification(largest, size)
     columns = 1 if lying else grid_shape(len(found), 2)[1]
     count = -(-len(found) // columns)
-    bounds = _bounds(found, times, lying, 0.04 * size)
+    curves = [
+        _laid(shapes, drawn, lying)
+        for shapes in everything
+        for drawn in (shapes.rest, *(shapes.magnified(shapes.index(i), times) for i in _INSTANTS))
+    ]
     wide = (TEXT_WIDTH - 0.75 * columns) / columns
-    natural = wide * (bounds[3] - bounds[2]) / (bounds[1] - bounds[0])
-    height = min(max(natural, _LEAST), _MOST)
-    if natural < _LEAST:  # room for the label of the axis
-        spare = 0.5 * (_LEAST / natural - 1.0) * (bounds[3] - bounds[2])
-        bounds = (bounds[0], bounds[1], bounds[2] - spare, bounds[3] + spare)
-    canvas = new_figure((height + 0.35) * count + 0.75)
+    window = window_of(curves, 0.04 * size, wide, _LEAST, _MOST)
+    canvas = new_figure((window.tall + 0.35) * count + 0.75)
     axes = canvas.subplots(count, columns, sharex=True, sharey=True, squeeze=False)
-    blocks: list[Any] = []
-    handles: list[Any] = []
-    for (case, by_label), panel in zip(found, axes.flat, strict=False):
-        _at_rest(panel, next(iter(by_label.values())), lying)
-        for label, shapes in by_label.items():
-            look = request.looks[label]
-            handles.append(handle(label, look))
-            for instant in ("peak", "end"):
-                snapshot = shapes.index(instant)
-                style = look.curve() if instant == "peak" else _end(look)
-                for line in _lines(shapes, snapshot, times, lying):
-                    panel.plot(*line, **style)
-                blocks.append(shape_rows(case.name, label, instant, shapes, snapshot))
-        panel.set_aspect("equal")
-        panel.set_title(case.name, loc="left")
-        panel.set_xlim(*bounds[:2])
-        panel.set_ylim(*bounds[2:])
-    for spare_panel in list(axes.flat)[len(found) :]:
-        spare_panel.remove()
-    _name_axes(axes, times, lying)
-    grey = Line2D([], [], label="at the end of the record", color=MUTED, linestyle=_DOTS)
-    rest = Line2D([], [], label="at rest", color=MUTED, linewidth=0.8)
-    legend_below(canvas, [*handles, grey, rest])
-    at = ", ".join(f"{case.name}: {_largest(request, case)}" for case, _ in found)
-    alt = f"deformed shapes at the largest displacement ({at})"
-    statements = [_scale_words(times), *statements]
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
-
-
-def _scale_words(times: float) -> str:
-    if times == 1.0:
-        return "True to scale, displacements too."
-    return f"Displacements are drawn {times:g} times as large as they are."
-
-
-def _lines(shapes: Shapes, snapshot: int, times: float, lying: bool) -> list[tuple[Array, Array]]:
-    """Curves (across, up) of all members on paper."""
-    x, y = shapes.magnified(snapshot, times)
-    return _laid(shapes, x, y, lying)
-
-
-def _laid(shapes: Shapes, x: Array, y: Array, lying: bool) -> list[tuple[Array, Array]]:
-    if not lying:
-        return list(zip(x, y, strict=True))
-    x0, y0 = shapes.undeformed
-    return list(zip(y - y0.min(), x - x0.min(), strict=True))
-
-
-def _bounds(found: Found, times: float, lying: bool, edge: float) -> tuple[float, ...]:
-    """Left, right, lower and upper end of everything drawn."""
-    across, up = [], []
-    for _, by_label in found:
-        for shapes in by_label.values():
-            for lines in (
-                _laid(shapes, *shapes.undeformed, lying),
-                *(_lines(shapes, shapes.index(i), times, lying) for i in ("peak", "end")),
-            ):
-                across += [line[0] for line in lines]
-                up += [line[1] for line in lines]
-    xs, ys = np.concatenate(across), np.concatenate(up)
-    return (
-        *(float(xs.min()) - edge, float(xs.max()) + edge),
-        *(float(ys.min()) - edge, float(ys.max()) + edge),
-    )
-
-
-def _name_axes(axes: Any, times: float, lying: bool) -> None:
+    sheet = Sheet(canvas, axes.flat[: len(found)], [scale_words(times), *said], columns)
+    for spare in axes.flat[len(found) :]:
+        spare.remove()
     factor = f" {TIMES} {times:g}" if times != 1.0 else ""
-    for row in axes:
-        row[0].set_ylabel(f"displacement{factor}\n(m)" if lying else "y (m)")
-    for panel in axes[-1]:
-        panel.set_xlabel("height above the base (m)" if lying else "x (m)")
+    across = "height above the base (m)" if lying else "x (m)"
+    up = f"displacement{factor}\n(m)" if lying else "y (m)"
+    for (case, known), panel in zip(found, sheet.panels, strict=True):
+        shapes = next(iter(known.values()))
+        for curve in _laid(shapes, shapes.rest, lying):
+            panel.plot(curve.real, curve.imag, **_REST, zorder=1)
+        nodes = np.array([complex(node.x, node.y) for node in shapes.frame.nodes])
+        mark_supports(panel, shapes, _laid(shapes, nodes, lying), INK, 4.0)
+        for label, shapes in known.items():
+            look = request.looks[label]
+            sheet.legend(entry(label, **look.curve()))
+            for instant in _INSTANTS:
+                style = look.curve(**(_END if instant == "end" else {}))
+                drawn = shapes.magnified(shapes.index(instant), times)
+                for curve in _laid(shapes, drawn, lying):
+                    panel.plot(curve.real, curve.imag, **style)
+                for block in shapes.numbers(instant):
+                    sheet.record(case=case.name, label=label, **block)
+        window.show(panel)
+        sheet.name(panel, case.name, across, up)
+    sheet.legend(entry("at the end of the record", color=MUTED, linestyle=_END["linestyle"]))
+    sheet.legend(entry("at rest", **_REST))
+    at = ", ".join(f"{case.name}: {_largest(request, case)}" for case, _ in found)
+    return sheet.finish(f"deformed shapes at the largest displacement ({at})")
 
 
-def _at_rest(panel: Axes, shapes: Shapes, lying: bool) -> None:
-    """The structure without displacements; supports as marks."""
-    for line in _laid(shapes, *shapes.undeformed, lying):
-        panel.plot(*line, color=MUTED, linewidth=0.8, zorder=1)
-    x0, y0 = (float(part.min()) for part in shapes.undeformed)
-    for node in shapes.frame.nodes:
-        at = (node.y - y0, node.x - x0) if lying else (node.x, node.y)
-        if node.support == "clamped":
-            panel.plot(*at, marker="s", markersize=4.0, color=INK, zorder=5)
-        elif node.support != "free":
-            panel.plot(*at, marker="o", markersize=4.0, color=INK, markerfacecolor="w", zorder=5)
+_INSTANTS = ("peak", "end")
 
 
-def _end(look: Look) -> dict[str, Any]:
-    return {**look.curve(), "linestyle": _DOTS, "linewidth": 1.0}
+def _laid(shapes: Shapes, points: Points, lying: bool) -> Points:
+    """Points as they are, or of a structure that lies on its side: heights across."""
+    if not lying:
+        return points
+    base = complex(shapes.rest.real.min(), shapes.rest.imag.min())
+    laid: Points = 1j * np.conj(points - base)
+    return laid
 
 
 def _largest(request: Request, case: Case) -> str:
-    found = [
-        request.stored.number(case.name, label, "peak_displacement")
-        for label in request.shown(case)
-    ]
+    found = [request.number(case, label, "peak_displacement") for label in request.shown(case)]
     known = [value for value in found if value is not None]
     return in_unit(max(known), "peak_displacement", 3) if known else "no peak"

@@ -5,23 +5,11 @@ Options: `case` (a name; default the first that has a ledger).
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, number, unit_of
-from workbench.report.figures.drawing import (
-    Array,
-    Drawing,
-    Request,
-    joined,
-    nothing,
-    rows,
-)
-from workbench.report.figures.panels import first_answered, name_axes, panel_grid
-from workbench.report.figures.style import INK, legend_below
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
+from workbench.report.drawing.style import INK, Style, entry
 from workbench.responses import Response
 
 # bottom to top; fixed colours that no label uses as a fill
@@ -32,75 +20,54 @@ PARTS = (
     ("kinetic", "kinetic", "#c7dfee"),
 )
 _MOST_POINTS = 400
-_MOST_PANELS = 6
+_BROUGHT: Style = {"color": INK, "linestyle": "--"}
 
 
 def draw(request: Request) -> Drawing:
     """Stacked energies with the energy that has come in as a line on top."""
-    case, ledgers, statements = first_answered(
-        request, {"dissipated", "elastic", "input_energy"}, "an energy ledger"
-    )
+    said: list[str] = []
+    needed = {"dissipated", "elastic", "input_energy"}
+    case, ledgers = request.first_answered(needed, "an energy ledger", said)
     if case is None:
-        return nothing("No model keeps an energy ledger of these cases.", *statements)
-    if len(ledgers) > _MOST_PANELS:
-        statements.append(f"Shown are the first {_MOST_PANELS} of {len(ledgers)} ledgers.")
-        ledgers = dict(list(ledgers.items())[:_MOST_PANELS])
-    canvas, axes = panel_grid(len(ledgers))
-    unit = unit_of("kinetic").factor
-    blocks: list[Any] = []
+        return nothing("No model keeps an energy ledger of these cases.")
+    said.insert(0, f"Case: {case.name}. Energies in J in the data file.")
+    sheet = Sheet.grid(len(ledgers), said)
+    unit, struck = unit_of("kinetic").factor, case.scenario.KIND.endswith("impact")
     stacked: set[str] = set()
-    for i, ((label, response), panel) in enumerate(zip(ledgers.items(), axes, strict=True)):
+    for (label, response), panel in zip(ledgers.items(), sheet.panels, strict=True):
         history = "time" if "time" in response.dims else "step"
-        struck = case.scenario.KIND.endswith("impact")
         at, parts, brought = _stack(response, history, struck)
         x = at * unit_of(history).factor
         stacked |= set(parts)
         colors = [color for name, _, color in PARTS if name in parts]
         panel.stackplot(x, *(part * unit for part in parts.values()), colors=colors, linewidth=0.0)
-        panel.plot(x, brought * unit, color=INK, linestyle="--", linewidth=1.1)
-        error = request.stored.number(case.name, label, "energy_error")
+        panel.plot(x, brought * unit, **_BROUGHT, linewidth=1.1)
+        sheet.name(panel, "", axis_label(history), "energy (kJ)")
         panel.set_title(label, loc="left", pad=13.0)
+        error = request.number(case, label, "energy_error")
         if error is not None:
-            words = panel.annotate(
-                f"largest error {number(error, 2)} of the input",
-                *((0.0, 1.0), (0.0, 3.0)),
-                xycoords="axes fraction",
-                textcoords="offset points",
-                fontsize=6.5,
-            )
-            words.set_in_layout(False)  # long words would make narrow panels
-        name_axes(panel, i, len(ledgers), axis_label(history), "energy (kJ)")
+            words = f"largest error {number(error, 2)} of the input"
+            above: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
+            text = panel.annotate(words, (0.0, 1.0), (0.0, 3.0), fontsize=6.5, **above)
+            text.set_in_layout(False)  # long words would make narrow panels
         panel.margins(x=0.0)
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
-        blocks.append(
-            rows(
-                {"case": case.name, "label": label, history: at, **parts, "brought_in": brought},
-                len(at),
-            )
-        )
-    handles: list[Any] = [
-        Patch(color=color, label=title) for name, title, color in PARTS[::-1] if name in stacked
-    ]
-    handles.append(Line2D([], [], color=INK, linestyle="--", label="brought in so far"))
-    legend_below(canvas, handles)
-    statements.insert(0, f"Case: {case.name}. Energies in J in the data file.")
-    alt = f"energy ledgers of {', '.join(ledgers)} for {case.name}"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+        head = {"case": case.name, "label": label, history: at}
+        sheet.record(**head, **parts, brought_in=brought)
+    sheet.legend(*(Patch(color=c, label=title) for n, title, c in PARTS[::-1] if n in stacked))
+    sheet.legend(entry("brought in so far", **_BROUGHT))
+    return sheet.finish(f"energy ledgers of {', '.join(ledgers)} for {case.name}")
 
 
 def _stack(response: Response, history: str, struck: bool) -> tuple[Array, dict[str, Array], Array]:
-    at = np.asarray(response[history].values, dtype=float)
-    index = np.unique(np.linspace(0, len(at) - 1, min(len(at), _MOST_POINTS)).astype(int))
-    parts = {
-        name: np.asarray(response[name].values, dtype=float)[index]
-        for name, _, _ in PARTS
-        if name in response
-    }
-    work = np.zeros(len(index))
-    if "external_work" in response:
-        work = np.asarray(response["external_work"].values, dtype=float)[index]
+    """Times or steps, energies by part, and the energy that has come in."""
+    index = evenly(response.sizes[history], _MOST_POINTS)
+    known = response.isel({history: index}).astype(float)
+    at: Array = known[history].values.astype(float)
+    parts: dict[str, Array] = {n: known[n].values for n, _, _ in PARTS if n in response}
     # a striker brings its energy at once, all else does work; what dead loads had stored before
     # is part of every later sum
-    brought = float(response["input_energy"]) + work if struck else work
+    work = known["external_work"].values if "external_work" in response else 0.0 * at
+    energy = float(response["input_energy"]) if struck else 0.0
     stored = float(response["elastic"].values[0]) if history == "time" else 0.0
-    return at[index], parts, brought + stored
+    return at, parts, energy + work + stored

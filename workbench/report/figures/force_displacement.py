@@ -6,32 +6,14 @@ up to the first displacement beyond it).
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import Unit, title_of, unit_of
 from workbench.fields import Choice
-from workbench.report.figures.drawing import (
-    Absences,
-    Array,
-    Drawing,
-    Request,
-    joined,
-    nothing,
-    rows,
-    thinned,
-)
-from workbench.report.figures.frames import displacement_unit, frame_scenario_of
-from workbench.report.figures.panels import (
-    STATIC,
-    chosen_cases,
-    handle,
-    name_axes,
-    panel_grid,
-)
-from workbench.report.figures.style import MUTED, legend_below
+from workbench.report.drawing.cases import displacement_unit, frame_scenario_of
+from workbench.report.drawing.sheet import STATIC, Drawing, Request, Sheet, nothing, thinned
+from workbench.report.drawing.style import MUTED, entry
 from workbench.study.definition import Case
 
 _QUANTITY = Choice(("force", "load_factor"))
@@ -42,70 +24,47 @@ def draw(request: Request) -> Drawing:
     """Overlaid force-displacement curves, one panel per case."""
     quantity = request.option("quantity", "force")
     quantity = _QUANTITY.check("figure.options.quantity", quantity)
-    cases, statements = chosen_cases(request, STATIC)
+    said: list[str] = []
+    cases = request.chosen(said, STATIC)
     if not cases:
         return nothing("Force-displacement curves need static loading; no case is static.")
-    canvas, axes = panel_grid(len(cases), height=2.6, share_y=False)
-    until = float(request.option("until", np.inf))
-    blocks: list[Any] = []
-    handles: list[Any] = []
-    absent = Absences()
-    for i, (case, panel) in enumerate(zip(cases, axes, strict=True)):
-        along, up = _units(case, quantity)
+    sheet = Sheet.grid(len(cases), said, height=2.6, sharey=False)
+    until, what = float(request.option("until", np.inf)), f"{title_of(quantity)} and displacement"
+    for case, panel in zip(cases, sheet.panels, strict=True):
+        (along, turned), (up, shown) = _axes(case, quantity)
         turning = False
-        for label in request.shown(case):
-            look = request.looks[label]
-            response = request.stored.response(case.name, label)
-            if response is None:
-                absent.no_answer(label, case.name)
-                continue
-            if quantity not in response or "displacement" not in response:
-                absent.without(f"{title_of(quantity)} and displacement", label)
-                continue
-            x, y = _until(response["displacement"].values, response[quantity].values, until)
-            back = bool(np.any(np.diff(x) < 0.0))
+        answers = request.answers(case, sheet.absent, (quantity, "displacement"), what)
+        for label, response in answers.items():
+            x, y = response["displacement"].values, response[quantity].values
+            beyond = np.flatnonzero(np.abs(x) > until)
+            end = beyond[0] if len(beyond) else len(x)
+            back = bool(np.any(np.diff(x[:end]) < 0.0))
             turning |= back
-            x, y = thinned(x, y, 2400 if back else 700)
-            style = look.curve()
-            if back:
-                style["linewidth"] *= _LOOPS
-            panel.plot(x * along.factor, y * up.factor, **style)
-            handles.append(handle(label, look))
-            block = {"case": case.name, "label": label, "displacement_SI": x, f"{quantity}_SI": y}
-            blocks.append(rows(block, len(x)))
-        panel.set_title(case.name, loc="left")
+            x, y = thinned(x[:end], y[:end], 2400 if back else 700)
+            look = request.looks[label]
+            width = look.width * (_LOOPS if back else 1.0)
+            panel.plot(x * along.factor, y * up.factor, **look.curve(linewidth=width))
+            sheet.legend(entry(label, **look.curve()))
+            head = {"case": case.name, "label": label}
+            sheet.record(**head, displacement_SI=x, **{f"{quantity}_SI": y})
         _finish(panel, turning)
-        moment = up.text == "kN m" and quantity == "force"
-        shown = "moment" if moment else title_of(quantity)
-        turned = "rotation" if along.text == "rad" else "displacement"
-        name_axes(panel, i, len(cases), f"{turned} ({along.text})", _with(shown, up))
-    statements += absent.sentences()
-    if not blocks:
-        return nothing("No model answered these cases with a curve.", *statements)
-    legend_below(canvas, handles)
-    alt = f"{title_of(quantity)} over displacement for {', '.join(case.name for case in cases)}"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+        height = f"{shown} ({up.text})" if up.text else shown
+        sheet.name(panel, case.name, f"{turned} ({along.text})", height)
+    return sheet.finish(
+        f"{title_of(quantity)} over displacement for {', '.join(case.name for case in cases)}",
+        empty="No model answered these cases with a curve.",
+    )
 
 
-def _units(case: Case, quantity: str) -> tuple[Unit, Unit]:
-    """Display units of displacement and of the quantity: patterns may hold moments only."""
+def _axes(case: Case, quantity: str) -> tuple[tuple[Unit, str], tuple[Unit, str]]:
+    """Display unit and name of displacement and quantity: patterns may hold moments only."""
     scenario = frame_scenario_of(case)
     along = unit_of("displacement") if scenario is None else displacement_unit(scenario)
+    across = along, "rotation" if along.text == "rad" else "displacement"
     loads = getattr(scenario, "loads", ())
     if quantity == "force" and loads and not any(load.x or load.y for load in loads):
-        return along, unit_of("moment")
-    return along, unit_of(quantity)
-
-
-def _with(name: str, unit: Unit) -> str:
-    return f"{name} ({unit.text})" if unit.text else name
-
-
-def _until(x: Array, y: Array, limit: float) -> tuple[Array, Array]:
-    """The record up to the first displacement beyond a limit."""
-    beyond = np.flatnonzero(np.abs(x) > limit)
-    end = int(beyond[0]) if len(beyond) else len(x)
-    return x[:end], y[:end]
+        return across, (unit_of("moment"), "moment")
+    return across, (unit_of(quantity), title_of(quantity))
 
 
 def _finish(panel: Axes, turning: bool) -> None:

@@ -7,27 +7,22 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from workbench.content.formatting import number, percent
-from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
-from workbench.report.figures.panels import name_axes, panel_grid
-from workbench.report.figures.studs import (
-    MILLI,
-    campaign_looks,
-    column,
-    contents,
-    handle,
-    reference_rows,
-)
-from workbench.report.figures.style import legend_below
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
+from workbench.report.drawing.studs import MILLI, Content, contents, measured, table_of
+from workbench.report.drawing.style import PALETTE, Style, entry, numbered
+from workbench.study.definition import Case
 
 _LARGEST_SLIP = 10.0  # mm
-_BAND = "#0072b2"
+_LAW = PALETTE[0]
+_MEDIAN: Style = {"color": _LAW, "linewidth": 1.8}
+_BAND: Style = {"color": _LAW, "alpha": 0.18, "linewidth": 0.0}
 # no lines: some curves have nothing between half of the load and the peak
-_FITTED: dict[str, Any] = {
+_FITTED: Style = {
     "color": "#8a8a8a",
     "linestyle": "none",
     "marker": ".",
@@ -42,92 +37,78 @@ def draw(request: Request) -> Drawing:
     if not found:
         return nothing("No load-slip law has answered these cases.")
     case = next(iter(found.values()))[0]
-    fitted = _curves(reference_rows(request, case, "calibration"))
-    unseen = _curves(reference_rows(request, case, "validation"))
-    looks = campaign_looks(campaign for campaign, _ in unseen)
-    canvas, axes = panel_grid(len(found), height=2.35, share_x=True)
-    blocks: list[Any] = []
-    statements = []
-    for i, (panel, (label, (_, content))) in enumerate(zip(axes, found.items(), strict=True)):
-        _measured(panel, fitted, unseen, looks)
-        blocks.append(_law(panel, label, content))
-        panel.set_title(label, loc="left")
-        name_axes(panel, i, len(found), "slip (mm)", "load over largest load")
-        panel.set_xlim(0.0, _LARGEST_SLIP)
-        panel.set_ylim(0.0, 1.12)
-        statements.append(_sentence(label, content))
-    few = sum(len(slip) < _FEW for slip, _ in fitted.values())
+    fitted, unseen = (_curves(request, case, part) for part in ("calibration", "validation"))
+    # the colour of the law is not used again
+    campaigns = dict.fromkeys(campaign for campaign, _ in unseen)
+    looks = {name: numbered(i + 1) for i, name in enumerate(campaigns)}
+    styles = {
+        name: look.curve(linestyle="-", linewidth=0.8, marker=look.marker, markersize=2.4)
+        for name, look in looks.items()
+    }
+    sheet = Sheet.grid(len(found), height=2.35, sharex=True)
+    for panel, (label, (_, content)) in zip(sheet.panels, found.items(), strict=True):
+        for own in fitted.values():
+            panel.plot(own["slip_mm"], own["load"], **_FITTED, zorder=2)
+        for (campaign, _), own in unseen.items():
+            panel.plot(own["slip_mm"], own["load"], **{**styles[campaign], "zorder": 3.5})
+        sheet.record(label=label, **_law(panel, content))
+        sheet.name(panel, label, "slip (mm)", "load over largest load")
+        panel.set(xlim=(0.0, _LARGEST_SLIP), ylim=(0.0, 1.12))
+        sheet.said.append(_sentence(label, content))
+    few = sum(len(own) < _FEW for own in fitted.values())
     if few:
-        statements.append(
+        sheet.said.append(
             f"{few} of the {len(fitted)} fitted curves have fewer than {_FEW} points, with none "
             "between half of the load and the peak: they hardly tell the shape there."
         )
     for kind, curves in (("fitted", fitted), ("unseen", unseen)):
-        for (campaign, specimen), (slip, load) in curves.items():
-            block = {"label": kind, "campaign": campaign, "specimen": specimen}
-            block |= {"slip_m": slip / MILLI, "median": load}
-            blocks.append(rows(block, len(slip)))
-    handles: list[Any] = [
-        handle("median of the law", color=_BAND, linewidth=1.8),
-        Patch(color=_BAND, alpha=0.18, linewidth=0.0, label="90 % band of a further curve"),
-        handle(f"{len(fitted)} fitted curves", **_FITTED),
-    ]
-    for campaign, look in looks.items():
-        handles.append(handle(f"{campaign}, unseen", **_unseen(look)))
-    legend_below(canvas, handles)
-    alt = f"load over largest load against slip for {', '.join(found)}"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+        for own in curves.values():
+            points = {"slip_m": own["slip"], "median": own["load"]}
+            sheet.record(label=kind, **own[["campaign", "specimen"]], **points)
+    sheet.legend(
+        entry("median of the law", **_MEDIAN),
+        Patch(**_BAND, label="90 % band of a further curve"),
+        entry(f"{len(fitted)} fitted curves", **_FITTED),
+        *(entry(f"{campaign}, unseen", **style) for campaign, style in styles.items()),
+    )
+    return sheet.finish(f"load over largest load against slip for {', '.join(found)}")
 
 
-def _curves(points: list[dict[str, Any]]) -> dict[tuple[str, str], tuple[Any, Any]]:
-    """Slip in mm and load over the largest load of every specimen."""
-    result: dict[tuple[str, str], tuple[Any, Any]] = {}
-    keys = dict.fromkeys((point["campaign"], point["specimen"]) for point in points)
-    for key in keys:
-        own = [p for p in points if (p["campaign"], p["specimen"]) == key]
-        slip, load = MILLI * column(own, "slip"), column(own, "load")
-        if len(own) > 1 and load.max() > 0.0:
-            order = np.argsort(slip, kind="stable")
-            result[key] = slip[order], load[order] / load.max()
-    return result
-
-
-def _measured(panel: Axes, fitted: Any, unseen: Any, looks: dict[str, dict[str, Any]]) -> None:
-    for slip, load in fitted.values():
-        panel.plot(slip, load, **_FITTED, zorder=2)
-    for (campaign, _), (slip, load) in unseen.items():
-        panel.plot(slip, load, **_unseen(looks[campaign]), zorder=3.5)
-
-
-def _unseen(look: dict[str, Any]) -> dict[str, Any]:
-    color = {"#0072b2": "#d55e00", "#d55e00": "#009e73"}.get(look["color"], look["color"])
-    return {"color": color, "marker": look["marker"], "markersize": 2.4, "linewidth": 0.8}
-
-
-def _law(panel: Axes, label: str, content: dict[str, Any]) -> Any:
-    grid = content["grid"]
-    slip = MILLI * np.array(grid["slip"])
-    panel.plot(slip, grid["median"], color=_BAND, linewidth=1.8, zorder=4)
-    block: dict[str, Any] = {"label": label, "slip_m": slip / MILLI, "median": grid["median"]}
-    if "low" in grid:
-        panel.fill_between(slip, grid["low"], grid["high"], color=_BAND, alpha=0.18, linewidth=0.0,
-                           zorder=1)  # fmt: skip
-        block |= {"low": grid["low"], "high": grid["high"]}
-    return rows(block, len(slip))
-
-
-def _sentence(label: str, content: dict[str, Any]) -> str:
-    text = f"{label}: "
-    fit = content["fit"]
-    if fit is None:
-        text += "no fit"
-    else:
-        text += f"{fit['curves']} curves fitted, median misfit {number(fit['median_rms'], 2)}"
-    judgement = content.get("judgement")
-    if judgement:
-        text += (
-            f"; on {judgement['curves']} unseen curves misfit {number(judgement['median_rms'], 2)}"
+def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd.DataFrame]:
+    """Points of every specimen that has several, rising in slip, loads over the largest."""
+    points = measured(request, case, part)
+    if points.empty:
+        return {}
+    points = points.assign(slip_mm=MILLI * points["slip"])
+    return {
+        (str(campaign), str(specimen)): own.assign(load=own["load"] / own["load"].max())
+        for (campaign, specimen), own in points.sort_values("slip", kind="stable").groupby(
+            ["campaign", "specimen"]
         )
+        if len(own) > 1 and own["load"].max() > 0.0
+    }
+
+
+def _law(panel: Axes, content: Content) -> dict[str, Any]:
+    """The median of a law with its band; returns what was drawn."""
+    grid = table_of(content["grid"])
+    slip = MILLI * grid["slip"]
+    panel.plot(slip, grid["median"], **_MEDIAN, zorder=4)
+    if "low" in grid:
+        panel.fill_between(slip, grid["low"], grid["high"], **_BAND, zorder=1)
+    shown = [name for name in ("median", "low", "high") if name in grid]
+    return {"slip_m": grid["slip"], **grid[shown]}
+
+
+def _sentence(label: str, content: Content) -> str:
+    fit, judgement = content["fit"], content.get("judgement")
+    text = f"{label}: no fit"
+    if fit is not None:
+        misfit = number(fit["median_rms"], 2)
+        text = f"{label}: {fit['curves']} curves fitted, median misfit {misfit}"
+    if judgement:
+        misfit = number(judgement["median_rms"], 2)
+        text += f"; on {judgement['curves']} unseen curves misfit {misfit}"
         if judgement["coverage"] is not None:
             text += f", {percent(judgement['coverage'], signed=False)} of their points in the band"
         if judgement["stiffness"]:

@@ -5,16 +5,13 @@ Options: `cases` (the first case with an answer of the first label counts).
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
-from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
-from workbench.report.figures.panels import panel_grid
-from workbench.report.figures.studs import KILO, campaign_looks, column, contents, handle, points
-from workbench.report.figures.style import INK, MUTED, legend_below
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing
+from workbench.report.drawing.studs import KILO, campaign_looks, contents, draw_tests, table_of
+from workbench.report.drawing.style import INK, MUTED, entry
 
 # variable of the rows: axis label, factor from SI
 VARIABLES = {
@@ -26,60 +23,49 @@ VARIABLES = {
     "over_steel": ("test over A_s f_u", 1.0),
 }
 _FEW = 4  # values of a variable below which a trend cannot be told
+_TICKS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 2.0)
 
 
 def draw(request: Request) -> Drawing:
     """One panel per variable, the ratio on a logarithmic scale."""
-    formulas = (
-        each
-        for each in contents(request, "tests")
-        if each[2]["tests"] and "ratio" in each[2]["tests"][0]
-    )
-    found = next(formulas, None)
-    if found is None:
+    for answered in contents(request, "tests"):
+        tests = table_of(answered[2]["tests"])
+        if "ratio" in tests:
+            break
+    else:
         return nothing("No formula of shear strength has answered these cases.")
-    case, label, content = found
-    tests = content["tests"]
-    looks = campaign_looks(test["campaign"] for test in tests)
-    canvas, axes = panel_grid(len(VARIABLES), height=2.0)
-    blocks: list[Any] = []
+    case, label, _ = answered
+    looks = campaign_looks(tests["campaign"])
+    sheet = Sheet.grid(
+        len(VARIABLES), [f"{label}, case {case.name}: {len(tests)} tests."], height=2.0
+    )
     poor = []
-    for i, (panel, (name, (title, factor))) in enumerate(zip(axes, VARIABLES.items(), strict=True)):
-        x, ratio = factor * column(tests, name), column(tests, "ratio")
-        for campaign, look in looks.items():
-            own = np.array([test["campaign"] == campaign for test in tests])
-            panel.plot(x[own], ratio[own], **points(**look))
-        _axes(panel, ratio)
+    for panel, (name, (title, factor)) in zip(sheet.panels, VARIABLES.items(), strict=True):
+        shown = tests.assign(value=factor * tests[name])
+        draw_tests(panel, shown, "value", "ratio", looks)
+        _axes(panel, tests["ratio"].to_numpy(float))
+        sheet.name(panel, "", title, "test over prediction")
         panel.set_xlabel(title)
-        if i % 3 == 0:
-            panel.set_ylabel("test over prediction")
-        if len(np.unique(x[np.isfinite(x)])) < _FEW:
+        if shown["value"].nunique() < _FEW:
             poor.append(title.partition(" (")[0])
-        block = {"variable": name, "value_SI": x / factor, "test_over_prediction": ratio}
-        block |= {"campaign": [t["campaign"] for t in tests]}
-        block |= {"specimen": [t["specimen"] for t in tests]}
-        blocks.append(rows(block, len(tests)))
-    handles = [handle(name, **points(**look)) for name, look in looks.items()]
-    legend_below(canvas, handles)
-    statements = [f"{label}, case {case.name}: {len(tests)} tests."]
+        ratio = {"value_SI": tests[name], "test_over_prediction": tests["ratio"]}
+        sheet.record(variable=name, **ratio, **tests[["campaign", "specimen"]])
+    sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
     if poor:
-        statements.append(
+        sheet.said.append(
             f"Too few different values to tell a trend: {', '.join(poor)}. What differs there is "
             "the campaign."
         )
-    largest = float(np.nanmax(column(tests, "test"))) * KILO
-    statements.append(f"The strongest test bore {largest:.0f} kN per stud.")
-    alt = f"test over prediction of {label} against {', '.join(VARIABLES)}"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+    sheet.said.append(f"The strongest test bore {KILO * tests['test'].max():.0f} kN per stud.")
+    return sheet.finish(f"test over prediction of {label} against {', '.join(VARIABLES)}")
 
 
-def _axes(panel: Axes, ratio: Any) -> None:
+def _axes(panel: Axes, ratio: Array) -> None:
     panel.set_yscale("log")
     low, high = min(0.95 * np.nanmin(ratio), 0.9), max(1.05 * np.nanmax(ratio), 1.1)
     panel.set_ylim(low, high)
-    ticks = [t for t in (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.6, 2.0) if low <= t <= high]
-    panel.set_yticks(ticks)
-    panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    panel.set_yticks([tick for tick in _TICKS if low <= tick <= high])
+    panel.yaxis.set_major_formatter("{x:g}")
     panel.minorticks_off()
     panel.xaxis.set_major_locator(MaxNLocator(5))
     panel.axhline(1.0, color=INK, linewidth=0.9, zorder=1)

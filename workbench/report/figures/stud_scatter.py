@@ -6,120 +6,100 @@ are filled.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import number
-from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
-from workbench.report.figures.panels import name_axes, panel_grid
-from workbench.report.figures.studs import KILO, campaign_looks, column, contents, handle, points
-from workbench.report.figures.style import INK, MUTED, legend_below
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
+from workbench.report.drawing.studs import (
+    KILO,
+    Content,
+    campaign_looks,
+    contents,
+    draw_tests,
+    filled,
+    table_of,
+    test_entries,
+)
+from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Look, Style, entry
 
 _SPREAD = 0.2
 _NAMED_BELOW = 0.85  # of the prediction: such a test is named
+_LINE: Style = {"color": INK, "linewidth": 0.9}
+_BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 
 def draw(request: Request) -> Drawing:
     """Measured strength up, predicted strength across; below the line a prediction is unsafe."""
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, Content] = {}
     for _, label, content in contents(request, "tests"):
         if content.get("fit", {}).get("parameters"):
             found.setdefault(label, content)
     if not found:
         return nothing("No formula of shear strength has answered these cases.")
-    series = {label: _points(content) for label, content in found.items()}
-    looks = campaign_looks(point["campaign"] for points_ in series.values() for point in points_)
-    top = 1.06 * max(max(p["test"], p["prediction"]) for each in series.values() for p in each)
-    canvas, axes = panel_grid(len(series), height=2.45, share_x=True)
-    blocks = []
-    statements = []
-    for i, (panel, (label, tests)) in enumerate(zip(axes, series.items(), strict=True)):
-        _panel(panel, tests, looks, KILO * top)
-        panel.set_title(label, loc="left")
-        name_axes(panel, i, len(series), "prediction (kN per stud)", "test (kN per stud)")
-        note, text = _summary(label, found[label])
+    tests = pd.concat([_tests(label, content) for label, content in found.items()])
+    looks = campaign_looks(tests["campaign"])
+    top = 1.06 * KILO * float(np.max(tests[["test", "prediction"]].to_numpy(float)))
+    sheet = Sheet.grid(len(found), height=2.45, sharex=True)
+    for panel, (label, content) in zip(sheet.panels, found.items(), strict=True):
+        own = tests[tests["label"] == label]
+        _panel(panel, own, looks, top)
+        sheet.name(panel, label, "prediction (kN per stud)", "test (kN per stud)")
+        note, text = _summary(label, content)
         panel.text(0.96, 0.13, note, transform=panel.transAxes, ha="right", fontsize=7.0)
-        statements.append(text)
-        blocks.append(rows({"label": label, **_columns(tests)}, len(tests)))
-    handles: list[Any] = [
-        handle(f"{name}, fitted", **points(**look)) for name, look in looks.items()
-    ]
-    unseen = {p["campaign"] for each in series.values() for p in each if p["unseen"]}
-    handles += [handle(f"{name}, unseen", **points(**looks[name], filled=True))
-                for name in looks if name in unseen]  # fmt: skip
-    handles.append(handle("test = prediction", color=INK, linewidth=0.9))
-    handles.append(handle("± 20 %", color=MUTED, linewidth=0.7, linestyle=":"))
-    legend_below(canvas, handles)
-    alt = f"measured against predicted strength of push-outs for {', '.join(series)}"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+        sheet.said.append(text)
+        sheet.record(own.rename(columns={"prediction": "prediction_N", "test": "test_N"}))
+    new = set(tests.loc[tests["unseen"], "campaign"])
+    unseen = {name: filled(look) for name, look in looks.items() if name in new}
+    sheet.legend(*test_entries(looks, "fitted"), *test_entries(unseen, "unseen"))
+    sheet.legend(entry("test = prediction", **_LINE), entry("± 20 %", **_BOUND))
+    return sheet.finish(f"measured against predicted strength of push-outs for {', '.join(found)}")
 
 
-def _points(content: dict[str, Any]) -> list[dict[str, Any]]:
+def _tests(label: str, content: Content) -> pd.DataFrame:
     """Fitted tests and unseen ones (N), whatever model they come from."""
-    result = []
-    for row in content["tests"]:
-        test = row.get("test", row.get("strength_test"))
-        prediction = row.get("prediction", row.get("strength_model"))
-        result.append({"campaign": row["campaign"], "specimen": row["specimen"], "test": test,
-                       "prediction": prediction, "unseen": False})  # fmt: skip
+    names = {"strength_test": "test", "strength_model": "prediction"}
+    tests = table_of(content["tests"]).rename(columns=names).assign(label=label, unseen=False)
     if "basis" in content:  # a model that is judged where it is calibrated elsewhere
-        result += [{**row, "unseen": True} for row in content.get("judged") or []]
-    return result
+        tests = pd.concat([tests, table_of(content["judged"]).assign(label=label, unseen=True)])
+    return tests[["label", "campaign", "specimen", "unseen", "prediction", "test"]]
 
 
-def _panel(
-    panel: Axes, tests: list[dict[str, Any]], looks: dict[str, dict[str, Any]], top: float
-) -> None:
+def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float) -> None:
     line = np.array([0.0, top])
-    panel.fill_between(line, line, 0.0, color="#d55e00", alpha=0.06, linewidth=0.0)
-    panel.plot(line, line, color=INK, linewidth=0.9)
+    panel.fill_between(line, line, 0.0, color=PALETTE[1], alpha=0.06, linewidth=0.0)
+    panel.plot(line, line, **_LINE)
     for factor in (1.0 - _SPREAD, 1.0 + _SPREAD):
-        panel.plot(line, factor * line, color=MUTED, linewidth=0.7, linestyle=":")
-    for name, look in looks.items():
-        for unseen in (False, True):
-            own = [t for t in tests if t["campaign"] == name and t["unseen"] is unseen]
-            if own:
-                style = points(**look, filled=unseen)
-                panel.plot(KILO * column(own, "prediction"), KILO * column(own, "test"), **style)
-    worst = min(tests, key=lambda test: test["test"] / test["prediction"])
+        panel.plot(line, factor * line, **_BOUND)
+    shown = tests.assign(test=KILO * tests["test"], prediction=KILO * tests["prediction"])
+    draw_tests(panel, shown, "prediction", "test", looks)
+    worst = shown.iloc[int((shown["test"] / shown["prediction"]).argmin())]
     if worst["test"] < _NAMED_BELOW * worst["prediction"]:
-        at = KILO * worst["prediction"], KILO * worst["test"]
-        panel.annotate(worst["specimen"], at, (0, -5), textcoords="offset points", fontsize=6.5,
-                       ha="center", va="top", annotation_clip=True)  # fmt: skip
-    panel.text(0.96 * top, 0.04 * top, "unsafe", color="#a04000", fontsize=7.0, ha="right")
-    panel.set_xlim(0.0, top)
-    panel.set_ylim(0.0, top)
+        at = worst["prediction"], worst["test"]
+        below: Style = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 6.5}
+        panel.annotate(worst["specimen"], at, (0, -5), **below, annotation_clip=True)
+    panel.text(0.96 * top, 0.04 * top, "unsafe", color=WARNING, fontsize=7.0, ha="right")
+    panel.set(xlim=(0.0, top), ylim=(0.0, top))
     panel.set_box_aspect(1.0)
 
 
-def _summary(label: str, content: dict[str, Any]) -> tuple[str, str]:
+def _summary(label: str, content: Content) -> tuple[str, str]:
     """What stands in the panel, and the sentence below the figure."""
     fit = content["fit"]
     bias = fit["parameters"].get("bias")
     if bias is None:
-        scatter = fit["scatter"]["strength"]
-        text = f"{label}: calibrated on {fit['tests']} tests, scatter there {number(scatter, 2)}"
+        scatter = f"scatter {number(fit['scatter']['strength'], 2)}"
+        text = f"{label}: calibrated on {fit['tests']} tests, scatter there{scatter[7:]}"
         judgement = content.get("judgement")
         if judgement:
             least = number(judgement["least_test_over_prediction"], 3)
             text += f"; unseen tests from {least} of the prediction on"
-        return f"scatter {number(scatter, 2)}", text + "."
+        return scatter, f"{text}."
     low, high = bias["profile"]["low"], bias["profile"]["high"]
     span = "interval open" if None in (low, high) else f"{number(low, 3)} to {number(high, 3)}"
-    text = (
-        f"{label}: median of test over prediction {number(bias['value'], 3)} ({span}), scatter "
+    median = number(bias["value"], 3)
+    return f"median {median}\n({span})", (
+        f"{label}: median of test over prediction {median} ({span}), scatter "
         f"{number(fit['sigma']['value'], 2)} within campaigns."
     )
-    return f"median {number(bias['value'], 3)}\n({span})", text
-
-
-def _columns(tests: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "campaign": [t["campaign"] for t in tests],
-        "specimen": [t["specimen"] for t in tests],
-        "unseen": [t["unseen"] for t in tests],
-        "prediction_N": column(tests, "prediction"),
-        "test_N": column(tests, "test"),
-    }

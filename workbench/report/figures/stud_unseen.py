@@ -5,123 +5,118 @@ Options: `cases`: the one with the judged model, and the one whose tests hold lo
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import number
-from workbench.report.figures.drawing import Drawing, Request, joined, nothing, rows
-from workbench.report.figures.studs import (
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
+from workbench.report.drawing.studs import (
     KILO,
     MILLI,
+    Content,
     campaign_looks,
-    column,
     contents,
-    handle,
-    points,
-    reference_rows,
+    draw_tests,
+    filled,
+    measured,
+    table_of,
 )
-from workbench.report.figures.style import INK, MUTED, legend_below, new_figure
+from workbench.report.drawing.style import INK, MUTED, PALETTE, Look, Style, entry, new_figure
 
 _MOST = 3  # studs with a curve
+_SPREAD = 0.22  # half of the width over which the tests of a campaign stand side by side
+_PREDICTED: Style = {"color": INK, "linewidth": 1.5}
+_COLLAR: Style = {"color": MUTED, "linewidth": 0.9, "linestyle": "--"}
 
 
 def draw(request: Request) -> Drawing:
     """Left the ratios of all tests, right one panel per unseen stud."""
-    mechanical = (each for each in contents(request, "judged") if "basis" in each[2])
-    found = next(mechanical, None)
+    found = next((each for each in contents(request, "judged") if "basis" in each[2]), None)
     if found is None:
         return nothing("No mechanical prediction has been judged by unseen tests.")
     _, label, content = found
-    curves = content["curves"][:_MOST]
+    curves, judgement = content["curves"][:_MOST], content["judgement"]
     canvas = new_figure(2.9)
-    axes = canvas.subplots(1, 1 + len(curves), width_ratios=[1.05, *[1.0] * len(curves)],
-                           squeeze=False)[0]  # fmt: skip
-    looks = campaign_looks(
-        [r["campaign"] for r in content["tests"]] + [r["campaign"] for r in content["judged"]]
-    )
-    blocks = [_ratios(axes[0], content, looks)]
-    for panel, curve in zip(axes[1:], curves, strict=True):
-        blocks.append(_curve(panel, curve, _measured(request, curve), looks))
-    judgement = content["judgement"]
-    statements = [
+    widths = [1.05, *[1.0] * len(curves)]
+    sheet = Sheet(canvas, canvas.subplots(1, len(widths), width_ratios=widths, squeeze=False)[0])
+    tests = _tests(content)
+    looks = campaign_looks(tests["campaign"])
+    _ratios(sheet.panel, tests, list(looks), looks)
+    sheet.record(tests)
+    for panel, curve in zip(sheet.panels[1:], curves, strict=True):
+        _curve(sheet, panel, curve, _measured(request, curve), looks)
+    sheet.said += [
         f"{label}: {content['basis']}.",
         f"Of {judgement['tests']} unseen tests the worst, {judgement['worst']}, bore "
         f"{number(judgement['least_test_over_prediction'], 2)} of the prediction: the model knows "
         "no cracking or splitting of the slab.",
     ]
-    handles = [handle(f"{name}, calibration" if i == 0 else f"{name}, unseen",
-                      **points(**look, filled=i > 0))
-               for i, (name, look) in enumerate(looks.items())]  # fmt: skip
-    handles += [handle("predicted", color=INK, linewidth=1.5),
-                handle("of it through the weld collar", color=MUTED, linewidth=0.9,
-                       linestyle="--")]  # fmt: skip
-    legend_below(canvas, handles)
-    alt = "test over prediction of the mechanical stud, and its load-slip curves for unseen studs"
-    return Drawing(canvas, joined(blocks), tuple(statements), alt)
+    for i, (name, look) in enumerate(looks.items()):
+        known = f"{name}, unseen" if i else f"{name}, calibration"
+        sheet.legend(entry(known, **(filled(look) if i else look).points()))
+    sheet.legend(entry("predicted", **_PREDICTED))
+    sheet.legend(entry("of it through the weld collar", **_COLLAR))
+    return sheet.finish(
+        "test over prediction of the mechanical stud, and its load-slip curves for unseen studs"
+    )
 
 
-def _ratios(panel: Axes, content: dict[str, Any], looks: dict[str, dict[str, Any]]) -> Any:
-    entries = [(r["campaign"], r["specimen"], r["strength_ratio"], False) for r in content["tests"]]
-    entries += [(r["campaign"], r["specimen"], r["ratio"], True) for r in content["judged"]]
-    names = list(looks)
-    for name in names:
-        own = [entry for entry in entries if entry[0] == name]
-        spread = np.linspace(-0.22, 0.22, len(own)) if len(own) > 1 else np.zeros(1)
-        for offset, (_, specimen, ratio, unseen) in zip(spread, own, strict=True):
-            at = names.index(name) + offset
-            panel.plot([at], [ratio], **points(**looks[name], filled=unseen))
-            if unseen:
-                panel.annotate(specimen, (at, ratio), (6, -3), textcoords="offset points",
-                               fontsize=7.0)  # fmt: skip
+def _tests(content: Content) -> pd.DataFrame:
+    """Campaign, specimen and test over prediction of fitted and of unseen tests."""
+    fitted = table_of(content["tests"]).rename(columns={"strength_ratio": "ratio"})
+    both = [fitted.assign(unseen=False), table_of(content["judged"]).assign(unseen=True)]
+    table = pd.concat(both)[["campaign", "specimen", "ratio", "unseen"]]
+    return table.rename(columns={"ratio": "test_over_prediction"})
+
+
+def _ratios(panel: Axes, tests: pd.DataFrame, names: list[str], looks: Mapping[str, Look]) -> None:
+    size = tests.groupby("campaign")["campaign"].transform("size")
+    place = tests.groupby("campaign").cumcount() / (size - 1).clip(lower=1)
+    slots = tests["campaign"].map({name: i for i, name in enumerate(names)})
+    tests = tests.assign(at=slots + _SPREAD * (2.0 * place - 1.0) * (size > 1))
+    draw_tests(panel, tests, "at", "test_over_prediction", looks)
+    for row in tests[tests["unseen"]].itertuples():
+        beside: Style = {"xytext": (6, -3), "textcoords": "offset points", "fontsize": 7.0}
+        panel.annotate(str(row.specimen), (row.at, row.test_over_prediction), **beside)
     panel.axhline(1.0, color=INK, linewidth=0.9, zorder=1)
-    panel.axhspan(0.0, 0.85, color="#d55e00", alpha=0.06, linewidth=0.0)
+    panel.axhspan(0.0, 0.85, color=PALETTE[1], alpha=0.06, linewidth=0.0)
     panel.set_xticks(range(len(names)), names)
     panel.set_xlim(-0.5, len(names) - 0.5)
-    values = [entry[2] for entry in entries]
-    panel.set_ylim(min(0.6, 0.92 * min(values)), 1.08 * max(values))
+    values = tests["test_over_prediction"]
+    panel.set_ylim(min(0.6, 0.92 * values.min()), 1.08 * values.max())
     panel.set_ylabel("test over prediction, strength")
     panel.grid(visible=False, axis="x")
-    columns = zip(*entries, strict=True)
-    block = dict(zip(("campaign", "specimen", "test_over_prediction", "unseen"), columns,
-                     strict=True))  # fmt: skip
-    return rows({key: list(value) for key, value in block.items()}, len(entries))
 
 
-def _measured(request: Request, curve: dict[str, Any]) -> list[dict[str, Any]]:
-    key = (curve["campaign"], curve["specimen"])
+def _measured(request: Request, curve: Content) -> pd.DataFrame:
+    """The measured points of a stud, from the first case that has them."""
     for case in request.cases:
-        own = [
-            row
-            for part in ("calibration", "validation")
-            for row in reference_rows(request, case, part)
-            if "slip" in row and (row["campaign"], row["specimen"]) == key
-        ]
-        if own:
-            return own
-    return []
+        both = [measured(request, case, part) for part in ("calibration", "validation")]
+        points = pd.concat([part for part in both if "slip" in part] or both[:1])
+        if "slip" in points:
+            same = points["specimen"].eq(curve["specimen"])
+            points = points[same & points["campaign"].eq(curve["campaign"])]
+            if len(points):
+                return points
+    return pd.DataFrame()
 
 
 def _curve(
-    panel: Axes,
-    curve: dict[str, Any],
-    measured: list[dict[str, Any]],
-    looks: dict[str, dict[str, Any]],
-) -> Any:
-    slip, load = MILLI * np.array(curve["slip"]), KILO * np.array(curve["load"])
-    panel.plot(slip, load, color=INK, linewidth=1.5)
-    panel.plot(slip, KILO * np.array(curve["collar"]), color=MUTED, linewidth=0.9, linestyle="--")
-    block = {"campaign": curve["campaign"], "specimen": curve["specimen"], "curve": "predicted"}
-    blocks = [rows({**block, "slip_m": slip / MILLI, "load_N": load / KILO}, len(slip))]
-    if measured:
-        x, y = MILLI * column(measured, "slip"), KILO * column(measured, "load")
-        panel.plot(x, y, **points(**looks[curve["campaign"]], filled=True, size=3.2))
-        block["curve"] = "measured"
-        blocks.append(rows({**block, "slip_m": x / MILLI, "load_N": y / KILO}, len(x)))
-    panel.set_title(f"{curve['campaign']} {curve['specimen']}", loc="left")
+    sheet: Sheet, panel: Axes, curve: Content, points: pd.DataFrame, looks: Mapping[str, Look]
+) -> None:
+    slip, load = np.array(curve["slip"]), np.array(curve["load"])
+    panel.plot(MILLI * slip, KILO * load, **_PREDICTED)
+    panel.plot(MILLI * slip, KILO * np.array(curve["collar"]), **_COLLAR)
+    head = {"campaign": curve["campaign"], "specimen": curve["specimen"]}
+    sheet.record(**head, curve="predicted", slip_m=slip, load_N=load)
+    if len(points):
+        look = filled(looks[curve["campaign"]]).points(markersize=3.2)
+        panel.plot(MILLI * points["slip"], KILO * points["load"], **look)
+        sheet.record(**head, curve="measured", slip_m=points["slip"], load_N=points["load"])
+    sheet.name(panel, f"{curve['campaign']} {curve['specimen']}", "", "load (kN per stud)")
     panel.set_xlabel("slip (mm)")
-    panel.set_ylabel("load (kN per stud)")
     panel.set_xlim(left=0.0)
     panel.set_ylim(bottom=0.0)
-    return joined(blocks)

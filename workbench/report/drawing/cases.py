@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 from workbench.content.formatting import Unit, unit_of
-from workbench.scenarios import (
-    ColumnImpact,
-    ColumnPushover,
-    FrameGroundMotion,
-    FrameImpact,
-    FrameStatic,
-    frame_scenario,
-)
+from workbench.scenarios import ColumnImpact, ColumnPushover, FrameScenario, frame_scenario
 from workbench.study.definition import Case
-
-FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion
 
 
 def frame_scenario_of(case: Case) -> FrameScenario | None:
     """The scenario of a case on a frame; None if the case is about no frame or column."""
     scenario = case.scenario
-    if isinstance(scenario, (FrameStatic, FrameImpact, FrameGroundMotion)):
-        return scenario
     if isinstance(scenario, (ColumnImpact, ColumnPushover)):
         return frame_scenario(scenario)
-    return None
+    return scenario if isinstance(scenario, FrameScenario) else None
 
 
 def displacement_unit(scenario: FrameScenario) -> Unit:

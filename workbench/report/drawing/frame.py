@@ -1,0 +1,200 @@
+"""A frame on paper: members, joints, supports, springs, masses and dead loads. Units: inches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from workbench.content.formatting import brief
+from workbench.report.drawing.layout import Layout
+from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
+from workbench.report.drawing.symbols import (
+    DOWN,
+    LEFT,
+    RIGHT,
+    SMALL,
+    arrow,
+    circle,
+    face,
+    ground,
+    guide,
+    hinge_support,
+    line,
+    note,
+    roller,
+    spiral,
+    spring,
+    turning,
+)
+from workbench.scenarios import Frame, Load, Member, Node
+from workbench.sections import Section
+
+TINTS = ("#b9c4cf", "#e3cfa8", "#a9cdb9", "#d9b8cc")  # one per section
+DEAD = PALETTE[1]
+ARROW = 0.38  # length
+_SUPPORT, _GAP, _DIAMOND = 0.34, 0.06, 0.055
+_MANY = 4  # equal loads or masses beyond this share one label
+_MOST_NAMES = 24
+
+
+def sections_of(frame: Frame) -> dict[Section, Section]:
+    """The different sections of a frame in order, as given and as their strength is counted."""
+    return {member.section: frame.strength_section(member) for member in frame.members}
+
+
+def draw_frame(panel: Axes, layout: Layout, named: Sequence[str] = ()) -> None:
+    """Draw the frame at rest; nodes in `named` get their names even where there are many."""
+    frame = layout.frame
+    sections = list(dict.fromkeys(member.section for member in frame.members))
+    for member in frame.members:
+        _member(panel, layout, member, TINTS[sections.index(member.section) % len(TINTS)])
+        along = layout.along(member)
+        for node, joint, away in (
+            (member.start, member.joint_start, along),
+            (member.end, member.joint_end, -along),
+        ):
+            if joint != "rigid":
+                joint_mark(panel, layout.edge(node, away, _GAP), joint)
+    for place in frame.nodes:
+        _support(panel, layout, place)
+        _springs(panel, layout, place)
+    _masses(panel, layout)
+    _dead_loads(panel, layout)
+    for place in frame.nodes:
+        if len(frame.nodes) <= _MOST_NAMES or place.name in named:
+            _name(panel, layout, place)
+
+
+def _member(panel: Axes, layout: Layout, member: Member, color: str) -> None:
+    along = layout.along(member)
+    across = 0.5j * along * layout.depth(member)
+    # members meet in full corners
+    start = layout.at(member.start) - along * layout.half_depth(member.start, along)
+    end = layout.edge(member.end, along)
+    outline = [start - across, start + across, end + across, end - across]
+    # the face hides the outlines of members that pass through it: what is left is the contour
+    face(panel, outline, 1.5, facecolor=INK, linewidth=1.6)
+    face(panel, outline, 1.6, facecolor=color, edgecolor="none")
+
+
+def joint_mark(panel: Axes, at: complex, joint: str) -> None:
+    """A white circle for a pinned joint, a diamond for one with properties of its own."""
+    if joint == "pinned":
+        circle(panel, at, 0.042, 4)
+    else:
+        face(panel, at + _DIAMOND * np.array([-1.0, 1j, 1.0, -1j]), 4)
+
+
+def _support(panel: Axes, layout: Layout, node: Node) -> None:
+    at, kind, name = layout.at(node.name), node.support, node.name
+    if kind == "clamped":
+        ground(panel, at, layout.outward(name), 1.2 * _SUPPORT)
+    elif kind == "pinned":
+        hinge_support(panel, at, layout.outward(name, "y"), _SUPPORT, rolls=False)
+    elif kind.startswith("roller"):
+        out = layout.outward(name, "y" if kind == "roller-x" else "x")
+        if out.imag:
+            hinge_support(panel, at, out, _SUPPORT, rolls=True)
+        else:
+            roller(panel, layout.edge(name, out), out, _SUPPORT)
+    elif kind.startswith("guide"):
+        out = layout.outward(name, kind[-1])
+        guide(panel, at, out, layout.half_depth(name, 1j * out), _SUPPORT)
+    if node.locked != "none":
+        out = layout.outward(name, node.locked)
+        end = layout.edge(name, out, 0.03)
+        ground(panel, end, out, 1.2 * _SUPPORT)
+        beside = complex(0.26 - 0.2 * abs(out.real), 0.12 * out.imag)
+        note(panel, end + beside, "held once loaded", MUTED)
+
+
+def _springs(panel: Axes, layout: Layout, node: Node) -> None:
+    at, loaded = layout.at(node.name), any(load.node == node.name for load in layout.frame.loads)
+    for axis, stiffness in (("x", node.spring_x), ("y", node.spring_y)):
+        if not stiffness:
+            continue
+        out = layout.outward(node.name, axis)
+        # aside of supports and loads, which stand in line with the node
+        aside = 0.2 if axis == "y" and (node.support != "free" or loaded) else 0.0
+        start = layout.edge(node.name, out) + aside
+        end = start + 0.6 * out
+        if aside:
+            line(panel, [complex(at.real, start.imag), start])
+        spring(panel, start, end, 0.13)
+        ground(panel, end, out, 0.9 * _SUPPORT)
+        middle, text = 0.5 * (start + end), f"{brief(stiffness / 1e6)} kN/mm"
+        if axis == "y":
+            note(panel, middle + 0.12, text, ha="left")
+        else:
+            note(panel, middle + 0.16j, text, ha="center")
+    if node.spring_rotation:
+        spiral(panel, at, 0.2)
+        right, low = (layout.half_depth(node.name, side) for side in (RIGHT, DOWN))
+        text = f"{brief(node.spring_rotation / 1e3)} kN m/rad"
+        note(panel, at + complex(right + 0.05, -low - 0.23), text)
+
+
+def _masses(panel: Axes, layout: Layout) -> None:
+    heavy = [node for node in layout.frame.nodes if node.mass or node.rotary_inertia]
+    alike = len({(node.mass, node.rotary_inertia) for node in heavy}) == 1 and len(heavy) > _MANY
+    for node in heavy:
+        dot: Style = {"facecolor": INK, "edgecolor": "white", "linewidth": 0.6}
+        circle(panel, layout.at(node.name), 0.075 * layout.small, 4.5, **dot)
+        if alike and node is not heavy[0]:
+            continue
+        values = ((node.mass, "kg"), (node.rotary_inertia, "kg m²"))
+        text = ", ".join(f"{brief(value)} {unit}" for value, unit in values if value)
+        # left of and below the node: loads, their values and the node's name stand elsewhere
+        at = layout.edge(node.name, LEFT, 0.05) - 0.21j
+        note(panel, at, f"each {text}" if alike else text, ha="right")
+
+
+def _dead_loads(panel: Axes, layout: Layout) -> None:
+    loads = layout.frame.loads
+    alike = len({(load.x, load.y, load.moment) for load in loads}) == 1 and len(loads) > _MANY
+    highest = max(loads, key=lambda load: layout.at(load.node).imag, default=None)
+    for load in loads:
+        words = "" if alike and load is not highest else "each {}" if alike else "{}"
+        load_arrows(panel, layout, load, DEAD, words)
+
+
+def load_arrows(
+    panel: Axes, layout: Layout, load: Load, color: str, words: str = "{}", away: float = 0.0
+) -> None:
+    """Arrows of a load on its node; `words` are written around each value (empty: no text).
+
+    `away`: how far from the node they end.
+    """
+    for value, axis in ((load.x, 1.0 + 0j), (load.y, 1j)):
+        if not value:
+            continue
+        out = np.sign(value) * axis
+        end = layout.edge(load.node, -out, 0.01 + away)
+        start = end - ARROW * layout.small * out
+        arrow(panel, start, end, color)
+        text = words.format(f"{brief(abs(value) / 1e3)} kN")
+        if out.imag:
+            # the spring stands on the right
+            left = layout.frame.node(load.node).spring_y > 0.0
+            # a value that stands for all arrows has its place above the highest one
+            high = 0.1 if words.startswith("each") else 0.07 * out.imag
+            at = start + complex(-0.06 if left else 0.06, high)
+            note(panel, at, text, color, ha="right" if left else "left")
+        else:
+            note(panel, 0.5 * (start + end) - 0.1 * out + 0.1j, text, color, ha="center")
+    if load.moment:
+        at = layout.at(load.node)
+        turning(panel, at, 0.3, color, counterclockwise=load.moment > 0.0)
+        text = words.format(f"{brief(abs(load.moment) / 1e3)} kN m")
+        note(panel, at + 0.2 + 0.14j, text, color)
+
+
+def _name(panel: Axes, layout: Layout, node: Node) -> None:
+    right, low = (layout.half_depth(node.name, side) for side in (RIGHT, DOWN))
+    below = node.support == "free" or layout.outward(node.name) != DOWN
+    rolls = node.support == "roller-y" and layout.outward(node.name, "x") == RIGHT
+    beside = 0.26 if rolls or node.support.startswith("guide") else 0.05
+    at = layout.at(node.name) + complex(right + beside, -low - 0.08 if below else 0.09)
+    note(panel, at, node.name, MUTED, fontsize=SMALL - 1.0, zorder=3)

@@ -1,0 +1,205 @@
+"""Deformed shapes on paper: windows, supports, small multiples of labels over instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from workbench.content.formatting import TIMES
+from workbench.report.drawing.shapes import (
+    Found,
+    Points,
+    Shapes,
+    corners_of,
+    instants_of,
+    magnification,
+)
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, first
+from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry, new_figure
+from workbench.report.drawing.utilisation import (
+    WORDS,
+    YIELDING,
+    colour_bar,
+    draw_states,
+    hinge_places,
+)
+from workbench.study.definition import Case
+
+_MOST_ROWS = 5
+_LEAST, _MOST, _HIGHEST = 0.9, 2.9, 7.6  # inches of a panel's and of the figure's height
+_SLENDEREST = 0.45  # width over height of a panel
+_GAP = 0.06  # inches from a member's end to its circle
+REST = "#a8a8a8"
+
+
+class Window(NamedTuple):
+    """What a panel shows: lower left and upper right corner in m, `wide` and `tall` inches."""
+
+    low: complex
+    high: complex
+    wide: float
+    tall: float
+
+    @property
+    def size(self) -> complex:
+        """Width and height in m."""
+        return self.high - self.low
+
+    def show(self, panel: Axes) -> None:
+        """Give a panel these limits, both axes to one scale."""
+        panel.set_aspect("equal")
+        panel.set_xlim(self.low.real, self.high.real)
+        panel.set_ylim(self.low.imag, self.high.imag)
+
+
+def window_of(curves: list[Points], edge: float, wide: float, least: float, most: float) -> Window:
+    """The window on some curves with an `edge` in m around them, in a panel `wide` inches.
+
+    Its height in inches has room for the numbers on the upright axis (`least`) and a limit
+    (`most`).
+    """
+    low, high = corners_of(curves)
+    low, high = low - edge * (1 + 1j), high + edge * (1 + 1j)
+    size = high - low
+    natural = wide * size.imag / size.real
+    if natural < least:
+        spare = 0.5j * (least / natural - 1.0) * size.imag
+        low, high = low - spare, high + spare
+    return Window(low, high, wide, min(max(natural, least), most))
+
+
+def mark_supports(panel: Axes, shapes: Shapes, at: Points, color: str, size: float) -> None:
+    """A square at each clamped node, a circle at others that are held; `at` has their places."""
+    for node, place in zip(shapes.frame.nodes, at, strict=True):
+        look: Style = {"color": color, "markersize": size, "zorder": 2.5, "marker": "s"}
+        if node.support != "clamped":
+            look |= {"marker": "o", "markerfacecolor": "white"}
+        if node.support != "free":
+            panel.plot(place.real, place.imag, **look)
+
+
+def scale_words(times: float, of: str = "") -> str:
+    """How displacements are drawn, as a statement."""
+    if times == 1.0:
+        return "True to scale, displacements too."
+    return f"Displacements{of} are drawn {times:g} times as large as they are."
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One answer: its instants, and the window and magnification that its case shares."""
+
+    case: Case
+    label: str
+    shapes: Shapes
+    window: Window
+    times: float
+
+
+def multiples(
+    request: Request,
+    found: Found,
+    said: list[str],
+    instants: tuple[str | float, ...] = ("half-way", "peak", "end"),
+) -> Drawing:
+    """Shapes at some instants over the structure at rest, hinge states as coloured circles."""
+    if all(shapes.peak == len(shapes.at) - 1 for _, known in found for shapes in known.values()):
+        # a push that only grows ends at its peak
+        instants = tuple(instant for instant in instants if instant != "peak")
+    instants = instants_of(request.option("instants", instants))
+    rows, several = _rows(found, instants, said), len(found) > 1
+    heights = [row.window.tall for row in rows]
+    canvas = new_figure(sum(heights) + 0.25 * len(rows) + 0.8)
+    size = len(rows), len(instants)
+    axes = canvas.subplots(*size, squeeze=False, height_ratios=heights)
+    sheet = Sheet(canvas, axes.flat, [*_scales(rows, several), *said], len(instants))
+    between = "\n" if len(instants) > 3 else " "
+    last = [*(a.case is not b.case for a, b in pairwise(rows)), True]
+    for row, panels, lowest in zip(rows, axes, last, strict=True):
+        for instant, panel in zip(instants, panels, strict=True):
+            snapshot = row.shapes.index(instant)
+            _panel(panel, row, snapshot)
+            title = row.shapes.words(snapshot)
+            title = f"{instant}:{between}{title}" if isinstance(instant, str) else title
+            panel.set_title(title, loc="left", fontsize=7.0)
+            panel.tick_params(labelbottom=lowest, labelleft=panel is panels[0])
+            for block in row.shapes.numbers(instant):
+                sheet.record(case=row.case.name, label=row.label, **block)
+        head = f"{row.case.name}\n{row.label}" if several else row.label
+        panels[0].set_ylabel(f"{head}\ny (m)")
+        if lowest:
+            factor = f", displacements {TIMES} {row.times:g}" if row.times != 1.0 else ""
+            panels[len(instants) // 2].set_xlabel(f"x (m){factor}")
+    sheet.legend(entry("at rest", color=REST, linewidth=0.9))
+    sheet.legend(entry("deformed", color=INK, linewidth=1.2))
+    if any(row.shapes.hinges for row in rows):
+        colour_bar(canvas, axes, min(0.9, 2.3 / canvas.get_figheight()))
+        dot: Style = {"markerfacecolor": YIELDING, "markeredgecolor": INK, "markersize": 4.6}
+        sheet.legend(entry(WORDS, linestyle="none", marker="o", **dot))
+    silent = dict.fromkeys(row.label for row in rows if not row.shapes.hinges)
+    if silent:
+        sheet.said.append(f"Without utilisation of member ends: {', '.join(silent)}.")
+    names = ", ".join(dict.fromkeys(row.label for row in rows))
+    return sheet.finish(
+        f"deformed shapes of {names} at {', '.join(str(instant) for instant in instants)}"
+    )
+
+
+def _rows(found: Found, instants: tuple[str | float, ...], said: list[str]) -> list[_Row]:
+    """The answers that are drawn, those to one case with one window and magnification."""
+    answers = [(case, label) for case, known in found for label in known]
+    shown = first(answers, _MOST_ROWS, "answers", said)
+    rows = []
+    for case, known in found:
+        own = {label: shapes for label, shapes in known.items() if (case, label) in shown}
+        if not own:
+            continue
+        picks = {label: [s.index(instant) for instant in instants] for label, s in own.items()}
+        largest = max(s.largest(picks[label]) for label, s in own.items())
+        times = magnification(largest, next(iter(own.values())).size)
+        curves = [s.rest for s in own.values()]
+        curves += [s.magnified(i, times) for label, s in own.items() for i in picks[label]]
+        low, high = corners_of(curves)
+        edge = 0.04 * max((high - low).real, (high - low).imag)
+        # room for the numbers on the axis of a single column
+        wider = max(0.0, 0.5 * (_SLENDEREST * (high - low).imag - (high - low).real))
+        curves.append(np.array([low - wider, high + wider]))
+        most = min(_MOST, _HIGHEST / len(shown) - 0.25)
+        window = window_of(curves, edge, (TEXT_WIDTH - 1.35) / len(instants), _LEAST, most)
+        rows += [_Row(case, label, shapes, window, times) for label, shapes in own.items()]
+    return rows
+
+
+def _scales(rows: list[_Row], several: bool) -> list[str]:
+    times = {row.case.name: row.times for row in rows}
+    if set(times.values()) == {1.0}:
+        return [scale_words(1.0)]
+    return [
+        scale_words(factor, f" of {name}" if several else "")
+        for name, factor in times.items()
+        if factor != 1.0
+    ]
+
+
+def _panel(panel: Axes, row: _Row, snapshot: int) -> None:
+    shapes, window = row.shapes, row.window
+    curves = shapes.magnified(snapshot, row.times)
+    for drawn, color, width in ((shapes.rest, REST, 0.9), (curves, INK, 1.2)):
+        lines = [np.column_stack([curve.real, curve.imag]) for curve in drawn]
+        panel.add_collection(LineCollection(lines, colors=color, linewidths=width))
+    nodes = np.array([complex(node.x, node.y) for node in shapes.frame.nodes])
+    mark_supports(panel, shapes, nodes, MUTED, 3.4)
+    wide, tall, size = window.wide, window.tall, window.size
+    if shapes.hinges:
+        gap = _GAP * max(size.real / wide, size.imag / tall)
+        draw_states(panel, hinge_places(curves, gap), shapes.used[:, snapshot])
+    window.show(panel)
+    room = max(2, int(2.6 * min(wide, tall * size.real / size.imag)))  # numbers on the lower axis
+    panel.locator_params(axis="x", nbins=room)
+    panel.locator_params(axis="y", nbins=5)
+    panel.grid(visible=False)

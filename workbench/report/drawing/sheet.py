@@ -1,0 +1,309 @@
+"""What a figure is made from, the sheet that it is drawn on, and what comes out of it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+from numpy.typing import NDArray
+
+from workbench.report.drawing.style import (
+    TEXT_WIDTH,
+    Look,
+    legend_below,
+    legend_beside,
+    new_figure,
+)
+from workbench.report.stored import Stored
+from workbench.responses import Response
+from workbench.study.definition import Case, Figure, Study
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+STATIC, IN_TIME = ("pushover", "static"), ("impact", "motion")
+MOST_PANELS = 6
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to draw: a `figure` of a `study` from `stored` results.
+
+    `cases` are those that name the figure (or all), `labels` those that it shows, `looks` the
+    look of every label.
+    """
+
+    study: Study
+    figure: Figure
+    stored: Stored
+    cases: tuple[Case, ...]
+    labels: tuple[str, ...]
+    looks: Mapping[str, Look]
+
+    def option(self, name: str, default: Any) -> Any:
+        """A drawing option of the figure."""
+        return self.figure.options.get(name, default)
+
+    @property
+    def quantity(self) -> str:
+        """The option `quantity`, by default the first quantity of the study."""
+        return str(self.option("quantity", self.study.quantities[0]))
+
+    @property
+    def against(self) -> str:
+        """The option `against`, by default the reference."""
+        return str(self.option("against", self.study.reference))
+
+    def number(self, case: Case, label: str, name: str) -> float | None:
+        """A scalar of a cell, None if it is not known."""
+        return self.stored.number(case.name, label, name)
+
+    def errors(self, quantity: str, metric: str = "relative_error") -> dict[Any, dict[Any, Any]]:
+        """Rows of the comparisons with `against`, by (case, label)."""
+        table = self.stored.errors(quantity, metric, self.against)
+        rows: list[dict[Any, Any]] = table.to_dict("records")
+        return {(row["case"], row["model"]): row for row in rows}
+
+    def interval(self, case: Case, quantity: str) -> tuple[float, float] | None:
+        """Ends of the interval that refinement leaves around the reference, in SI."""
+        value = self.number(case, self.study.reference, quantity)
+        row = self.stored.ladder(case.name, quantity)
+        if value is None or row is None or row["uncertainty"] is None:
+            return None
+        return value - row["uncertainty"], value + row["uncertainty"]
+
+    def shown(self, case: Case) -> list[str]:
+        """The labels that are to answer a case, in order."""
+        return [label for label in self.labels if self.stored.expects(case.name, label)]
+
+    def chosen(self, said: list[str], kinds: str | tuple[str, ...] = "") -> list[Case]:
+        """The cases that get a panel: the option `cases`, else the first six.
+
+        Arguments: `said` gets a statement if some do not; `kinds` keeps scenarios whose kind ends
+        so (empty: all).
+        """
+        cases = [case for case in self.cases if case.scenario.KIND.endswith(kinds)]
+        named = self.option("cases", ())
+        if named:
+            return [case for case in cases if case.name in named]
+        return first(cases, MOST_PANELS, "cases; the tables hold all of them", said)
+
+    def named(self) -> tuple[Case, ...]:
+        """The case of the option `case`, else all."""
+        named = self.option("case", "")
+        return tuple(case for case in self.cases if not named or case.name == named)
+
+    def answers(
+        self, case: Case, absent: Absences, needed: Iterable[str] = (), what: str = ""
+    ) -> dict[str, Response]:
+        """Responses to a case by label; `absent` gets those without what is `needed`, in words."""
+        found = {}
+        for label in self.shown(case):
+            response = self.stored.response(case.name, label)
+            if response is None:
+                absent.no_answer(label, case.name)
+            elif not set(needed) <= set(response.data_vars):
+                absent.without(what, label)
+            else:
+                found[label] = response
+        return found
+
+    def first_answered(
+        self, needed: set[str], what: str, said: list[str]
+    ) -> tuple[Case | None, dict[str, Response]]:
+        """The first of the `named` cases with an answer that has what is `needed`, and its answers.
+
+        Six of them at most; `said` gets statements on the others. The case is None if there is
+        no answer at all.
+        """
+        for case in self.named():
+            absent = Absences()
+            found = self.answers(case, absent, needed, what)
+            if found:
+                said += absent.sentences()
+                return case, dict(first(list(found.items()), MOST_PANELS, "answers", said))
+        return None, {}
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawn figure: `canvas` (None if there was nothing to draw), the numbers in it, its text.
+
+    `data` is a long table of everything drawn; `statements` say what is absent and why; `alt`
+    describes the picture in words; `width` is its share of the text width; `moving` is HTML that a
+    screen shows instead of the canvas (empty: the canvas).
+    """
+
+    canvas: Canvas | None
+    data: pd.DataFrame
+    statements: tuple[str, ...] = ()
+    alt: str = ""
+    width: float = 1.0
+    moving: str = ""
+
+
+class Absences:
+    """What a figure cannot show: no answer, or an answer without what the figure needs."""
+
+    def __init__(self) -> None:
+        self._unanswered: dict[str, list[str]] = {}
+        self._silent: dict[str, dict[str, None]] = {}
+
+    def no_answer(self, label: str, case: str) -> None:
+        """A label gave no answer to a case."""
+        self._unanswered.setdefault(label, []).append(case)
+
+    def without(self, what: str, label: str) -> None:
+        """A label answers, but does not know something."""
+        self._silent.setdefault(what, {})[label] = None
+
+    def sentences(self) -> list[str]:
+        """One sentence per kind of absence."""
+        return [
+            *(f"No answer from {label}: {', '.join(c)}." for label, c in self._unanswered.items()),
+            *(f"Without {what}: {', '.join(labels)}." for what, labels in self._silent.items()),
+        ]
+
+
+class Sheet:
+    """A figure in the making: panels, the numbers drawn, legend entries, what must be said.
+
+    Arguments: a `canvas`, its `panels` and how many of them stand side by side; `said`,
+    statements so far.
+    """
+
+    def __init__(
+        self, canvas: Canvas, panels: Iterable[Axes], said: Sequence[str] = (), columns: int = 1
+    ) -> None:
+        self.canvas, self.panels, self.columns = canvas, list(panels), columns
+        self.said, self.absent = list(said), Absences()
+        self._blocks: list[pd.DataFrame] = []
+        self._legend: dict[str, Any] = {}
+
+    @classmethod
+    def single(cls, height: float) -> Sheet:
+        """A sheet with one panel as wide as the text."""
+        canvas = new_figure(height)
+        return cls(canvas, [canvas.subplots()])
+
+    @classmethod
+    def grid(
+        cls, count: int, said: Sequence[str] = (), *, height: float = 2.2, **options: Any
+    ) -> Sheet:
+        """A sheet with a number of panels; rows are `height` inches high, a single one higher.
+
+        `options`: `width` in inches, `sharex` (default not) and `sharey` (default yes).
+        """
+        rows, columns = grid_shape(count)
+        if count == 1:
+            height *= 1.25
+        canvas = new_figure(height * rows + 0.55, options.pop("width", TEXT_WIDTH))
+        axes = canvas.subplots(rows, columns, squeeze=False, **{"sharey": True, **options})
+        for spare in axes.flat[count:]:
+            spare.remove()
+        return cls(canvas, axes.flat[:count], said, columns)
+
+    @property
+    def panel(self) -> Axes:
+        """The only, or the first panel."""
+        return self.panels[0]
+
+    def name(self, panel: Axes, title: str, x: str, y: str) -> None:
+        """A panel's title, and axis labels where they are needed: outside, below and left."""
+        index = self.panels.index(panel)
+        if title:
+            panel.set_title(title, loc="left")
+        if index + self.columns >= len(self.panels):
+            panel.set_xlabel(x)
+        if index % self.columns == 0:
+            panel.set_ylabel(y)
+
+    def level(self, most: float = 4.0) -> None:
+        """One scale up for all panels whose ranges differ by no more than a factor `most`."""
+        limits = np.array([panel.get_ylim() for panel in self.panels if panel.lines])
+        if len(limits) and np.ptp(limits, axis=1).max() <= most * np.ptp(limits, axis=1).min():
+            for panel in self.panels:
+                panel.set_ylim(limits.min(), limits.max())
+
+    def record(self, table: pd.DataFrame | None = None, /, **columns: Any) -> None:
+        """Numbers for the data file: a table, or columns with single values repeated."""
+        if table is None:
+            single = not any(np.ndim(value) for value in columns.values())
+            table = pd.DataFrame(columns, index=[0] if single else None)
+        self._blocks.append(table)
+
+    def legend(self, *entries: Any) -> None:
+        """Legend entries; equal names appear once."""
+        self._legend |= {str(each.get_label()): each for each in entries}
+
+    @property
+    def data(self) -> pd.DataFrame:
+        """All numbers recorded so far, below each other."""
+        return pd.concat(self._blocks, ignore_index=True) if self._blocks else pd.DataFrame()
+
+    def finish(
+        self,
+        alt: str,
+        *,
+        empty: str = "",
+        beside: str = "",
+        width: float = 1.0,
+    ) -> Drawing:
+        """The drawing, its legend below the panels, or `beside` them (upper, center).
+
+        Without a number that was recorded it only says so, in the sentence `empty`.
+        """
+        said = (*self.said, *self.absent.sentences())
+        if not self._blocks:
+            return nothing(*([empty] if empty else []), *said)
+        if beside:
+            legend_beside(self.canvas, self._legend.values(), beside)
+        elif self._legend:
+            legend_below(self.canvas, self._legend.values())
+        return Drawing(self.canvas, self.data, said, alt, width)
+
+
+def nothing(*statements: str) -> Drawing:
+    """A drawing that only says why nothing could be drawn."""
+    return Drawing(None, pd.DataFrame(), statements or ("There is nothing to draw.",))
+
+
+def first(items: Sequence[T], most: int, what: str, said: list[str]) -> list[T]:
+    """The first few of many things; `said` gets a statement if that leaves some out."""
+    if len(items) > most:
+        said.append(f"Shown are the first {most} of {len(items)} {what}.")
+    return list(items[:most])
+
+
+def grid_shape(count: int, most: int = 3) -> tuple[int, int]:
+    """Rows and columns for a number of panels, at most `most` side by side."""
+    columns = 2 if count == 4 and most < 4 else min(count, most)
+    return -(-count // columns), columns
+
+
+def thinned(x: Array, y: Array, most: int = 700) -> tuple[Array, Array]:
+    """Fewer points of a curve for drawing; extremes of x and y within each bucket are kept.
+
+    The order of the points stays, so that loops stay loops.
+    """
+    if len(x) <= most:
+        return x, y
+    edges = np.linspace(0, len(x), most // 2 + 1).astype(int)
+    keep = {0, len(x) - 1}
+    turns = bool(np.any(np.diff(x) < 0.0))
+    for low, high in itertools.pairwise(edges):
+        for values in (y, x) if turns else (y,):
+            keep |= {low + int(find(values[low:high])) for find in (np.argmin, np.argmax)}
+    index = np.array(sorted(keep))
+    return x[index], y[index]
+
+
+def evenly(size: int, most: int) -> NDArray[np.intp]:
+    """Indices of at most so many points, evenly spread, both ends among them."""
+    return np.unique(np.linspace(0, size - 1, min(size, most)).astype(int))

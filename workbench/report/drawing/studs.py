@@ -1,0 +1,75 @@
+"""What the figures of studs share: contents of stored answers, tests as tables and as markers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from workbench.report.drawing.sheet import Request
+from workbench.report.drawing.style import Look, entry, numbered
+from workbench.studs.answers.common import content_of
+from workbench.study.definition import Case
+
+KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
+Content = dict[str, Any]
+_SIZE = 4.2  # of a test's marker
+
+
+def contents(request: Request, key: str = "") -> Iterator[tuple[Case, str, Content]]:
+    """Every answer of the figure's cases and labels with its content.
+
+    Arguments: `key`, an entry that the content must have (empty: any).
+    """
+    for case in request.cases:
+        for label in request.shown(case):
+            response = request.stored.response(case.name, label)
+            content = {} if response is None else content_of(response)
+            if content and (not key or content.get(key) is not None):
+                yield case, label, content
+
+
+def table_of(rows: Sequence[Content] | Content | None) -> pd.DataFrame:
+    """Rows, or columns, of a content as a table: NaN where a number is absent."""
+    table = pd.DataFrame(rows or ())
+    empty = table.columns[table.isna().all()]
+    return table.astype(dict.fromkeys(empty, float))
+
+
+def measured(request: Request, case: Case, part: str) -> pd.DataFrame:
+    """Rows of the tests themselves in a case: part ``calibration`` or ``validation``."""
+    response = request.stored.response(case.name, request.study.reference)
+    return table_of(None if response is None else content_of(response).get(part))
+
+
+def campaign_looks(names: Iterable[str]) -> dict[str, Look]:
+    """The look of every campaign, in the order in which they appear; open markers."""
+    looks = {name: numbered(i) for i, name in enumerate(dict.fromkeys(names))}
+    return {name: look._replace(filled=False, size=_SIZE) for name, look in looks.items()}
+
+
+def filled(look: Look) -> Look:
+    """The look of tests that no fit had seen."""
+    return look._replace(filled=True)
+
+
+def draw_tests(
+    panel: Axes, tests: pd.DataFrame, x: str, y: str, looks: Mapping[str, Look], **style: Any
+) -> None:
+    """Columns of a table of tests against each other, a marker for each campaign.
+
+    Tests are open, or filled where the column `unseen` says so.
+    """
+    if tests.empty:
+        return
+    unseen = tests["unseen"] if "unseen" in tests else tests["campaign"].eq("")
+    for (campaign, new), own in tests.groupby(["campaign", unseen], sort=False):
+        look = looks[str(campaign)]._replace(filled=True) if new else looks[str(campaign)]
+        panel.plot(own[x], own[y], **look.points(**style))
+
+
+def test_entries(looks: Mapping[str, Look], what: str, **style: Any) -> list[Any]:
+    """Legend entries of campaigns, such as ``mcgarraugh1971, unseen``."""
+    return [entry(f"{name}, {what}", **look.points(**style)) for name, look in looks.items()]
