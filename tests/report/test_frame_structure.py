@@ -10,9 +10,9 @@ from synthetic_frames import portal, storeys
 from synthetic_study import columns
 from test_report_figures import request
 
-from workbench.report.figures import draw
 from workbench.report.drawing.layout import Layout
 from workbench.report.drawing.margins import spans
+from workbench.report.figures import draw
 from workbench.scenarios import (
     ColumnImpact,
     Frame,

@@ -80,10 +80,11 @@ def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd
     if points.empty:
         return {}
     points = points.assign(slip_mm=MILLI * points["slip"])
+    groups = points.groupby(["campaign", "specimen"], sort=False)
     return {
         (str(campaign), str(specimen)): own.assign(load=own["load"] / own["load"].max())
-        for (campaign, specimen), own in points.sort_values("slip", kind="stable").groupby(
-            ["campaign", "specimen"]
+        for (campaign, specimen), own in (
+            (key, each.sort_values("slip", kind="stable")) for key, each in groups
         )
         if len(own) > 1 and own["load"].max() > 0.0
     }
