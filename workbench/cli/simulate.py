@@ -60,13 +60,12 @@ def simulate(
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
-    from workbench.responses import ENERGIES, findings_of, outcome_of
+    from workbench.responses import ENERGIES, energy_error, findings_of, outcome_of
     from workbench.responses.stud_tests import STUD_TESTS
 
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None
 
-    error, given = _energy_error(response)
     result: dict[str, Any] = {
         "model": response.attrs["model"],
         "outcome": outcome_of(response).value,
@@ -76,8 +75,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "refinement": _attribute(response, "refinement"),
         "energies": {
             **{name: last(name) for name in ENERGIES},
-            "input_energy": given,
-            "relative_balance_error": error,
+            "input_energy": last("input_energy"),
+            "relative_balance_error": energy_error(response),
         },
         "shear_utilisation": _shear_utilisation(response),
         "warnings": [f.as_dict() for f in findings_of(response) if not f.refusal],
@@ -132,16 +131,6 @@ def _curve_points(response: Response) -> Iterator[tuple[str, str]]:
             yield name, quantity(found["values"]["h"], unit, widths[name])
 
 
-def _energy_error(response: Response) -> tuple[float | None, float | None]:
-    """Largest error of the energy ledger over the input energy, and that energy in J."""
-    if "input_energy" not in response:
-        return None, None
-    given = float(response["input_energy"])
-    if "balance_error" not in response or given == 0.0:
-        return None, given
-    return float(abs(response["balance_error"]).max()) / given, given
-
-
 def _blocks(response: Response, scenario: Scenario, target: Path | None) -> Iterator[Block]:
     from workbench.content.tree import Callout, Definitions, Paragraph
     from workbench.responses import outcome_of, warnings_of
@@ -158,7 +147,7 @@ def _blocks(response: Response, scenario: Scenario, target: Path | None) -> Iter
 
 def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
     """The numbers of a response with their names."""
-    from workbench.responses import ENERGIES, VARIABLES
+    from workbench.responses import ENERGIES, VARIABLES, energy_error
     from workbench.responses.stud_tests import STUD_TESTS
 
     widths = _attribute(response, "numerical_uncertainty") or {}
@@ -171,7 +160,7 @@ def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
         if name in response:
             title = VARIABLES[name].long_name.removesuffix(" so far")
             yield f"{title}, at the end", quantity(float(response[name][-1]), "J")
-    error, _ = _energy_error(response)
+    error = energy_error(response)
     if error is not None:
         yield "largest energy error over the input energy", f"{error:.1e}"
     if scenario.STATIC and "force" in response:

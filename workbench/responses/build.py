@@ -134,3 +134,11 @@ def check_response(response: Response) -> None:
 def scalars_of(response: Response) -> dict[str, float]:
     """The scalar quantities that a response has."""
     return {name: float(response[name]) for name in SCALARS if name in response}
+
+
+def energy_error(response: Response) -> float | None:
+    """Largest error of the energy ledger over the input energy, None where there is neither."""
+    if not {"balance_error", "input_energy"} <= set(response.data_vars):
+        return None
+    given = float(response["input_energy"])
+    return float(np.abs(response["balance_error"].values).max()) / given if given else None

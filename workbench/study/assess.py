@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
 from workbench.errors import InputError
-from workbench.responses import SCALARS, TIMES, Response, findings_of, scalars_of
+from workbench.responses import SCALARS, TIMES, Response, energy_error, findings_of, scalars_of
 from workbench.responses.outcome import COLUMNS
 from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
@@ -131,13 +129,10 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
         "message": response.attrs["message"],
         **{name: record.get(name) for name in TIMES},
         **scalars_of(response),
+        "energy_error": energy_error(response),
     }
     if "shear_utilisation" in response:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
-    if {"balance_error", "input_energy"} <= set(response.data_vars):
-        error = float(np.abs(response["balance_error"].values).max())
-        given = float(response["input_energy"])
-        row["energy_error"] = error / given if given else None
     return row
 
 
