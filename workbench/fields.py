@@ -193,7 +193,7 @@ def checked(
 
 def path_of(field: dataclasses.Field[Any], table: str) -> str:
     """Path of a field in files: the declared one, or its name in a table."""
-    declared: str = field.metadata["path"]
+    declared: str = field.metadata.get("path", "")
     return declared or (f"{table}.{field.name}" if table else field.name)
 
 
@@ -212,7 +212,11 @@ class Declared:
         cls.TABLE, cls.LABEL = table or cls.TABLE, label or cls.LABEL
 
     def __post_init__(self) -> None:
-        check_fields(self, self.TABLE)
+        for field in dataclasses.fields(self):
+            rule: Rule | None = field.metadata.get("rule")
+            value = getattr(self, field.name)
+            if rule is not None and (value is not None or not field.metadata["optional"]):
+                object.__setattr__(self, field.name, rule.check(self._path(field), value))
         self.check()
 
     def check(self) -> None:
@@ -228,20 +232,6 @@ class Declared:
     def _path(self, field: dataclasses.Field[Any]) -> str:
         label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
         return path_of(field, self.TABLE + label)
-
-
-def check_fields(instance: object, table: str) -> None:
-    """Hold every checked field of a dataclass instance to its rule, normalising int to float.
-
-    Raises `InputError` with the path ``table.field``.
-    """
-    for field in dataclasses.fields(instance):  # type: ignore[arg-type]
-        rule: Rule | None = field.metadata.get("rule")
-        value = getattr(instance, field.name)
-        if rule is None or (value is None and field.metadata["optional"]):
-            continue
-        path = instance._path(field) if isinstance(instance, Declared) else path_of(field, table)
-        object.__setattr__(instance, field.name, rule.check(path, value))
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.fields import Number, Text, check_fields, checked
+from workbench.fields import Declared, Number, Text, checked
 from workbench.hinges import YieldSurface
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
@@ -32,7 +32,7 @@ SNAPSHOTS, POINTS = 61, 9
 
 
 @dataclass(frozen=True)
-class SyntheticFrame:
+class SyntheticFrame(Declared, table="option"):
     """Answers from closed forms; `extent` is full, or bare: without snapshots and hinges."""
 
     gain: float = checked(Number(0.001, 10.0), 1.0)
@@ -47,9 +47,6 @@ class SyntheticFrame:
     )
     assumptions: ClassVar[tuple[str, ...]] = ("A swaying frame; no mechanics.",)
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """No findings."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.assessment import Gate
 from workbench.errors import SolverError
-from workbench.fields import Flag, Number, Text, check_fields, checked
+from workbench.fields import Declared, Flag, Number, Text, checked
 from workbench.models.base import respond
 from workbench.report.stored import Stored
 from workbench.responses import Finding, Response, build_response
@@ -23,7 +23,7 @@ HINGES = ("base", "hit point", "head")
 
 
 @dataclass(frozen=True)
-class Synthetic:
+class Synthetic(Declared, table="option"):
     """Answers from closed forms. Options: see the fields; `extent` is full, scalars or curve."""
 
     gain: float = checked(Number(0.1, 10.0), 1.0)
@@ -37,9 +37,6 @@ class Synthetic:
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = ("A half sine & a cubic <curve>; no mechanics.",)
     sources: ClassVar[tuple[str, ...]] = ("heng2017", "a <strange> source")
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def domain(self, scenario: Scenario) -> list[Finding]:
         """A warning about short segments."""

@@ -13,14 +13,14 @@ import pandas as pd
 from workbench.datafiles import data_directory
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence.catalogue import dataset, datasets, load
-from workbench.fields import Text, check_fields, checked
+from workbench.fields import Declared, Text, checked
 from workbench.models.base import respond
 from workbench.responses import SCALARS, Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, FrameImpact, Scenario, load_scenario
 
 
 @dataclass(frozen=True)
-class Published:
+class Published(Declared, table="option"):
     """One published series. Options: `dataset`, a catalogue name; `series`, a row label of it.
 
     Both must be given; what is missing or unknown is refused with the choices.
@@ -38,15 +38,15 @@ class Published:
         "Numbers as printed or as read from the figure; they answer only their own scenario.",
     )
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
+    def check(self) -> None:
+        """Refuse a dataset or a series that is not there."""
         tables = [entry.name for entry in datasets() if entry.scenario]
         if self.dataset not in tables:
             allowed = "must be one of " + "; ".join(tables)
-            raise InputError("option.dataset", self.dataset, allowed, "see `workbench data list`")
+            raise self.refusal("dataset", allowed, "see `workbench data list`")
         known = sorted(set(load(self.dataset)["series"]))
         if self.series not in known:
-            raise InputError("option.series", self.series, "must be one of " + "; ".join(known))
+            raise self.refusal("series", "must be one of " + "; ".join(known))
 
     @property
     def sources(self) -> tuple[str, ...]:

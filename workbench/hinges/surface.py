@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.materials import Steel
 from workbench.sections import Section
 
@@ -18,7 +18,7 @@ _EXPONENT = Number(
 
 
 @dataclass(frozen=True)
-class YieldSurface:
+class YieldSurface(Declared, table="yield_surface"):
     """Admissible forces |M/M_p|^alpha + |N/N_p|^beta <= 1 (Heng 2017, eqs 2.16 and 2.18-2.19).
 
     Arguments: `squash_load` in N and `plastic_moment` in N m, for tension and for positive
@@ -35,9 +35,6 @@ class YieldSurface:
     beta: float = checked(_EXPONENT, 1.0)
     squash_load_compression: float | None = checked(_STRENGTH, optional=True)
     plastic_moment_negative: float | None = checked(_STRENGTH, optional=True)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "yield_surface")
 
     @property
     def axial_bounds(self) -> tuple[float, float]:

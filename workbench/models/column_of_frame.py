@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Choice, check_fields, checked
+from workbench.fields import Choice, Declared, checked
 from workbench.frames.column_estimate import (
     HEAD_MASSES,
     HEADS,
@@ -70,7 +70,7 @@ def derive_column(
 
 
 @dataclass(frozen=True)
-class ColumnOfFrame:
+class ColumnOfFrame(Declared, table="option"):
     """The impacted column of a frame, the rest of it as a spring, a mass and a dead load.
 
     Options: `model` of the column, four-dof, single-dof, energy-estimate or rigid-superelement,
@@ -99,15 +99,11 @@ class ColumnOfFrame:
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
+    def check(self) -> None:
+        """Refuse a yielding restraint where the model's spring is elastic."""
         if self.restraint == "yielding" and self.model != RigidSuperelement.name:
-            raise InputError(
-                "option.restraint",
-                self.restraint,
-                f"is not known to {self.model}, whose spring is elastic",
-                f"take model = {RigidSuperelement.name}",
-            )
+            text = f"is not known to {self.model}, whose spring is elastic"
+            raise self.refusal("restraint", text, f"take model = {RigidSuperelement.name}")
 
     def domain(self, scenario: FrameImpact) -> list[Finding]:
         """What dead loads do to the frame, whether there is a column, and what it leaves out."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from workbench.errors import OutOfDomainError
-from workbench.fields import Choice, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
 from workbench.models.resistance.limits import (
@@ -27,7 +27,7 @@ _HEAVY = 5.0  # striker over impact mass; above, the balance with restitution er
 
 
 @dataclass(frozen=True)
-class EnergyEstimate:
+class EnergyEstimate(Declared, table="option"):
     """Energy-equivalent displacements.
 
     Options: `resistance`: analytic, cubic or linear, as in the single-DOF column;
@@ -55,9 +55,6 @@ class EnergyEstimate:
         "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and the restitution that the balance does not cover."""

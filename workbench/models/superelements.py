@@ -23,8 +23,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Number, checked
 from workbench.frames.answers import Stepping, answer
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure
@@ -156,7 +155,7 @@ class _HingedBars(ABC):
 
 
 @dataclass(frozen=True)
-class RigidSuperelement(_HingedBars):
+class RigidSuperelement(_HingedBars, Declared, table="option"):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -193,15 +192,12 @@ class RigidSuperelement(_HingedBars):
         *COMMON,
     )
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
+    def check(self) -> None:
+        """Refuse a scheme that has no place for the inertia."""
         if self.integrator == MOREAU and self.inertia == "nonlinear":
-            raise InputError(
-                "option.integrator",
-                self.integrator,
-                "has no place for rotary inertia that turns with the bars",
-                "take inertia = linear or none, or another integrator",
-            )
+            text = "has no place for rotary inertia that turns with the bars"
+            advice = "take inertia = linear or none, or another integrator"
+            raise self.refusal("integrator", text, advice)
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         factor = self.rotational_stiffness / 6.0
@@ -216,7 +212,7 @@ class RigidSuperelement(_HingedBars):
 
 
 @dataclass(frozen=True)
-class FlexibleSuperelement(_HingedBars):
+class FlexibleSuperelement(_HingedBars, Declared, table="option"):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -248,9 +244,6 @@ class FlexibleSuperelement(_HingedBars):
         "No rotary inertia of the beams.",
         *COMMON,
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         n = self.hinge_stiffness

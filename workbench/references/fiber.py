@@ -12,8 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.errors import InputError
-from workbench.fields import Choice, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Number, checked
 from workbench.frames.answers import Stepping, answer, as_frame
 from workbench.frames.chains import named
 from workbench.frames.structure import FrameStructure
@@ -54,7 +53,7 @@ OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load")
 
 
 @dataclass(frozen=True)
-class FiberReference(ABC):
+class FiberReference(ABC, Declared, table="option"):
     """The options of every fiber reference; each explains them and adds its own."""
 
     smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
@@ -82,12 +81,10 @@ class FiberReference(ABC):
     assumptions: ClassVar[tuple[str, ...]]
     shear_yields: ClassVar[bool] = False
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
+    def check(self) -> None:
+        """Refuse layers and levels that do not fit."""
         if self.layers % 2:
-            raise InputError(
-                "option.layers", self.layers, "must be even", "an odd number loses moment"
-            )
+            raise self.refusal("layers", "must be even", "an odd number loses moment")
         check_levels(self.refinement, self.levels)
 
     @property

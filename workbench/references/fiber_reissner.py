@@ -15,7 +15,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.errors import InputError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.answers import COLUMNS, as_frame
 from workbench.frames.chains import named
@@ -144,17 +143,14 @@ class FiberReissner(ExactBeams):
         "without it forces at hinge rotations beyond 0.3 depend on the mesh.",
     )
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check(self) -> None:
+        """Refuse options that do not go together."""
+        super().check()
         if self.steel_law == "menegotto-pinto":
             for name in ("rate_sensitive", "isotropic_ratio"):
                 if getattr(self, name):
-                    raise InputError(
-                        f"option.{name}",
-                        getattr(self, name),
-                        "is not known with steel_law = menegotto-pinto",
-                        "use steel_law = linear",
-                    )
+                    text = "is not known with steel_law = menegotto-pinto"
+                    raise self.refusal(name, text, "use steel_law = linear")
 
     @property
     def sources(self) -> tuple[str, ...]:

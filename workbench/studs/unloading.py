@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Instance, Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.studs.load_slip import LoadSlipLaw
 from workbench.studs.quantities import Array
 from workbench.studs.stiffness import law_stiffness
@@ -31,7 +31,7 @@ class CyclicState(NamedTuple):
 
 
 @dataclass(frozen=True)
-class UnloadingLaw:
+class UnloadingLaw(Declared, table="law"):
     """An envelope with straight unloading and reloading.
 
     Arguments: `envelope`, a law of first loading; `strength`, its largest load in N;
@@ -42,10 +42,6 @@ class UnloadingLaw:
     envelope: LoadSlipLaw
     strength: float = checked(Number(1.0, 1e8, "N", advice="loads are in N: 100 kN is 100e3"))
     stiffness_ratio: float = checked(Number(0.05, 20.0), 1.0)
-
-    def __post_init__(self) -> None:
-        Instance(object).check("law.envelope", self.envelope)
-        check_fields(self, "law")
 
     @property
     def slope(self) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
-from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.hinges import YieldSurface
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
@@ -40,7 +40,7 @@ _SHORTEST_STEP = 1e-8  # s
 
 
 @dataclass(frozen=True)
-class FourDof:
+class FourDof(Declared, table="option"):
     """Four-degree-of-freedom column.
 
     Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
@@ -73,9 +73,6 @@ class FourDof:
         "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def surface(self, column: Column) -> YieldSurface:
         """The yield surface of all hinges of the column."""

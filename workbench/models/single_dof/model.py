@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
-from workbench.fields import Choice, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.models.base import respond
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, mechanism_of, resistance_curve
@@ -65,7 +65,7 @@ class _Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SingleDof:
+class SingleDof(Declared, table="option"):
     """Single-degree-of-freedom column.
 
     Options: `resistance`: envelope of the spring, analytic, cubic or linear (in the axial force);
@@ -96,9 +96,6 @@ class SingleDof:
         "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     def curve(self, column: Column) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""

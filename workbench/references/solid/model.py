@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from workbench.fields import Number, check_fields, checked
+from workbench.fields import Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
@@ -35,7 +35,7 @@ COARSEST = -1  # refinement: a flange has one row of elements then, half a web t
 
 
 @dataclass(frozen=True)
-class SolidPlaneStress:
+class SolidPlaneStress(Declared, table="option"):
     """Plane-stress solid.
 
     Options:
@@ -74,8 +74,8 @@ class SolidPlaneStress:
     sources: ClassVar[tuple[str, ...]] = ("simo-hughes1998", "heng2017")
     refines: ClassVar[str] = SPACE  # what `refinement` halves
 
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
+    def check(self) -> None:
+        """Refuse levels that do not fit the refinement."""
         check_levels(self.refinement, self.levels, COARSEST)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Number, check_fields, checked
+from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.hinges import YieldSurface
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ class HingeEnd:
 
 
 @dataclass(frozen=True)
-class Superelement:
+class Superelement(Declared, table="superelement"):
     """A bar with a generalized hinge at each end (Heng 2017, papers III and IV).
 
     Arguments: hinges `start` and `end`; `axial_stiffness` EA (N) and `bending_stiffness` EI
@@ -65,17 +65,13 @@ class Superelement:
     rotary_inertia: float = checked(_MASS, 0.0)
     rotation_inertia: str = checked(Choice(INERTIAS), "none")
 
-    def __post_init__(self) -> None:
-        check_fields(self, "superelement")
+    def check(self) -> None:
+        """Refuse stiffnesses that leave the bar or its hinges undetermined."""
         ends = self.start, self.end
         if self.flexible:
             for name in ("axial_stiffness", "bending_stiffness"):
                 if not 0.0 < getattr(self, name) < inf:
-                    raise InputError(
-                        f"superelement.{name}",
-                        getattr(self, name),
-                        "must be positive and finite in a flexible bar",
-                    )
+                    raise self.refusal(name, "must be positive and finite in a flexible bar")
         elif min(end.axial_stiffness for end in ends) == inf:
             raise InputError(
                 "hinge.axial_stiffness", inf, "must be finite at one end of a rigid bar"

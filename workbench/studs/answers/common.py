@@ -13,7 +13,7 @@ import pandas as pd
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
-from workbench.fields import check_fields
+from workbench.fields import Declared
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Scenario
@@ -89,7 +89,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class StudModel:
+class StudModel(Declared, table="option"):
     """A model that answers questions to tests on studs; its options are those of its own fields.
 
     A model names what may be asked of it (`asks`, empty: anything) and finds the answer in the
@@ -101,9 +101,6 @@ class StudModel:
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()
-
-    def __post_init__(self) -> None:
-        check_fields(self, "option")
 
     @property
     def sources(self) -> tuple[str, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.errors import InputError
 from workbench.fields import Choice, Flag, checked
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
@@ -40,10 +39,10 @@ class StudLoadSlip(StudModel):
         "fitted campaigns, fewer of a new one.",
     )
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def check(self) -> None:
+        """Refuse published values for a law that has none."""
         if self.published and self.law != "ollgaard":
-            raise InputError("option.published", self.law, "is known for the law ollgaard only")
+            raise self.refusal("published", "is known for the law ollgaard only")
 
     @property
     def sources(self) -> tuple[str, ...]:
