@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from workbench.errors import InputError
+from workbench.fields import did_you_mean
 from workbench.models.base import Model, with_options
 
 GROUP = "workbench.models"
@@ -55,8 +55,7 @@ def model_kind(name: str) -> type[Any]:
     points = [point for point in _points() if point.name == name]
     if not points:
         known = model_names()
-        near = difflib.get_close_matches(name, known, 1)
-        advice = f"did you mean {near[0]}?" if near else "see `workbench models`"
+        advice = did_you_mean(name, known, "see `workbench models`")
         raise InputError("model", name, "must be one of " + ", ".join(known), advice)
     kind, problem = _load(name, points)
     if kind is None:

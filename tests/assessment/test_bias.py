@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.assessment import bias_and_scatter, bootstrap_interval
+from workbench.assessment import bias_and_scatter
 from workbench.errors import InputError
 
 
@@ -56,21 +56,3 @@ def test_one_pair_has_no_interval():
 def test_unusable_pairs_are_refused(pair):
     with pytest.raises(InputError, match="model, data"):
         bias_and_scatter(*pair)
-
-
-def test_bootstrap_agrees_with_the_normal_interval_and_repeats():
-    sample = np.random.default_rng(3).standard_normal(400)
-    low, high = bootstrap_interval(sample)
-    centre, width = sample.mean(), 1.96 * sample.std(ddof=1) / 20.0
-    assert low == pytest.approx(centre - width, abs=0.015)
-    assert high == pytest.approx(centre + width, abs=0.015)
-    assert (low, high) == bootstrap_interval(sample)
-
-
-def test_members_of_a_group_are_drawn_together():
-    sample = np.repeat([0.0, 1.0, 2.0, 3.0], 50)
-    alone = bootstrap_interval(sample)
-    together = bootstrap_interval(sample, groups=np.repeat([1, 2, 3, 4], 50))
-    assert together[1] - together[0] > 3.0 * (alone[1] - alone[0])
-    with pytest.raises(InputError, match="sample"):
-        bootstrap_interval(sample, groups=np.zeros(len(sample)))

@@ -23,7 +23,7 @@ def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
 def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:
     stream = io.StringIO()
     cells = cells_of(toy_study) * 10
-    lines = Lines(stream)
+    lines = Lines(stream=stream)
     lines.begin("toy", cells, 3, 2)
     for number, cell in enumerate(cells):
         outcome = Outcome.OUT_OF_DOMAIN if number % 2 else Outcome.CRASHED

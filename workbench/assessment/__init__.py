@@ -1,6 +1,6 @@
 """Comparing responses: metrics, numerical uncertainty, bias and scatter, acceptance gates."""
 
-from workbench.assessment.bias import Bias, bias_and_scatter, bootstrap_interval
+from workbench.assessment.bias import Bias, bias_and_scatter
 from workbench.assessment.curves import CURVE_METRICS
 from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.assessment.histories import HISTORY_METRICS
@@ -27,7 +27,6 @@ __all__ = [
     "Swap",
     "Verdict",
     "bias_and_scatter",
-    "bootstrap_interval",
     "expand",
     "judge",
     "ladder",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,34 +75,3 @@ def _log_ratio(model: ArrayLike, data: ArrayLike) -> Array:
         raise InputError("model, data", both.min(), "must be positive")
     ratio: Array = np.log(own / held_against)
     return ratio
-
-
-def bootstrap_interval(
-    sample: ArrayLike,
-    statistic: Callable[[Array], float] = lambda values: float(np.mean(values)),
-    *,
-    groups: ArrayLike | None = None,
-    confidence: float = 0.95,
-    resamples: int = 2000,
-    seed: int = 0,
-) -> tuple[float, float]:
-    """Percentile bootstrap interval of a statistic (Efron and Tibshirani 1993, chapter 13).
-
-    Arguments: `sample` (n,); `statistic` of a sample; `groups` (n,), labels of members that are
-    drawn together because they are not independent (one test campaign, one column);
-    `resamples` drawn with the given `seed`, so that equal inputs give equal intervals.
-    Raises `InputError` for fewer than two members or groups.
-    """
-    values = np.asarray(sample, dtype=float)
-    keys = np.arange(len(values)) if groups is None else np.asarray(groups)
-    members = [np.flatnonzero(keys == key) for key in np.unique(keys)]
-    if values.ndim != 1 or len(keys) != len(values) or len(members) < 2:
-        raise InputError("sample", values.shape, "must hold two members (or groups) or more")
-    generator = np.random.default_rng(seed)
-    results = np.empty(resamples)
-    for i in range(resamples):
-        drawn = generator.integers(0, len(members), len(members))
-        results[i] = statistic(values[np.concatenate([members[j] for j in drawn])])
-    tail = 0.5 * (1.0 - confidence)
-    low, high = np.quantile(results, [tail, 1.0 - tail])
-    return float(low), float(high)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 _NAMED = 4  # cases that a reason names
+_OPEN = ("no answer", "nothing to judge", "uncertainty unknown", "uncertainty across the bound")
 
 
 class Verdict(StrEnum):
@@ -80,6 +81,17 @@ class CaseVerdict:
     note: str
 
     @property
+    def open(self) -> str:
+        """Why the case is neither passed nor failed, in the words of `_OPEN`."""
+        if self.verdict in (Verdict.PASS, Verdict.FAIL):
+            return ""
+        if self.verdict is not Verdict.INCONCLUSIVE:
+            return _OPEN[0]
+        if self.value is None:
+            return _OPEN[1]
+        return _OPEN[2] if self.uncertainty is None else _OPEN[3]
+
+    @property
     def reach(self) -> float:
         """How far the interval of the value reaches from zero."""
         return abs(self.value or 0.0) + (self.uncertainty or 0.0)
@@ -118,30 +130,17 @@ class GateVerdict:
         return max(same, key=lambda case: case.reach, default=None)
 
     @property
-    def missing(self) -> tuple[CaseVerdict, ...]:
-        """The cases that were asked and have no answer of both sides."""
-        without = (Verdict.REFUSED, Verdict.UNANSWERED)
-        return tuple(case for case in self.cases if case.verdict in without)
-
-    @property
     def reasons(self) -> tuple[str, ...]:
         """What keeps the gate from passing in cases that do not fail, one statement each."""
         if not self.cases:
             return ("the study asks no case of both sides",)
-        valued = [c for c in self.cases if c.value is not None]
-        straddling = [c for c in valued if c.verdict is Verdict.INCONCLUSIVE]
-        kinds = (
-            ("no answer", self.missing),
-            (
-                "nothing to judge",
-                [c for c in self.cases if c not in valued and c not in self.missing],
-            ),
-            ("uncertainty unknown", [c for c in straddling if c.uncertainty is None]),
-            ("uncertainty across the bound", [c for c in straddling if c.uncertainty is not None]),
-        )
+        kinds: dict[str, list[CaseVerdict]] = {what: [] for what in _OPEN}
+        for case in self.cases:
+            if case.open:
+                kinds[case.open].append(case)
         return tuple(
             f"{what} in {len(cases)} of {len(self.cases)} asked cases: {_listed(cases)}"
-            for what, cases in kinds
+            for what, cases in kinds.items()
             if cases
         )
 

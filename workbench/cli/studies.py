@@ -56,12 +56,12 @@ def run(
     """
     from workbench.report.figures import check_kind
     from workbench.study import assess, load_study, run_study
-    from workbench.study.progress import Silent, progress_for
+    from workbench.study.progress import Progress, progress_for
 
     loaded = load_study(study)
     for figure in loaded.study.figures:  # before the work, not after it
         check_kind(figure.kind)
-    progress = Silent() if as_json else progress_for(sys.stderr, os.environ)
+    progress = Progress() if as_json else progress_for(sys.stderr, os.environ)
     try:
         summary = run_study(
             loaded.study,

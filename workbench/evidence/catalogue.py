@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ import pandas as pd
 
 from workbench.datafiles import data_directory
 from workbench.errors import InputError
+from workbench.fields import did_you_mean
 
 ROLES = ("calibrate", "validate", "verify")
 
@@ -74,9 +74,8 @@ def dataset(name: str) -> Dataset:
     """The dataset of this name. Raises `InputError` with the nearest names."""
     entries = {entry.name: entry for entry in datasets()}
     if name not in entries:
-        near = difflib.get_close_matches(name, entries, 1)
-        advice = f"did you mean {near[0]}?" if near else ""
-        raise InputError("dataset", name, "must be one of " + ", ".join(entries), advice)
+        allowed = "must be one of " + ", ".join(entries)
+        raise InputError("dataset", name, allowed, did_you_mean(name, entries))
     return entries[name]
 
 

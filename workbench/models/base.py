@@ -85,17 +85,24 @@ def _refused(refusals: Sequence[Finding]) -> Response:
 
 
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:
-    toml, digest = canonical(scenario)
     response.attrs.update(
-        model=model.name,
-        model_version=model.version,
-        options=json.dumps(options_of(model), sort_keys=True),
-        scenario=toml,
-        scenario_hash=digest,
+        **signature(model, scenario),
         provenance=json.dumps(provenance(), sort_keys=True),
         wall_time=time.perf_counter() - started,
     )
     return response
+
+
+def signature(model: Model, scenario: Scenario) -> dict[str, Any]:
+    """The attributes by which a response names model and scenario."""
+    toml, digest = canonical(scenario)
+    return {
+        "model": model.name,
+        "model_version": model.version,
+        "options": json.dumps(options_of(model), sort_keys=True),
+        "scenario": toml,
+        "scenario_hash": digest,
+    }
 
 
 def options_of(model: Model) -> dict[str, Any]:

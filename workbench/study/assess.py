@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
 from workbench.errors import InputError
 from workbench.responses import SCALARS, TIMES, Response, energy_error, findings_of, scalars_of
-from workbench.responses.outcome import COLUMNS
+from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
 from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import comparison_rows, ladder_row
 from workbench.study.definition import Study
-from workbench.study.store import Presence, Record, Store
+from workbench.study.store import Presence, Store
 from workbench.study.tables import Row, write_table
 from workbench.study.verdicts import CASE_COLUMNS, case_rows, verdict_row, verdicts_of
 from workbench.study.verdicts import COLUMNS as VERDICT_COLUMNS
@@ -32,6 +31,7 @@ _BIAS = (
     *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
     *("model_scatter", "note"),
 )
+_DERIVED = ("shear_utilisation", "energy_error")
 _FEWEST_FOR_BIAS = 3  # cases
 
 
@@ -59,72 +59,52 @@ def assess(study: Study, root: Path) -> Assessment:
     store = Store(Path(root) / study.name)
     cells = cells_of(study)
     if not store.keys():
-        raise InputError(
-            "study",
-            study.name,
-            "has no stored cells yet",
-            f"run it first: workbench run {study.name}",
-        )
+        advice = f"run it first: workbench run {study.name}"
+        raise InputError("study", study.name, "has no stored cells yet", advice)
     names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
     for name in names:
         if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
-    cell_rows: list[Row] = []
-    findings: list[Row] = []
-    comparisons: list[Row] = []
-    ladders: list[Row] = []
-    given: list[Answers] = []
-    by_case: dict[str, list[Cell]] = {case.name: [] for case in study.cases}
-    for cell in cells:
-        by_case[cell.case].append(cell)
+    rows: dict[str, list[Row]] = {"cells": [], "findings": []}
+    given = []
     for case in study.cases:
         responses: dict[str, Response] = {}
-        for cell in by_case[case.name]:
-            record = None
+        asked = [cell for cell in cells if cell.case == case.name]
+        for cell in asked:
+            who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
+            row = {**who, "model_version": cell.model.version, "outcome": NOT_RUN, "key": cell.key}
             if store.presence(cell.key) is Presence.FINISHED:
-                responses[cell.label] = store.response(cell.key)
-                record = store.record(cell.key)
-            answer = _cell_row(cell, responses.get(cell.label), record)
-            cell_rows.append({**answer, **case.parameters})
-            if record is not None:
-                who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
-                said = findings_of(responses[cell.label])
-                findings.extend({**who, **finding.as_dict()} for finding in said)
-        asked = tuple(cell.label for cell in by_case[case.name])
-        answers = Answers(study, case, asked, responses)
-        comparisons.extend(comparison_rows(answers))
-        ladders.extend(row for q in study.quantities if (row := ladder_row(answers, q)))
-        given.append(answers)
-    found = verdicts_of(study, given)
-    derived = ("shear_utilisation", "energy_error")
-    tables: tuple[tuple[str, list[Row], tuple[str, ...]], ...] = (
-        ("cells", cell_rows, (*_CELL, "solve_time", *names, *SCALARS, *derived, "key")),
-        ("findings", findings, ("case", "label", "model", *COLUMNS)),
-        ("comparisons", comparisons, ("case", *names, *_COMPARISON)),
-        ("ladder", ladders, ("case", "quantity", *study.steps, *_LADDER)),
-        ("gates", [row for each in found for row in case_rows(each)], CASE_COLUMNS),
-        ("verdicts", [verdict_row(each) for each in found], VERDICT_COLUMNS),
-        ("bias", list(_bias_rows(comparisons, study.reference)), _BIAS),
-    )
-    store.prepare()
-    for name, table, columns in tables:
-        write_table(store.tables / f"{name}.csv", table, columns)
-    rows = {name: table for name, table, _ in tables}
-    return Assessment(store.directory, rows, found)
-
-
-def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> dict[str, Any]:
-    row: dict[str, Any] = {
-        "case": cell.case,
-        "label": cell.label,
-        "model": cell.model.name,
-        "model_version": cell.model.version,
-        "outcome": NOT_RUN,
-        "key": cell.key,
+                response = responses[cell.label] = store.response(cell.key)
+                row |= _numbers(response, store, cell)
+                rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]
+            rows["cells"].append({**row, **case.parameters})
+        given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
+    verdicts = verdicts_of(study, given)
+    rows["comparisons"] = [row for answers in given for row in comparison_rows(answers)]
+    ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
+    rows["ladder"] = [row for row in ladders if row]
+    rows["gates"] = [row for found in verdicts for row in case_rows(found)]
+    rows["verdicts"] = [verdict_row(found) for found in verdicts]
+    rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
+    columns = {
+        "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, "key"),
+        "findings": ("case", "label", "model", *FINDING_COLUMNS),
+        "comparisons": ("case", *names, *_COMPARISON),
+        "ladder": ("case", "quantity", *study.steps, *_LADDER),
+        "gates": CASE_COLUMNS,
+        "verdicts": VERDICT_COLUMNS,
+        "bias": _BIAS,
     }
-    if response is None or record is None:
-        return row
-    row |= {
+    store.prepare()
+    for name, table in rows.items():
+        write_table(store.tables / f"{name}.csv", table, columns[name])
+    return Assessment(store.directory, rows, verdicts)
+
+
+def _numbers(response: Response, store: Store, cell: Cell) -> Row:
+    """What the table of cells says of an answer."""
+    record = store.record(cell.key)
+    row: dict[str, object] = {
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
         **{name: record.get(name) for name in TIMES},
@@ -136,36 +116,36 @@ def _cell_row(cell: Cell, response: Response | None, record: Record | None) -> d
     return row
 
 
-def _bias_rows(comparisons: list[Row], reference: str) -> Iterator[Row]:
+def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
     """Bias and scatter of every model against the reference over the cases, per quantity.
 
     The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
     """
-    pairs: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
-    widths: dict[tuple[str, str, str], list[float | None]] = {}
+    groups: dict[tuple[str, str], list[Row]] = {}
     for row in comparisons:
-        if row["against"] != reference or row["metric"] != "relative_error":
+        asked = row["against"] == reference and row["metric"] == "relative_error"
+        if asked and row["value"] > 0.0 and row["against_value"] > 0.0:
+            groups.setdefault((row["model"], row["quantity"]), []).append(row)
+    for (model, quantity), rows in groups.items():
+        if len(rows) < _FEWEST_FOR_BIAS:
             continue
-        if row["value"] > 0.0 and row["against_value"] > 0.0:
-            key = row["model"], row["against"], row["quantity"]
-            pairs.setdefault(key, []).append((row["value"], row["against_value"]))
-            share = row["against_value"] / row["value"]
-            width = row["uncertainty"]
-            widths.setdefault(key, []).append(None if width is None else share * width)
-    for (model, against, quantity), values in pairs.items():
-        if len(values) < _FEWEST_FOR_BIAS:
-            continue
-        found = bias_and_scatter(*zip(*values, strict=True))
-        known = [width for width in widths[model, against, quantity] if width is not None]
-        unknown = len(values) - len(known)
+        found = bias_and_scatter(
+            [row["value"] for row in rows], [row["against_value"] for row in rows]
+        )
+        known = [
+            row["uncertainty"] * (row["against_value"] / row["value"])
+            for row in rows
+            if row["uncertainty"] is not None
+        ]
         # numerical errors have one sign over the cases: they shift the bias, they do not scatter
         common = sum(known) / len(known) if known else 0.0
         notes = [found.note] if found.note else []
-        if unknown:
-            notes.append(f"numerical uncertainty unknown in {unknown} of {len(values)} cases")
+        if len(known) < len(rows):
+            unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
+            notes.append(f"numerical uncertainty unknown in {unknown}")
         yield {
             "model": model,
-            "against": against,
+            "against": reference,
             "quantity": quantity,
             "count": found.count,
             "bias": found.bias,

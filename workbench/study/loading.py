@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import importlib.util
 import sys
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.errors import InputError, WorkbenchError
+from workbench.fields import did_you_mean
 from workbench.study.definition import Study
 
 
@@ -43,9 +43,8 @@ def load_study(name: str | Path) -> LoadedStudy:
         known = study_files()
         stem = str(name).replace("-", "_")
         if stem not in known:
-            near = difflib.get_close_matches(stem, known, 1)
             listed = ", ".join(known) if known else "none in ./studies"
-            advice = f"did you mean {near[0]}?" if near else "give the path of a study file"
+            advice = did_you_mean(stem, known, "give the path of a study file")
             raise InputError("study", str(name), f"is not known; there are {listed}", advice)
         path = known[stem]
     if not path.is_file():

@@ -7,30 +7,26 @@ import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TextIO
+from typing import Any, TextIO
 
 from workbench.responses import Outcome
 from workbench.study.cells import Cell
 
 
-class Progress(Protocol):
-    """Told by the runner what happens."""
+class Progress:
+    """Told by the runner what happens; says nothing itself."""
 
     def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
         """A run begins with `waiting` cells to answer and `stored` ones already there."""
-        ...
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """A cell has been answered, in `seconds` of its worker's time."""
-        ...
 
     def note(self, text: str) -> None:
         """Something that the user should know."""
-        ...
 
     def end(self) -> None:
         """The run is over, or was interrupted."""
-        ...
 
 
 @dataclass
@@ -60,50 +56,53 @@ class Estimate:
 
 
 @dataclass
-class Silent:
-    """Says nothing."""
+class Estimating(Progress):
+    """Progress that knows what is left."""
 
-    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """Ignore."""
-
-    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
-        """Ignore."""
-
-    def note(self, text: str) -> None:
-        """Ignore."""
-
-    def end(self) -> None:
-        """Ignore."""
-
-
-@dataclass
-class Lines:
-    """One plain line about every tenth of the run, for logs."""
-
-    stream: TextIO = field(default_factory=lambda: sys.stderr)
     estimate: Estimate = field(default_factory=Estimate)
     total: int = 0
     done: int = 0
     began: float = 0.0
 
     def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """Say how much there is to do."""
-        self.total, self.began = len(waiting), time.monotonic()
+        """Count what there is to do."""
+        self.total, self.done, self.began = len(waiting), 0, time.monotonic()
         self.estimate = Estimate(jobs, Counter(cell.label for cell in waiting))
+
+    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
+        """Count what has been answered."""
+        self.done += 1
+        failed = outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
+        self.estimate.add(cell.label, seconds, failed)
+
+    @property
+    def failures(self) -> str:
+        """How many cells have failed, in words."""
+        return f"{self.estimate.failed} failed, " if self.estimate.failed else ""
+
+    @property
+    def left(self) -> str:
+        """The time left, in words."""
+        return f"about {duration(self.estimate.seconds() or 0.0)} left"
+
+
+@dataclass
+class Lines(Estimating):
+    """One plain line about every tenth of the run, for logs."""
+
+    stream: TextIO = field(default_factory=lambda: sys.stderr)
+
+    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
+        """Say how much there is to do."""
+        super().begin(study, waiting, stored, jobs)
         self.note(f"{study}: {self.total} cells to answer, {stored} already stored")
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """Count, and print when another tenth is done."""
         before = 10 * self.done // self.total
-        self.done += 1
-        self.estimate.add(cell.label, seconds, outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN))
-        tenth = 10 * self.done // self.total
-        if tenth > before and self.done < self.total:
-            left = self.estimate.seconds() or 0.0
-            self.note(
-                f"{self.done} of {self.total} cells, {_failures(self.estimate.failed)}"
-                f"about {duration(left)} left"
-            )
+        super().advance(cell, outcome, seconds)
+        if before < 10 * self.done // self.total < 10:
+            self.note(f"{self.done} of {self.total} cells, {self.failures}{self.left}")
 
     def note(self, text: str) -> None:
         """Print a line."""
@@ -113,15 +112,13 @@ class Lines:
         """Say how much was done in which time."""
         if self.total:
             took = duration(time.monotonic() - self.began)
-            failures = _failures(self.estimate.failed)
-            self.note(f"{self.done} of {self.total} cells answered, {failures}in {took}")
+            self.note(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
 
 
 @dataclass
-class Bar:
+class Bar(Estimating):
     """A progress bar with the cell that was answered last and the time left."""
 
-    estimate: Estimate = field(default_factory=Estimate)
     display: Any = None
     task: Any = None
 
@@ -130,7 +127,7 @@ class Bar:
         from rich import progress
         from rich.console import Console
 
-        self.estimate = Estimate(jobs, Counter(cell.label for cell in waiting))
+        super().begin(study, waiting, stored, jobs)
         self.display = progress.Progress(
             progress.TextColumn(study),
             progress.BarColumn(),
@@ -145,11 +142,9 @@ class Bar:
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """Move the bar."""
-        failed = outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
-        self.estimate.add(cell.label, seconds, failed)
-        left = f"about {duration(self.estimate.seconds() or 0.0)} left"
-        last = f"{_failures(self.estimate.failed)}{cell.name}: {outcome}"
-        self.display.update(self.task, advance=1, left=left, last=last)
+        super().advance(cell, outcome, seconds)
+        last = f"{self.failures}{cell.name}: {outcome}"
+        self.display.update(self.task, advance=1, left=self.left, last=last)
 
     def note(self, text: str) -> None:
         """Print a line above the bar."""
@@ -161,14 +156,14 @@ class Bar:
     def end(self) -> None:
         """Leave the bar as it is."""
         if self.display is not None:
-            self.display.update(self.task, left="", last=_failures(self.estimate.failed))
+            self.display.update(self.task, left="", last=self.failures)
             self.display.stop()
             self.display = None
 
 
 def progress_for(stream: TextIO, environment: Mapping[str, str]) -> Progress:
     """A bar if `stream` is a terminal and this is no automatic build (CI), else lines."""
-    return Bar() if stream.isatty() and not environment.get("CI") else Lines(stream)
+    return Bar() if stream.isatty() and not environment.get("CI") else Lines(stream=stream)
 
 
 def duration(seconds: float) -> str:
@@ -182,7 +177,3 @@ def duration(seconds: float) -> str:
     if minutes < 60:
         return f"{minutes} min {rest} s"
     return f"{minutes // 60} h {minutes % 60} min"
-
-
-def _failures(count: int) -> str:
-    return f"{count} failed, " if count else ""

@@ -15,7 +15,7 @@ from workbench.study.cells import Cell, cells_of, select
 from workbench.study.definition import Study
 from workbench.study.executors import Executor, InProcess, Workers
 from workbench.study.manifest import write_manifest
-from workbench.study.progress import Progress, Silent
+from workbench.study.progress import Progress
 from workbench.study.store import Presence, Store
 from workbench.study.work import task_of
 
@@ -69,7 +69,7 @@ def run_study(
     if timeout is not None and not timeout > 0.0:
         raise InputError("--timeout", timeout, "must be a number of seconds above 0")
     executor = _executor(jobs, scheduler)
-    progress = progress or Silent()
+    progress = progress or Progress()
     store = Store(Path(root) / study.name)
     store.prepare()
     with _alone(store):

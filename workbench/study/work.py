@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 import time
 import traceback
@@ -13,7 +12,7 @@ from statistics import median
 from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.models.base import Model, options_of
+from workbench.models.base import Model, signature
 from workbench.responses import (
     TIMES,
     Outcome,
@@ -23,7 +22,7 @@ from workbench.responses import (
     outcome_of,
     provenance,
 )
-from workbench.scenarios import Scenario, scenario_hash, to_toml
+from workbench.scenarios import Scenario
 from workbench.study.cells import Cell
 from workbench.study.netcdf import to_netcdf_bytes, without_volatile
 
@@ -160,13 +159,6 @@ def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
 
 def _signed(response: Response, model: Model, scenario: Scenario) -> Response:
     """Name model and scenario in a response that did not come through `respond`."""
-    given = {
-        "model": model.name,
-        "model_version": model.version,
-        "options": json.dumps(options_of(model), sort_keys=True),
-        "scenario": to_toml(scenario),
-        "scenario_hash": scenario_hash(scenario),
-    }
-    for name, value in given.items():
+    for name, value in signature(model, scenario).items():
         response.attrs.setdefault(name, value)
     return response
