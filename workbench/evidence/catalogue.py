@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
@@ -86,30 +87,27 @@ def load(name: str) -> pd.DataFrame:
 
 def check() -> list[str]:
     """Problems of the whole catalogue, one sentence each; empty when all is well."""
-    problems = []
-    seen: set[str] = set()
-    for entry in datasets():
-        where = f"dataset {entry.name}"
-        if entry.name in seen:
-            problems.append(f"{where}: the name stands twice")
-        seen.add(entry.name)
-        if entry.role not in ROLES:
-            problems.append(f"{where}: role {entry.role!r} is not one of {', '.join(ROLES)}")
-        problems.extend(
-            f"{where}: {required} is missing"
-            for required in ("title", "source", "licence", "uncertainty")
-            if not getattr(entry, required).strip()
-        )
-        if not entry.path.is_file():
-            problems.append(f"{where}: file {entry.file} is missing")
-            continue
-        table = pd.read_csv(entry.path)
-        undescribed = set(table.columns) - set(entry.columns)
-        missing = set(entry.columns) - set(table.columns)
-        problems.extend(f"{where}: column {c} is not described" for c in sorted(undescribed))
-        problems.extend(f"{where}: column {c} is missing in the file" for c in sorted(missing))
-        if table.empty:
-            problems.append(f"{where}: the table has no rows")
-        if entry.scenario and not (data_directory() / entry.scenario).is_file():
-            problems.append(f"{where}: scenario file {entry.scenario} is missing")
-    return problems
+    entries = datasets()
+    names = [entry.name for entry in entries]
+    twice = [f"dataset {n}: the name stands twice" for n in set(names) if names.count(n) > 1]
+    told = (f"dataset {entry.name}: {text}" for entry in entries for text in _problems(entry))
+    return [*sorted(twice), *told]
+
+
+def _problems(entry: Dataset) -> Iterator[str]:
+    if entry.role not in ROLES:
+        yield f"role {entry.role!r} is not one of {', '.join(ROLES)}"
+    for required in ("title", "source", "licence", "uncertainty"):
+        if not getattr(entry, required).strip():
+            yield f"{required} is missing"
+    if not entry.path.is_file():
+        yield f"file {entry.file} is missing"
+        return
+    table = pd.read_csv(entry.path)
+    given, described = set(table.columns), set(entry.columns)
+    yield from (f"column {name} is not described" for name in sorted(given - described))
+    yield from (f"column {name} is missing in the file" for name in sorted(described - given))
+    if table.empty:
+        yield "the table has no rows"
+    if entry.scenario and not (data_directory() / entry.scenario).is_file():
+        yield f"scenario file {entry.scenario} is missing"

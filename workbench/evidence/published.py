@@ -94,9 +94,8 @@ class Published(Declared, table="option"):
         values: dict[str, float] = {}
         widths: dict[str, float] = {}
         for quantity in SCALARS:
-            columns = [c for c in row.index if str(c).startswith(f"{quantity}_")]
-            for column in columns:
-                target = widths if "_uncertainty_" in str(column) else values
+            for column in (str(c) for c in row.index if str(c).startswith(f"{quantity}_")):
+                target = widths if "_uncertainty_" in column else values
                 target[quantity] = float(row[column])
         response = build_response(values)
         response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)

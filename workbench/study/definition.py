@@ -83,16 +83,13 @@ class Study:
         for name in names:
             if names.count(name) > 1:
                 raise InputError("study.cases", name, "case names must be unique")
+        for name in (name for gate in self.gates for name in gate.cases):
+            if name not in names:
+                raise InputError("gate.cases", name, "is not a case of the study")
         labels = [*self.ladder, *self.quick_models, self.reference]
-        for case in self.cases:
-            labels.extend(case.models)
-        for gate in self.gates:
-            labels.extend((gate.model, gate.against))
-            for name in gate.cases:
-                if name not in names:
-                    raise InputError("gate.cases", name, "is not a case of the study")
-        for figure in self.figures:
-            labels.extend(figure.models)
+        labels += [label for case in self.cases for label in case.models]
+        labels += [label for figure in self.figures for label in figure.models]
+        labels += [label for gate in self.gates for label in (gate.model, gate.against)]
         for label in labels:
             if label not in self.models:
                 raise InputError("study label", label, "must be one of " + ", ".join(self.models))
@@ -110,12 +107,9 @@ class Study:
 
     def cells(self) -> Iterator[tuple[Case, str]]:
         """Every case with every label that is to answer it, in a fixed order."""
-        for case in self.cases:
-            for label, model in self.models.items():
-                if (not case.models or label in case.models) and (
-                    case.scenario.KIND in model.answers
-                ):
-                    yield case, label
+        for case, label in self._pairs():
+            if case.scenario.KIND in self.models[label].answers:
+                yield case, label
 
     def unasked(self) -> dict[tuple[str, str], list[str]]:
         """Cases that a label is not asked, as its model does not answer their kind.
@@ -123,13 +117,14 @@ class Study:
         Keys are (label, kind of scenario), values names of cases.
         """
         left: dict[tuple[str, str], list[str]] = {}
-        for case in self.cases:
-            for label, model in self.models.items():
-                if (not case.models or label in case.models) and (
-                    case.scenario.KIND not in model.answers
-                ):
-                    left.setdefault((label, case.scenario.KIND), []).append(case.name)
+        for case, label in self._pairs():
+            if case.scenario.KIND not in self.models[label].answers:
+                left.setdefault((label, case.scenario.KIND), []).append(case.name)
         return left
+
+    def _pairs(self) -> Iterator[tuple[Case, str]]:
+        for case in self.cases:
+            yield from ((case, label) for label in self.models if label in (case.models or [label]))
 
     def quickened(self) -> Study:
         """The quick form: fewer cases and models, the same path.
@@ -166,14 +161,13 @@ class Study:
             for figure in self.figures
             if not figure.models or kept(figure.models)
         )
-        left_out = (
-            ("models", [label for label in self.models if label not in keep]),
-            ("cases", [case.name for case in self.cases if case.name not in names]),
-        )
-        told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out if which)
-        note = (
-            f"Quick form, {len(gates)} of {len(self.gates)} gates. Left out: {told or 'nothing'}."
-        )
+        left_out = {
+            "models": [label for label in self.models if label not in keep],
+            "cases": [case.name for case in self.cases if case.name not in names],
+        }
+        told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out.items() if which)
+        count = f"{len(gates)} of {len(self.gates)} gates"
+        note = f"Quick form, {count}. Left out: {told or 'nothing'}."
         return dataclasses.replace(
             self,
             name=f"{self.name}-quick",

@@ -19,7 +19,7 @@ from typing import Protocol
 
 from workbench.errors import WorkbenchError
 from workbench.responses import Outcome
-from workbench.study.work import Result, Task, perform, unanswered
+from workbench.study.work import Result, Task, is_late, perform, timed_out, unanswered
 
 THREAD_VARIABLES = (
     "OMP_NUM_THREADS",
@@ -56,7 +56,7 @@ class InProcess:
             with threadpool_limits(1):
                 result = perform(task, warm)
             seconds = time.perf_counter() - begin
-            yield result if not _late(task, seconds) else _timed_out(task, seconds)
+            yield timed_out(task, seconds) if is_late(task, seconds) else result
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,10 @@ class _Worker:
         except (EOFError, OSError):
             return self._died()
         seconds = time.monotonic() - self.since
-        if self.task is not None and _late(self.task, seconds):
+        if self.task is not None and is_late(self.task, seconds):
             task = self.task
             self.stop()
-            return _timed_out(task, seconds)
+            return timed_out(task, seconds)
         return None
 
     def _died(self) -> Result | None:
@@ -204,16 +204,6 @@ def _wait_for(crew: list[_Worker]) -> None:
     ]
     timeout = max(0.0, min(ends) - time.monotonic()) + 0.001 if ends else None
     wait([worker.pipe for worker in crew], timeout)
-
-
-def _late(task: Task, seconds: float) -> bool:
-    return task.limit is not None and seconds > task.limit
-
-
-def _timed_out(task: Task, seconds: float) -> Result:
-    return unanswered(
-        task, Outcome.TIMED_OUT, f"stopped after the {task.limit:g} s that a cell may take", seconds
-    )
 
 
 @contextmanager

@@ -51,20 +51,19 @@ class CellStatus:
 def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
     """Where every cell stands, and why those to do would be answered (again)."""
     answered = _last_answers(read_manifest(store), store)
-    found = []
-    for cell in cells:
+
+    def status(cell: Cell) -> CellStatus:
         presence = store.presence(cell.key)
         if presence is Presence.FINISHED:
             outcome = store.record(cell.key)["outcome"]
-            state = State.DONE if outcome == Outcome.OK else State.FAILED
-            found.append(CellStatus(cell, state, outcome))
-        elif presence is Presence.CORRUPT:
+            return CellStatus(cell, State.DONE if outcome == Outcome.OK else State.FAILED, outcome)
+        if presence is Presence.CORRUPT:
             reason = "the stored cell is corrupt: its file does not agree with its record"
-            found.append(CellStatus(cell, State.TO_DO, reason=reason))
         else:
             reason = _reason(cell, answered.get((cell.case, cell.label)), store)
-            found.append(CellStatus(cell, State.TO_DO, reason=reason))
-    return found
+        return CellStatus(cell, State.TO_DO, reason=reason)
+
+    return [status(cell) for cell in cells]
 
 
 def read_manifest(store: Store) -> Manifest:
@@ -159,32 +158,24 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
     reasons = list(_scenario_changes(cell, last, store))
     for name, text in _CHANGES.items():
         before, after = last.get(name), now[name]
-        if before == after:
-            continue
         if name == "options" and isinstance(before, dict):
             reasons.extend(_changes(before, after, f"{text} "))
-        elif name == "data":
-            reasons.append(text)
-        else:
-            reasons.append(f"{text} {before} -> {after}")
+        elif before != after:
+            reasons.append(text if name == "data" else f"{text} {before} -> {after}")
     return "; ".join(reasons)
 
 
 def _scenario_changes(cell: Cell, last: Ingredients, store: Store) -> Iterator[str]:
     if last.get("scenario") == cell.ingredients["scenario"]:
         return
-    old = key_of(last)
-    changes: list[str] = []
-    if store.presence(old) is Presence.FINISHED:
-        try:
-            before = tomllib.loads(store.response(old).attrs["scenario"])
-        except (WorkbenchError, KeyError, ValueError):
-            before = {}
-        after = tomllib.loads(to_toml(cell.scenario))
-        before.pop("name", None)
-        after.pop("name", None)
-        changes = _changes(before, after)
-    yield "scenario changed" + (": " + ", ".join(changes) if changes else "")
+    try:
+        before = tomllib.loads(store.response(key_of(last)).attrs["scenario"])
+    except (WorkbenchError, KeyError, ValueError):  # the old cell is gone
+        yield "scenario changed"
+        return
+    after = tomllib.loads(to_toml(cell.scenario))
+    before["name"] = after["name"]
+    yield "scenario changed: " + ", ".join(_changes(before, after))
 
 
 def differences(

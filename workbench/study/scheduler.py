@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.errors import InputError
 from workbench.responses import Outcome
-from workbench.study.work import Result, Task, perform, unanswered
+from workbench.study.work import Result, Task, is_late, perform, timed_out, unanswered
 
 CONNECT_SECONDS = 10.0
 
@@ -33,12 +33,8 @@ class DaskCluster:
         try:
             client = distributed.Client(self.address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError) as error:
-            raise InputError(
-                "--scheduler",
-                self.address,
-                f"does not answer: {error}",
-                "start it, or leave it out",
-            ) from error
+            said, advice = f"does not answer: {error}", "start it, or leave it out"
+            raise InputError("--scheduler", self.address, said, advice) from error
         with client, client.as_current():
             by_key = {task.key: task for task in tasks}
             futures = [
@@ -66,20 +62,14 @@ def perform_remotely(task: Task) -> Result:
     with threadpool_limits(1):
         result = perform(task, worker.workbench_warm)
     seconds = float(result.record["first_call"])
-    if task.limit is not None and seconds > task.limit:
-        message = f"took longer than the {task.limit:g} s that a cell may take"
-        return unanswered(task, Outcome.TIMED_OUT, message, seconds)
-    return result
+    return timed_out(task, seconds) if is_late(task, seconds) else result
 
 
 def _library() -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise InputError(
-            "--scheduler",
-            "dask",
-            "needs the library distributed, which is not installed",
-            'pip install "workbench[scale]"',
-        ) from error
+        said = "needs the library distributed, which is not installed"
+        advice = 'pip install "workbench[scale]"'
+        raise InputError("--scheduler", "dask", said, advice) from error
     return distributed

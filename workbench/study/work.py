@@ -85,40 +85,44 @@ def perform(task: Task, warm: set[str]) -> Result:
     allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
     if timed.attrs.get("wall_time", first) < allowed:
         runs += [_answer(model, scenario)[0] for _ in range(FURTHER_CALLS)]
-    times = {"wall_time": first, "first_call": first}
+    record: dict[str, Any] = {"wall_time": first, "first_call": first}
     for name in TIMES:
         measured = [run.attrs[name] for run in runs if name in run.attrs]
         if measured:
-            times[name] = median(measured)
-    return result_of(task, response, times, started, trace)
+            record[name] = median(measured)
+    if trace:
+        record["trace"] = trace
+    return _result(task, response, record, started)
 
 
 def unanswered(task: Task, outcome: Outcome, message: str, seconds: float) -> Result:
-    """The result of a task whose worker was stopped or died."""
+    """The result of a task whose worker was stopped or died after so many `seconds`."""
     model, scenario = pickle.loads(task.payload)
     response = _signed(failed_response(outcome, message), model, scenario)
-    times = {"wall_time": seconds, "first_call": seconds}
-    return result_of(task, response, times, datetime.now(UTC), [])
+    record = {"wall_time": seconds, "first_call": seconds}
+    return _result(task, response, record, datetime.now(UTC))
 
 
-def result_of(
-    task: Task,
-    response: Response,
-    times: dict[str, float],
-    started: datetime,
-    trace: list[str],
-) -> Result:
+def is_late(task: Task, seconds: float) -> bool:
+    """Whether a task has taken longer than it may."""
+    return task.limit is not None and seconds > task.limit
+
+
+def timed_out(task: Task, seconds: float) -> Result:
+    """The result of a task that took longer than it may."""
+    message = f"stopped after the {task.limit:g} s that a cell may take"
+    return unanswered(task, Outcome.TIMED_OUT, message, seconds)
+
+
+def _result(task: Task, response: Response, record: dict[str, Any], started: datetime) -> Result:
     """Bytes and record of a response: what repeats in the bytes, what does not in the record."""
-    record: dict[str, Any] = {
-        **times,
+    record |= {
         "outcome": outcome_of(response).value,
         "limit": task.limit,
         "provenance": provenance(),
         "started": started.isoformat(timespec="milliseconds"),
         "finished": datetime.now(UTC).isoformat(timespec="milliseconds"),
     }
-    if trace:
-        record["trace"] = trace
     return Result(task.key, to_netcdf_bytes(without_volatile(response)), record)
 
 
