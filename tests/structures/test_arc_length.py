@@ -9,7 +9,7 @@ from frame_cases import portal
 from reissner_cases import chain, elastic, square
 
 from workbench.errors import InputError, SolverError
-from workbench.structures.arc_length import follow, follow_arc
+from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.paths import follow_displacement
 from workbench.structures.reissner_beams import ReissnerBeams
@@ -17,6 +17,13 @@ from workbench.structures.statics import apply_loads
 from workbench.structures.superelements import Superelements
 
 LENGTH = 1.2
+
+
+def one(assembly: PlanarAssembly, dof: int, load: float) -> np.ndarray:
+    """A pattern of one load."""
+    pattern = np.zeros(assembly.size)
+    pattern[dof] = load
+    return pattern
 
 
 def extremum(values: np.ndarray, top: int) -> float:
@@ -32,10 +39,9 @@ def test_a_shallow_truss_snaps_through() -> None:
     truss.hold(truss.dofs([0, 2], "u"))
     truss.hold(truss.dofs([0, 2], "v"))
     middle = truss.dof(1, "v")
-    truss.load[middle] = -1.0
     bar = np.hypot(0.5, rise)
     seen = []
-    for step in follow(truss, 2e-3, 120, 4e-3):
+    for step in follow_arc(truss, one(truss, middle, -1.0), middle, -1.0, 0.25, 4e-3):
         left = rise + truss.displacement[middle]
         length = np.hypot(0.5, left)
         expected = 2.0 * stiffness * (1.0 - length / bar) * left / length
@@ -55,13 +61,11 @@ def test_lee_frame() -> None:
         frame = chain(np.concatenate([column, beam]), elastic(LENGTH / 240.0, shear=100.0))
         frame.hold([frame.dof(node, c) for node in (0, 2 * n) for c in ("u", "v")])
         loaded = frame.dof(n + n // 5, "v")
-        frame.load[loaded] = -1.0 / LENGTH**2
+        pattern = one(frame, loaded, -1.0 / LENGTH**2)
         factors, work = [], 0.0
-        for step in follow(frame, 0.02, 300, 0.15):
+        for step in follow_arc(frame, pattern, loaded, -1.0, 0.75 * LENGTH, 0.01 * LENGTH):
             factors.append(step.factor)
             work += step.external_work
-            if frame.displacement[loaded] < -0.75 * LENGTH:
-                break
         path = np.array(factors)
         bottom = int(np.argmin(path))
         limits.append((extremum(path, int(np.argmax(path[:bottom]))), extremum(path, bottom)))
@@ -78,12 +82,8 @@ def test_a_plastic_path_is_followed_past_its_limit() -> None:
     arch = chain(np.stack([x, 0.3 * (1.0 - x**2)], axis=1), square())
     arch.hold([arch.dof(node, c) for node in (0, 16) for c in ("u", "v", "rotation")])
     middle = arch.dof(8, "v")
-    arch.load[middle] = -1e6
-    steps = []
-    for step in follow(arch, 1e-3, 120, 2e-2):
-        steps.append(step)
-        if arch.displacement[middle] < -0.25:  # before it hangs like a rope
-            break
+    # the target comes before it hangs like a rope
+    steps = list(follow_arc(arch, one(arch, middle, -1e6), middle, -1.0, 0.25, 1e-3))
     factors = np.array([step.factor for step in steps])
     top = int(np.argmax(factors))
     assert 5 < top < len(factors) - 5
@@ -95,9 +95,9 @@ def test_a_plastic_path_is_followed_past_its_limit() -> None:
 
 def test_a_mechanism_is_reported() -> None:
     bar = chain([[0.0, 0.0], [1.0, 0.0]], elastic(0.1))
-    bar.load[bar.dof(1, "v")] = 1.0  # nothing is held
+    tip = bar.dof(1, "v")  # nothing is held
     with pytest.raises(SolverError, match=r"singular|radii"):
-        list(follow(bar, 0.1, 3))
+        list(follow_arc(bar, one(bar, tip, 1.0), tip, 1.0, 1.0, 0.1))
 
 
 def shallow(rise: float = 0.1):

@@ -194,7 +194,7 @@ def test_push_is_the_path_of_a_single_force() -> None:
         dof = frame.dof(names["side-left"], "u")
         if driver == "push":
             steps = list(push(frame, dof, np.linspace(0.0, 0.3, 61)[1:]))
-            forces.append([s.force for s in steps])
+            forces.append([s.factor for s in steps])
         else:
             pattern = loads(frame, names, side_left_u=1e3)
             steps = follow_displacement(frame, pattern, dof, 1.0, [0.3], 5e-3)

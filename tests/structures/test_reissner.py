@@ -176,7 +176,7 @@ def test_collapse_load_is_exact_up_to_the_sampling_point() -> None:
         held = [assembly.dof(node, c) for node in ends for c in ("v", "rotation")]
         assembly.hold([*held, assembly.dof(0, "u")])
         middle = assembly.dof(elements // 2, "v")
-        force = [s.force for s in push(assembly, middle, np.linspace(0.0, 0.1, 51)[1:])][-1]
+        force = [s.factor for s in push(assembly, middle, np.linspace(0.0, 0.1, 51)[1:])][-1]
         h = span / elements
         assert force == pytest.approx(4.0 * PLASTIC_MOMENT / (0.5 * span - h), rel=5e-3)
 

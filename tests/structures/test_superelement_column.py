@@ -25,10 +25,10 @@ def test_pushed_column_of_the_thesis(exponents):
     stored, start = assembly.stored, assembly.displacement.copy()
     path = np.linspace(0.0, 0.7, 281)
     steps = list(push(assembly, hit, path[1:]))
-    force = [1e-6 * steps[round(v / 0.0025) - 1].force for v in AT]
+    force = [1e-6 * steps[round(v / 0.0025) - 1].factor for v in AT]
     assert force == pytest.approx(PUSHED[exponents], rel=2e-3)
     assert sum(step.cuts for step in steps) == 0
-    work = np.trapezoid([0.0] + [s.force for s in steps], path)
+    work = np.trapezoid([0.0] + [s.factor for s in steps], path)
     work += assembly.load @ (assembly.displacement - start)
     spent = sum(step.energies.plastic for step in steps) + steps[-1].energies.stored - stored
     assert spent == pytest.approx(work, rel=1e-3)
@@ -39,7 +39,7 @@ def test_flexible_bar_gives_the_same_force_once_hinges_have_formed():
     for flexible in (False, True):
         assembly, _, hit = thesis_column(flexible=flexible)
         steps = list(push(assembly, hit, np.linspace(0.0, 0.7, 281)[1:]))
-        forces.append([step.force for step in steps[19:]])  # from 0.05 m
+        forces.append([step.factor for step in steps[19:]])  # from 0.05 m
     assert forces[1] == pytest.approx(forces[0], rel=3e-3)
 
 

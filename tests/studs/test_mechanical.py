@@ -115,7 +115,7 @@ def test_small_slip_has_the_stiffness_of_a_beam_on_an_elastic_foundation() -> No
     psi = r - k / (ga * r)
     c = np.linalg.solve(np.array([[1.0, 1.0], psi]), np.array([1.0, 0.0]))
     stiffness = -float((ga * (r - psi) @ c).real)
-    assert step.force / 1e-7 == pytest.approx(stiffness, rel=0.01)
+    assert step.factor / 1e-7 == pytest.approx(stiffness, rel=0.01)
 
 
 def test_weak_concrete_gives_the_two_hinge_mechanism() -> None:
@@ -174,9 +174,9 @@ def test_work_is_stored_or_dissipated() -> None:
     work = dissipated = stored = last = 0.0
     for _ in range(120):
         (step,) = push(structure.assembly, structure.slip_dof, np.array([2e-5]))
-        work += 0.5 * (last + step.force) * 2e-5
+        work += 0.5 * (last + step.factor) * 2e-5
         dissipated += step.energies.plastic
-        stored, last = step.energies.stored, step.force
+        stored, last = step.energies.stored, step.factor
         assert step.energies.plastic > -1e-6 * work
     assert dissipated + stored == pytest.approx(work, rel=0.01)
     assert dissipated > 0.5 * work

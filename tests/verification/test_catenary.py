@@ -21,7 +21,7 @@ def path(kind: str) -> np.ndarray:
     rows = []
     for step in push(beam, middle, np.linspace(0.0, 4.0 * SIDE, 161)[1:]):
         N, start, end = beam.groups[0].local_forces[ELEMENTS // 2]
-        rows.append((step.displacement, step.force, N, 0.5 * abs(end - start)))
+        rows.append((step.displacement, step.factor, N, 0.5 * abs(end - start)))
     return np.array(rows).T
 
 

@@ -29,7 +29,7 @@ def beam(kind: str, elements: int, propped: bool) -> float:
     hold(chain, 0)
     hold(chain, elements, "v", *(() if propped else ("rotation",)))
     path = np.linspace(0.0, 0.1, 21)[1:]
-    return [s.force for s in push(chain, chain.dof(elements // 2, "v"), path)][-1]
+    return [s.factor for s in push(chain, chain.dof(elements // 2, "v"), path)][-1]
 
 
 @pytest.mark.parametrize("kind", FORMULATIONS)
@@ -67,7 +67,7 @@ def test_sway_of_a_portal(kind) -> None:
     hold(frame, 0)
     hold(frame, len(points) - 1)
     steps = push(frame, frame.dof(part, "u"), np.linspace(0.0, 0.08, 31)[1:])
-    forces = [s.force for s in steps]
+    forces = [s.factor for s in steps]
     inside = SAMPLED[kind] * height / part
     assert forces[-1] == pytest.approx(4.0 * PLASTIC_MOMENT / (height - 2.0 * inside), rel=0.01)
     assert forces[-1] == pytest.approx(forces[-6], rel=2e-3)  # the plateau

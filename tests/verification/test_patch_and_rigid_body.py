@@ -48,7 +48,7 @@ def test_uniform_plastic_tension(kind) -> None:
     strain = 0.005
     *_, step = push(bar, bar.dof(last, "u"), np.linspace(0.0, strain * X[-1], 21)[1:])
     slope = E * 0.01 / 1.01
-    assert step.force == pytest.approx((FY + slope * (strain - FY / E)) * SIDE**2, rel=1e-9)
+    assert step.factor == pytest.approx((FY + slope * (strain - FY / E)) * SIDE**2, rel=1e-9)
     np.testing.assert_allclose(
         bar.displacement[bar.dofs(range(last + 1), "u")], strain * X, rtol=1e-7, atol=1e-12
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from verification_cases import FORMULATIONS, NEVER, group, hold, orders, slender_chain
 
-from workbench.structures.arc_length import follow
+from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.statics import push
 from workbench.structures.uniaxial import LinearHardening
@@ -41,10 +41,15 @@ def lee(kind: str, part: int) -> tuple[float, float]:
     frame = slender_chain(kind, np.concatenate([upright, beam]))
     hold(frame, 0, "u", "v")
     hold(frame, 2 * part, "u", "v")
-    frame.load[frame.dof(part + part // 5, "v")] = -1.0
-    steps = [(step.radius, step.factor) for step in follow(frame, 0.05, 700, 0.08)]
-    radii, factors = np.array(steps).T
-    return limits(np.cumsum(radii), factors)
+    loaded = frame.dof(part + part // 5, "v")
+    pattern = np.zeros(frame.size)
+    pattern[loaded] = -1.0
+    factors, way, last = [], [], frame.displacement
+    for step in follow_arc(frame, pattern, loaded, -1.0, 0.8, 5e-3):
+        factors.append(step.factor)
+        way.append(float(np.linalg.norm(frame.displacement - last)))
+        last = frame.displacement
+    return limits(np.cumsum(way), np.array(factors))
 
 
 @pytest.mark.parametrize(
@@ -108,7 +113,7 @@ def toggle(kind: str, elements: int) -> np.ndarray:
     path = -np.linspace(0.0, 1.5 * RISE, 121)[1:]
     return np.array(
         [
-            (-step.displacement, -2.0 * step.force)
+            (-step.displacement, -2.0 * step.factor)
             for step in push(half, half.dof(elements, "v"), path, tolerance=1e-10)
         ]
     )

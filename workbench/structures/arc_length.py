@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.equilibrium import DisplacementControl, free_pattern
-from workbench.structures.ledger import StepEnergies
 from workbench.structures.paths import LARGEST_GAP, Course, PathStep
 
 Array = NDArray[np.float64]
@@ -26,21 +25,6 @@ ITERATIONS = 15
 FARTHEST = 2.0  # of the radius, for a step that had to leave the cylinder
 WANTED_ITERATIONS = 8.0  # the radius adapts so that a step takes about this many
 WANTED_GAP = 1e-3  # and so that its trapezoidal work is about as exact as this
-
-
-class ArcStep(NamedTuple):
-    """A committed step of the path.
-
-    `factor` on the load of the assembly; `radius` in m; `energies` of the structure and
-    `external_work` of the load in J; residual `evaluations`, and `cuts` of the radius.
-    """
-
-    factor: float
-    radius: float
-    energies: StepEnergies
-    external_work: float
-    evaluations: int
-    cuts: int
 
 
 class _Found(NamedTuple):
@@ -80,12 +64,6 @@ class _Arc:
             where = f"load factor {self.course.factor:.6g}"
             raise SolverError(where, np.inf, "the tangent is singular")
         return tangent
-
-    def step(self) -> PathStep:
-        """Take a step, with a smaller radius where needed."""
-        while not self.commit(self.find()):
-            pass
-        return self.record()
 
     def find(self) -> _Found:
         """The next state of the path at the distance of the radius, not yet committed."""
@@ -190,32 +168,6 @@ class _Arc:
         # of the two roots the forward one has the larger inner product with the last increment
         side = 1.0 if float((change * self.translations) @ t) >= 0.0 else -1.0
         return (-b + side * sqrt(discriminant)) / a
-
-
-def follow(
-    assembly: PlanarAssembly,
-    radius: float,
-    steps: int,
-    largest_radius: float = inf,
-    tolerance: float = 1e-9,
-    most_cuts: int = 12,
-) -> Iterator[ArcStep]:
-    """Follow the equilibrium path under a multiple of the assembly's load, from no load.
-
-    Arguments: `assembly`, unloaded, with the load pattern in `load`; first and largest `radius`,
-    length of the increment of all translations (m); number of `steps`; `tolerance` of the
-    residual over the largest force; `most_cuts`, how often the radius may be halved in a row.
-    Yields an `ArcStep` after each commit. Raises `SolverError`.
-    """
-    pattern = free_pattern(assembly, assembly.load)
-    course = Course(assembly, pattern, 0, 1.0, np.zeros(assembly.size))
-    arc = _Arc(course, radius, largest_radius, tolerance, most_cuts)
-    for _ in range(steps):
-        step = arc.step()
-        length = arc.length(arc.last)
-        yield ArcStep(
-            step.factor, length, step.energies, step.external_work, step.evaluations, step.cuts
-        )
 
 
 def follow_arc(

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.errors import InputError, SolverError
+from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.newton import Solution, newton
 
@@ -142,25 +140,3 @@ class DisplacementControl:
         columns = np.arange(max(0, self.dof - width), min(size, self.dof + width + 1))
         band = self.assembly.band.reshape(size, -1)
         return band[columns, 2 * width + self.dof - columns], columns
-
-
-def in_pieces(attempt: Callable[[float, float], SolverError | None], most_cuts: int) -> int:
-    """Go from 0 to 1 in pieces that are halved where they fail and doubled back afterwards.
-
-    Arguments: `attempt`, from where and how far; commits and gives None, or gives the reason why
-    it cannot. Returns how often a piece was halved; raises the reason when `most_cuts` in a row
-    did not help. Pieces are multiples of powers of 1/2, so that 1 is met exactly.
-    """
-    done, level, cuts = 0.0, 0, 0
-    while done < 1.0:
-        share = 0.5**level
-        reason = attempt(done, share)
-        if reason is not None:
-            level, cuts = level + 1, cuts + 1
-            if level > most_cuts:
-                raise reason
-            continue
-        done += share
-        while level > 0 and (done * 2.0 ** (level - 1)).is_integer():
-            level -= 1
-    return cuts

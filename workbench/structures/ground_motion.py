@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.ledger import StepEnergies
-from workbench.structures.time_steps import Advance, march, solve_step
+from workbench.structures.time_steps import Advance, march, settle, solve_step
 
 Array = NDArray[np.float64]
 AXES = {"x": "u", "y": "v"}
@@ -33,7 +33,6 @@ class GroundStep(NamedTuple):
     and `cuts`, how often the step was halved.
     """
 
-    time: float
     length: float
     acceleration: float
     energies: StepEnergies
@@ -41,8 +40,9 @@ class GroundStep(NamedTuple):
     external_work: float
     damped: float
     kinetic: float
-    evaluations: int
-    cuts: int
+    time: float = 0.0
+    evaluations: int = 0
+    cuts: int = 0
 
 
 class Accelerogram:
@@ -122,24 +122,17 @@ def ground_motion(
         if not found.converged:
             return None, spent
         change = found.x - assembly.displacement
-        energies = assembly.account(found.x, weight)
         damped = damping * float(change @ assembly.mass_times(change)) / dt
-        dead = float(assembly.load @ change)
-        assembly.commit(found.x, trial.velocity)
-        assembly.stored = energies.stored
+        energies, work = settle(assembly, found.x, trial.velocity, weight)
         step = GroundStep(
-            time=0.0,
             length=dt,
             acceleration=mean,
             energies=energies,
             input_energy=-mean * float(driven @ change),
-            external_work=dead,
+            external_work=work,
             damped=damped,
             kinetic=assembly.kinetic_energy(),
-            evaluations=0,
-            cuts=0,
         )
         return step, spent
 
-    for taken, marched in march(spans, advance, most_cuts, "line search"):
-        yield taken._replace(time=marched.time, evaluations=marched.evaluations, cuts=marched.cuts)
+    yield from march(spans, advance, most_cuts, "line search")

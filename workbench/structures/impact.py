@@ -29,7 +29,7 @@ from workbench.errors import InputError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.ledger import StepEnergies
-from workbench.structures.time_steps import Advance, Pull, Trial, march, solve_step
+from workbench.structures.time_steps import Advance, Pull, Trial, march, settle, solve_step
 
 Array = NDArray[np.float64]
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
@@ -64,7 +64,6 @@ class TimeStep(NamedTuple):
     end in J; `evaluations` of the residual, and `cuts`, how often the step was halved.
     """
 
-    time: float
     length: float
     striker: PointMass
     percussion: float
@@ -72,8 +71,9 @@ class TimeStep(NamedTuple):
     energies: StepEnergies
     external_work: float
     kinetic: float
-    evaluations: int
-    cuts: int
+    time: float = 0.0
+    evaluations: int = 0
+    cuts: int = 0
 
 
 def impact(
@@ -100,9 +100,7 @@ def impact(
     integrator does not fit.
     """
     stepper = _Stepper(assembly, dof, sign, striker, weight, integrator, tolerance)
-    remedies = "line search, open and closed contact"
-    for taken, marched in march(spans, stepper.advance, most_cuts, remedies):
-        yield taken._replace(time=marched.time, evaluations=marched.evaluations, cuts=marched.cuts)
+    yield from march(spans, stepper.advance, most_cuts, "line search, open and closed contact")
 
 
 class _Attempt(NamedTuple):
@@ -224,10 +222,7 @@ class _Stepper:
         assembly, striker = self.assembly, self.striker
         end = found.trial.solution.x
         approach = self.gap_velocity
-        energies = assembly.account(end, self.weight)
-        external_work = float(assembly.load @ (end - assembly.displacement))
-        assembly.commit(end, found.velocity)
-        assembly.stored = energies.stored
+        energies, work = settle(assembly, end, found.velocity, self.weight)
         if self._before is not None:
             self._before = found.trial.force
         if found.apart > 0.0:
@@ -239,16 +234,13 @@ class _Stepper:
         position -= found.apart / striker.mass
         self.striker = replace(striker, velocity=velocity, position=position)
         return TimeStep(
-            time=0.0,
             length=dt,
             striker=self.striker,
             percussion=found.percussion,
             contact_loss=contact.contact_loss(found.percussion, approach, departure),
             energies=energies,
-            external_work=external_work,
+            external_work=work,
             kinetic=assembly.kinetic_energy(),
-            evaluations=0,
-            cuts=0,
         )
 
     def _spent_moving_apart(self, found: _Attempt) -> float:

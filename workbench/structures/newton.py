@@ -1,17 +1,19 @@
-"""Newton's method with a line search on the work of the residual."""
+"""Newton's method with a line search, and steps that are halved where it fails."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import isfinite, isnan, nan
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from workbench.errors import SolverError
 from workbench.structures._kernels import largest
 
 Array = NDArray[np.float64]
+Taken = TypeVar("Taken")
 
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 SEARCHES = 8
@@ -88,3 +90,29 @@ def newton(
         x, size = trial, new_size
     # fibers that switch between elastic and plastic within round-off can keep a residual alive
     return Solution(x, size <= STALLED * allowed, size / allowed, evaluations)
+
+
+def pieces(
+    attempt: Callable[[float, float], Taken | SolverError], most_cuts: int
+) -> Iterator[tuple[Taken, float, int]]:
+    """Go from 0 to 1 in pieces that are halved where they fail and doubled back afterwards.
+
+    Arguments: `attempt`, from where and how far; commits and gives what it has reached, or the
+    reason why it cannot. Yields what was reached, where that is, and how often a piece was halved
+    since the last one; raises the reason when `most_cuts` in a row did not help. Pieces are
+    multiples of powers of 1/2, so that 1 is met exactly.
+    """
+    done, level, cuts = 0.0, 0, 0
+    while done < 1.0:
+        share = 0.5**level
+        taken = attempt(done, share)
+        if isinstance(taken, SolverError):
+            level, cuts = level + 1, cuts + 1
+            if level > most_cuts:
+                raise taken
+            continue
+        done += share
+        yield taken, done, cuts
+        cuts = 0
+        while level > 0 and (done * 2.0 ** (level - 1)).is_integer():
+            level -= 1

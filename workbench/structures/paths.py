@@ -20,10 +20,10 @@ from workbench.structures.equilibrium import (
     DisplacementControl,
     equilibrium,
     free_pattern,
-    in_pieces,
     present_factor,
 )
 from workbench.structures.ledger import StepEnergies
+from workbench.structures.newton import pieces
 
 Array = NDArray[np.float64]
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
@@ -212,8 +212,8 @@ def lead(
 
     for point in np.asarray(points):
         span = course.origin + float(point) - course.at
-        cuts = in_pieces(partial(attempt, course.at, span), most_cuts)
-        yield course.record(cuts)
+        taken = pieces(partial(attempt, course.at, span), most_cuts)
+        yield course.record(sum(cuts for _, _, cuts in taken))
 
 
 def load(
@@ -246,5 +246,5 @@ def load(
         )
 
     for point in np.asarray(points):
-        cuts = in_pieces(partial(attempt, course.factor, float(point) - course.factor), most_cuts)
-        yield course.record(cuts)
+        taken = pieces(partial(attempt, course.factor, float(point) - course.factor), most_cuts)
+        yield course.record(sum(cuts for _, _, cuts in taken))

@@ -4,26 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.ledger import StepEnergies
-from workbench.structures.paths import Course, lead, load
+from workbench.structures.paths import Course, PathStep, lead, load
 
 Array = NDArray[np.float64]
-
-
-class StaticStep(NamedTuple):
-    """A committed static step: imposed displacement (m), its force (N), energies, solver cost."""
-
-    displacement: float
-    force: float
-    energies: StepEnergies
-    evaluations: int
-    cuts: int
 
 
 def apply_loads(
@@ -48,14 +36,14 @@ def push(
     path: Array,
     tolerance: float = 1e-8,
     most_cuts: int = 10,
-) -> Iterator[StaticStep]:
+) -> Iterator[PathStep]:
     """Displacement control by a force: lead `dof` along `path` (m, relative to now).
 
     Arguments: `assembly`; `dof`; displacements `path` (steps,); `tolerance` of the residual over
     the largest force; `most_cuts`, how often an increment may be halved.
-    Yields a `StaticStep` for every point of the path. Raises `SolverError`.
+    Yields a `PathStep` for every point of the path; its factor is the force in N. Raises
+    `SolverError`.
     """
     pattern = np.zeros(assembly.size)
     pattern[dof] = 1.0
-    for step in lead(Course(assembly, pattern, dof, 1.0), path, tolerance, most_cuts, inf):
-        yield StaticStep(step.displacement, step.factor, step.energies, step.evaluations, step.cuts)
+    return lead(Course(assembly, pattern, dof, 1.0), path, tolerance, most_cuts, inf)

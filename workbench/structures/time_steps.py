@@ -9,18 +9,19 @@ no penalty, no extra unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import ceil
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.newton import Solution, newton
+from workbench.structures.ledger import StepEnergies
+from workbench.structures.newton import Solution, newton, pieces
 
 Array = NDArray[np.float64]
-Step = TypeVar("Step")
 ITERATIONS = 25
 
 
@@ -100,52 +101,65 @@ class Advance(NamedTuple):
     residual: float
 
 
-class Marched(NamedTuple):
-    """A committed step of a march: its end in s, residual `evaluations`, and `cuts` before it."""
+class Record(Protocol):
+    """A record of a committed step, a NamedTuple with these entries."""
 
-    time: float
-    evaluations: int
-    cuts: int
+    def _replace(self, *, time: float, evaluations: int, cuts: int) -> Self: ...
+
+
+Taken = TypeVar("Taken", bound=Record)
 
 
 def march(
     spans: Sequence[tuple[float, float]],
-    advance: Callable[[float, float], tuple[Step | None, Advance]],
+    advance: Callable[[float, float], tuple[Taken | None, Advance]],
     most_cuts: int,
     remedies: str,
-) -> Iterator[tuple[Step, Marched]]:
+) -> Iterator[Taken]:
     """Go through a record; steps are halved where they fail and doubled back afterwards.
 
     Arguments: `spans`, end times and nominal steps of successive parts of the record, both in s;
     `advance`, takes the start and the length of a step, commits it and gives it, or None if it is
     not solved; `most_cuts`, how often a step may be halved; what else `advance` tries, for errors.
-    Yields the steps. Raises `SolverError`.
+    Yields the steps with their end `time`, `evaluations` and `cuts`. Raises `SolverError`.
     """
+    evaluations = 0
+
+    def attempt(
+        begin: float, step: float, number: int, done: float, share: float
+    ) -> Taken | SolverError:
+        nonlocal evaluations
+        start, length = begin + (number + done) * step, share * step
+        taken, spent = advance(start, length)
+        evaluations += spent.evaluations
+        if taken is None:
+            tried = f"{remedies}, steps down to {length:.3g} s"
+            return SolverError(f"time {start:.6g} s", spent.residual, tried)
+        return taken
+
     begin = 0.0
     for end, nominal in spans:
         if end <= begin:
             continue
         count = max(1, ceil((end - begin) / nominal - 1e-9))
         step = (end - begin) / count
-        level = 0
-        index = 0  # in units of step / 2^level
-        evaluations = cuts = 0
-        while index < count * 2**level:
-            dt = step / 2**level
-            taken, spent = advance(begin + index * dt, dt)
-            evaluations += spent.evaluations
-            if taken is None:
-                level, cuts, index = level + 1, cuts + 1, 2 * index
-                if level > most_cuts:
-                    raise SolverError(
-                        f"time {begin + index * dt / 2:.6g} s",
-                        spent.residual,
-                        f"{remedies}, steps down to {dt:.3g} s",
-                    )
-                continue
-            index += 1
-            yield taken, Marched(begin + index * dt, evaluations, cuts)
-            evaluations = cuts = 0
-            while level > 0 and index % 2 == 0:
-                level, index = level - 1, index // 2
+        for number in range(count):
+            for taken, done, cuts in pieces(partial(attempt, begin, step, number), most_cuts):
+                time = begin + (number + done) * step
+                yield taken._replace(time=time, evaluations=evaluations, cuts=cuts)
+                evaluations = 0
         begin = end
+
+
+def settle(
+    assembly: PlanarAssembly, end: Array, velocity: Array, weight: float
+) -> tuple[StepEnergies, float]:
+    """Commit a solved step that ends at `end`; its energies and the work of the dead loads, in J.
+
+    Arguments: displacements `end` and `velocity` (dofs,); `weight` of the end stresses.
+    """
+    energies = assembly.account(end, weight)
+    work = float(assembly.load @ (end - assembly.displacement))
+    assembly.commit(end, velocity)
+    assembly.stored = energies.stored
+    return energies, work

@@ -115,7 +115,9 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
         friction = structure.friction()
         collar = float(structure.links.forces[structure.collar])
         uplift = -float(structure.assembly.displacement[structure.uplift_dof])
-        rows.append((done, step.force + friction, friction, collar, structure.base_tension, uplift))
+        rows.append(
+            (done, step.factor + friction, friction, collar, structure.base_tension, uplift)
+        )
         if structure.ruptured:
             failed = True
             break
@@ -143,7 +145,7 @@ def pull(
             failure = "steel"
             break
         done = -float(structure.assembly.displacement[dof])
-        rows.append((done, -step.force))
+        rows.append((done, -step.factor))
         if structure.ruptured:
             failure = "steel"
             break
@@ -169,7 +171,7 @@ def _let_go(structure: StudStructure, load: float) -> None:
         before = rest
         (step,) = push(structure.assembly, dof, np.array([step_size]))
         structure.update()
-        rest = -step.force
+        rest = -step.factor
         if abs(rest) <= 1e-4 * load:
             return
         slope = (before - rest) / step_size
