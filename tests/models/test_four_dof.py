@@ -87,7 +87,7 @@ def test_time_of_peak_and_peak_converge_at_least_first_order(thesis_impact) -> N
 @pytest.mark.parametrize("small", [False, True])
 def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool) -> None:
     rng = np.random.default_rng(7)
-    column, work = np.zeros(1, statics.COLUMN)[0], statics.scratch()
+    column, work = np.zeros(1, statics.COLUMN)[0], np.zeros(1, statics.WORK)[0]
     column["lengths"], column["stiffness"] = (0.8, 1.1), ((2.4e9, 1.27e8, 1.27e8),) * 2
     column["squash_loads"], column["plastic_moments"] = 3.1e6, 2.8e5
     column["alpha"], column["beta"], column["small_rotations"] = 1.0, 1.3, small

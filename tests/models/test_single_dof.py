@@ -13,7 +13,12 @@ from hypothesis import strategies as st
 from workbench.errors import InputError
 from workbench.impact import collide
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
+from workbench.models.resistance import (
+    RESISTANCES,
+    ResistanceCurve,
+    mechanism_of,
+    resistance_curve,
+)
 from workbench.models.single_dof import SingleDof, _kernels
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
@@ -34,13 +39,18 @@ def subjects(response: Response) -> set[str]:
 # ---------------------------------------------------------------- spring law
 
 
+def followed(curve: ResistanceCurve, path: np.ndarray) -> np.ndarray:
+    """Force, elastic energy and dissipation of the spring along a path."""
+    records = np.zeros(len(path), _kernels.RECORD)
+    _kernels.follow(path, curve.elastic_limit, curve.pieces, records)
+    return np.array([records[name] for name in ("force", "elastic", "dissipated")])
+
+
 def follow(shape: str, path: np.ndarray, **column: object) -> tuple[np.ndarray, np.ndarray]:
     """Records (force, elastic energy, dissipation) of the spring along a path, and its curve."""
     values = {"restraint_stiffness": 1e7, "axial_load": 5e5, "fillets": False, **column}
     curve = resistance_curve(mechanism_of(Column(find("HEB 220"), 0.8, 3.2, **values)), shape)
-    records = np.zeros((3, len(path)))
-    _kernels.follow(path, curve.elastic_limit, curve.table, records)
-    return curve, records
+    return curve, followed(curve, path)
 
 
 @pytest.mark.parametrize("shape", RESISTANCES)
@@ -92,11 +102,7 @@ def test_elastic_range_is_reversible_where_the_curve_is_not_straight() -> None:
     curve = resistance_curve(mechanism_of(column), "analytic")
     top = 0.9 * curve.elastic_limit
     assert float(curve.force(top)) > 1.3 * curve.initial_stiffness * top
-    records = np.zeros((3, 4))
-    _kernels.follow(
-        np.array([top, 0.5 * top, -top, 0.0]), curve.elastic_limit, curve.table, records
-    )
-    force, elastic, dissipated = records
+    force, elastic, dissipated = followed(curve, np.array([top, 0.5 * top, -top, 0.0]))
     assert force[1] == pytest.approx(float(curve.force(0.5 * top)))
     assert force[2] == pytest.approx(-force[0])
     assert elastic[2] == pytest.approx(float(curve.work(top)))

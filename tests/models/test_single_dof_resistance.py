@@ -123,15 +123,15 @@ def test_analytic_events_of_the_thesis_column(thesis) -> None:
 
 def test_simplifications_of_the_thesis_column(thesis) -> None:
     cubic, linear = thesis["cubic"], thesis["linear"]
-    np.testing.assert_allclose(cubic.breakpoints, [0.00282763, 0.02403487, 0.82365093], rtol=2e-6)
+    np.testing.assert_allclose(cubic.starts[1:], [0.00282763, 0.02403487, 0.82365093], rtol=2e-6)
     assert cubic.initial_stiffness == pytest.approx(2.644489e8, rel=1e-6)
     np.testing.assert_allclose(
-        cubic.coefficients[2, [0, 1, 3]], [747763.93, 1.0827154e6, 4.7310351e6], rtol=1e-7
+        cubic.pieces["c"][2, [0, 1, 3]], [747763.93, 1.0827154e6, 4.7310351e6], rtol=1e-7
     )
     assert float(cubic.force(0.14704122)) == pytest.approx(889750.0, rel=1e-7)
-    assert linear.breakpoints[2] == pytest.approx(0.13407690, rel=1e-6)
+    assert linear.starts[3] == pytest.approx(0.13407690, rel=1e-6)
     np.testing.assert_allclose(
-        linear.coefficients[2:4, :3],
+        linear.pieces["c"][2:4, :3],
         [[728986.70, 679676.29, 7.0995596e6], [889750.0, -338402.36, 7.0995596e6]],
         rtol=1e-7,
     )
@@ -150,16 +150,16 @@ def test_tangent_and_work_belong_to_the_force(thesis, shape) -> None:
     curve = thesis[shape]
     rng = np.random.default_rng(2)
     v = rng.uniform(0.0, 1.0, 300)
-    v = v[np.min(np.abs(v[:, None] - curve.breakpoints), axis=1) > 1e-5]
+    v = v[np.min(np.abs(v[:, None] - curve.starts[1:]), axis=1) > 1e-5]
     h = 1e-7
     slope = (curve.force(v + h) - curve.force(v - h)) / (2.0 * h)
     np.testing.assert_allclose(curve.tangent(v), slope, rtol=1e-5, atol=2.0)
-    grid = np.union1d(np.linspace(0.0, 1.0, 20_001), curve.breakpoints)
+    grid = np.union1d(np.linspace(0.0, 1.0, 20_001), curve.starts[1:])
     work = np.concatenate(
         [[0.0], np.cumsum(np.diff(grid) * curve.force(0.5 * (grid[1:] + grid[:-1])))]
     )
     np.testing.assert_allclose(curve.work(grid), work, rtol=1e-6, atol=1e-2)
-    jumps = curve.force(curve.breakpoints) - curve.force(curve.breakpoints - 1e-12)
+    jumps = curve.force(curve.starts[1:]) - curve.force(curve.starts[1:] - 1e-12)
     assert np.max(np.abs(jumps)) < 1e-2
     assert float(curve.force(-0.2)) == -float(curve.force(0.2))
     assert float(curve.work(-0.2)) == float(curve.work(0.2))

@@ -55,13 +55,6 @@ class YieldSurface(Declared, table="yield_surface"):
         )
         return np.asarray(m**self.alpha + n**self.beta)
 
-    def boundary(self, points: int = 181) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Axial force (N) and moment (N m) along the quadrant N >= 0, M >= 0."""
-        angle = np.linspace(0.0, np.pi / 2.0, points)
-        n = np.sin(angle) ** (2.0 / self.beta)
-        m = np.cos(angle) ** (2.0 / self.alpha)
-        return n * self.axial_bounds[0], m * self.moment_bounds[0]
-
     @classmethod
     def fit(
         cls,

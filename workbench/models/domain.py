@@ -76,3 +76,15 @@ def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
             )
             findings.append(Finding("shear", text, remedy=SHEAR_REMEDY, number=ratio))
     return findings
+
+
+def step_finding(step: float, stable: float) -> list[Finding]:
+    """Refusal of an explicit time step above 0.3 of the stability limit `stable` (both in s)."""
+    limit = 0.3 * stable
+    if step <= limit:
+        return []
+    text = (
+        f"option.time_step = {step:g} s is above 0.3 of the stability limit of the explicit "
+        f"scheme, {limit:.3g} s: reduce it"
+    )
+    return [Finding("time-step", text, refusal=True)]

@@ -13,7 +13,6 @@ from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
-from workbench.models.four_dof.statics import Column, State, Work
 
 _EPS = 2.220446049250313e-16
 _PIECES = 64  # into which a step may be cut
@@ -21,7 +20,7 @@ MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
 
 
 @njit(cache=True, error_model="numpy")
-def mean_forces(column: Column, state: State, work: Work) -> None:
+def mean_forces(column, state, work):
     """Energy-consistent mean forces of a step: averaged stresses, discrete gradients."""
     lengths, a, b = column.lengths, work.stress0, state.stress
     for bar in range(2):
@@ -36,9 +35,7 @@ def mean_forces(column: Column, state: State, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def step_residual(
-    column: Column, dt: float, nested: bool, closed: bool, jump: float, state: State, work: Work
-) -> float:
+def step_residual(column, dt, nested, closed, jump, state, work):
     """Residual `work.R` (impulses) of a midpoint step and its Newton matrix; its scaled norm.
 
     With (3.31) to (3.33) w = 2 (q - q_0) / dt - w_0 and m (w - w_0) + dt F_mean = P for a massive
@@ -73,14 +70,11 @@ def step_residual(
         if nested:
             R[BETA] = 0.0
     axial = max(abs(R[V]), max(abs(R[U1]), abs(R[U2]))) / (dt * column.squash_loads[0])
-    norm: float = max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0, 0]))
-    return norm
+    return max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0, 0]))
 
 
 @njit(cache=True, error_model="numpy")
-def solve_step(
-    column: Column, dt: float, nested: bool, closed: bool, jump: float, state: State, work: Work
-) -> tuple[bool, float]:
+def solve_step(column, dt, nested, closed, jump, state, work):
     """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual)."""
     q, step, old = state.q, work.step, work.old
     q[:] = work.q0
@@ -110,9 +104,7 @@ def solve_step(
 
 
 @njit(cache=True, error_model="numpy")
-def midpoint_step(
-    column: Column, dt: float, closing: bool, state: State, work: Work
-) -> tuple[bool, float]:
+def midpoint_step(column, dt, closing, state, work):
     """One energy-conserving step (eqs 3.31-3.33) of `state`; returns (converged, residual).
 
     If the gap forecast for its middle is closed, the contact is; it opens if it would pull.
@@ -150,7 +142,7 @@ def midpoint_step(
 
 
 @njit(cache=True, error_model="numpy")
-def close_gap(column: Column, state: State, work: Work) -> tuple[bool, float]:
+def close_gap(column, state, work):
     """Move a penetrating contact back (eqs 3.34-3.35); the massless unknowns follow.
 
     The distances are as the inverse masses, so that the centre of mass stays; (3.34) prints
@@ -164,7 +156,7 @@ def close_gap(column: Column, state: State, work: Work) -> tuple[bool, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def follow(column: Column, state: State, work: Work) -> tuple[bool, float]:
+def follow(column, state, work):
     """Equilibrium of the massless unknowns, and its plastic flow."""
     massless = column.free_head and column.mass[U2] == 0.0
     residual = statics.axial_equilibrium(column, False, massless, state, work)
@@ -175,7 +167,7 @@ def follow(column: Column, state: State, work: Work) -> tuple[bool, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def drift(column: Column, dt: float, state: State) -> None:
+def drift(column, dt, state):
     """Move all masses with their velocities."""
     for i in (V, U1, U2):
         if i != U2 or (column.free_head and column.mass[U2] > 0.0):
@@ -184,7 +176,7 @@ def drift(column: Column, dt: float, state: State) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def moreau_step(column: Column, dt: float, state: State, work: Work) -> tuple[bool, float]:
+def moreau_step(column, dt, state, work):
     """One explicit Moreau midpoint step (eqs 3.26-3.30); returns (converged, residual).
 
     (3.30) adds the old velocity once more in print.
@@ -210,9 +202,7 @@ def moreau_step(column: Column, dt: float, state: State, work: Work) -> tuple[bo
 
 
 @njit(cache=True, error_model="numpy")
-def impact(
-    column: Column, scheme: int, dt: float, records: State, work: Work
-) -> tuple[int, int, float, int]:
+def impact(column, scheme, dt, records, work):
     """Follow the impact in steps of `dt`; returns (status, last step, residual, cuts).
 
     `records` (steps + 1,) of STATE begin with the preloaded column and the velocity of the

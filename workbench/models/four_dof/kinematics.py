@@ -16,16 +16,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
-Four = tuple[float, float, float, float]
 V, U1, BETA, U2 = 0, 1, 2, 3
 BELOW, ABOVE = 0, 1
 
 
 @njit(cache=True, error_model="numpy")
-def place(q: Vector, lengths: Vector, bar: int) -> tuple[float, float, float]:
+def place(q, lengths, bar):
     """Coordinates (v, x, b) of a bar."""
     if bar == BELOW:
         return q[V], lengths[BELOW] + q[U1], q[BETA]
@@ -33,7 +30,7 @@ def place(q: Vector, lengths: Vector, bar: int) -> tuple[float, float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def stretch_and_angle(v: float, x: float, length: float, small: bool) -> tuple[float, float]:
+def stretch_and_angle(v, x, length, small):
     """Elongation e (m) and rotation psi (rad) of the chord."""
     if small:
         return (x - length) + 0.5 * v * v / length, v / length
@@ -42,7 +39,7 @@ def stretch_and_angle(v: float, x: float, length: float, small: bool) -> tuple[f
 
 
 @njit(cache=True, error_model="numpy")
-def gradients(v: float, x: float, length: float, small: bool) -> Four:
+def gradients(v, x, length, small):
     """Gradients de/dv, de/dx, dpsi/dv, dpsi/dx."""
     if small:
         return v / length, 1.0, 1.0 / length, 0.0
@@ -51,9 +48,7 @@ def gradients(v: float, x: float, length: float, small: bool) -> Four:
 
 
 @njit(cache=True, error_model="numpy")
-def geometric_stiffness(
-    v: float, x: float, length: float, small: bool, N: float, M: float
-) -> tuple[float, float, float]:
+def geometric_stiffness(v, x, length, small, N, M):
     """Second derivatives vv, vx, xx of N e + M psi, for forces that do not change."""
     if small:
         return N / length, 0.0, 0.0
@@ -65,7 +60,7 @@ def geometric_stiffness(
 
 
 @njit(cache=True, error_model="numpy")
-def step_gradients(v0: float, x0: float, v1: float, x1: float, length: float, small: bool) -> Four:
+def step_gradients(v0, x0, v1, x1, length, small):
     """Discrete `gradients` over a step from (v0, x0) to (v1, x1).
 
     de = e_v dv + e_x dx and dpsi = psi_v dv + psi_x dx hold exactly for the differences.

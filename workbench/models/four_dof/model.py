@@ -20,7 +20,7 @@ from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.hinges import YieldSurface
 from workbench.models.base import respond
-from workbench.models.domain import member_findings
+from workbench.models.domain import member_findings, step_finding
 from workbench.models.four_dof import dynamics, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.responses import Finding, Response, build_response
@@ -89,13 +89,8 @@ class FourDof(Declared, table="option"):
         """Findings common to all member models, and the step limit of the explicit scheme."""
         findings = member_findings(scenario)
         if isinstance(scenario, ColumnImpact) and self.integrator == "moreau" and self.time_step:
-            limit = 0.3 * 2.0 / self._highest_frequency(scenario.column)
-            if self.time_step > limit:
-                text = (
-                    f"option.time_step = {self.time_step:g} s is above 0.3 of the stability "
-                    f"limit of the explicit scheme, {limit:.3g} s: reduce it"
-                )
-                findings.append(Finding("time-step", text, refusal=True))
+            stable = 2.0 / self._highest_frequency(scenario.column)
+            findings += step_finding(self.time_step, stable)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -151,7 +146,7 @@ class FourDof(Declared, table="option"):
         records["q"][0] = q
         shared = q[U1] * bars["stiffness"][0, 0]
         records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
-        status, last, residual = statics.pushover(bars, path, records, statics.scratch())
+        status, last, residual = statics.pushover(bars, path, records, np.zeros(1, statics.WORK)[0])
         if status != statics.OK:
             where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
             raise SolverError(where, residual, tried)
@@ -205,7 +200,7 @@ class FourDof(Declared, table="option"):
         records = np.zeros(steps + 1, statics.STATE)
         records["q"][0], records["striker_velocity"][0] = q, striker.velocity
         status, last, residual, cuts = dynamics.impact(
-            bars, _SCHEMES[self.integrator], step, records, statics.scratch()
+            bars, _SCHEMES[self.integrator], step, records, np.zeros(1, statics.WORK)[0]
         )
         if status == statics.NO_CONVERGENCE:
             raise SolverError(

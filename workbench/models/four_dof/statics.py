@@ -7,14 +7,12 @@ over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, d
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
-
 import numpy as np
 from numba import njit
 
 from workbench.hinges._kernels import Hinges, newton_in_bracket, project
 from workbench.models.four_dof import kinematics as geometry
-from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V, Vector
+from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load
@@ -51,7 +49,7 @@ STATE = np.dtype(
         ("contact_loss", float),
     ]
 )
-WORK = np.dtype(
+WORK = np.dtype(  # room for the numbers of one evaluation
     [
         *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0")),
         *((name, float, (4, 4)) for name in ("K", "J")),
@@ -61,18 +59,10 @@ WORK = np.dtype(
         ("trial", float, 3),
     ]
 )
-Column: TypeAlias = Any  # a record of COLUMN
-State: TypeAlias = Any  # of STATE, or an array of them
-Work: TypeAlias = Any  # of WORK
-
-
-def scratch() -> Work:
-    """Room for the numbers of one evaluation."""
-    return np.zeros(1, WORK)[0]
 
 
 @njit(cache=True, error_model="numpy")
-def bar_forces(column: Column, bar: int, state: State, work: Work) -> None:
+def bar_forces(column, bar, state, work):
     """Forces `work.f` and tangent `work.k` of a bar over (v, x, b); its `state.stress`."""
     k, plastic, stress = column.stiffness, state.plastic, state.stress
     small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial, work.D
@@ -103,7 +93,7 @@ def bar_forces(column: Column, bar: int, state: State, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def add_up(column: Column, f: Vector, u2: float, F: Vector) -> None:
+def add_up(column, f, u2, F):
     """Forces `F` (4,) of the column from those of its bars, the restraint and the dead load."""
     F[V] = f[BELOW, 0] + f[ABOVE, 0]
     F[U1] = f[BELOW, 1] - f[ABOVE, 1]
@@ -112,7 +102,7 @@ def add_up(column: Column, f: Vector, u2: float, F: Vector) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def internal_forces(column: Column, state: State, work: Work) -> None:
+def internal_forces(column, state, work):
     """Internal forces `work.F` (4,) and tangent `work.K` (4, 4) at `state.q`."""
     bar_forces(column, BELOW, state, work)
     bar_forces(column, ABOVE, state, work)
@@ -131,14 +121,14 @@ def internal_forces(column: Column, state: State, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def rotation_is_free(column: Column, K: Vector) -> bool:
+def rotation_is_free(column, K):
     """Whether both middle hinges flow: then any rotation balances them."""
     stiffest = max(column.stiffness[BELOW, 2], column.stiffness[ABOVE, 2])
-    return K[BETA, BETA] <= _FLOWS * stiffest  # type: ignore[no-any-return]
+    return K[BETA, BETA] <= _FLOWS * stiffest
 
 
 @njit(cache=True, error_model="numpy")
-def balance_rotation(column: Column, state: State, work: Work) -> None:
+def balance_rotation(column, state, work):
     """Rotate the rigid surface until its two hinges balance: F_beta(q) = 0, q[BETA] changed.
 
     F_beta does not decrease with beta1, and its root lies between the rotations at which the
@@ -164,7 +154,7 @@ def balance_rotation(column: Column, state: State, work: Work) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def solve(A: Vector, b: Vector) -> bool:
+def solve(A, b):
     """Solve A x = b in place by Gaussian elimination with row pivoting; False if singular."""
     for i in range(4):
         pivot = i
@@ -190,7 +180,7 @@ def solve(A: Vector, b: Vector) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def hold(A: Vector, i: int) -> None:
+def hold(A, i):
     """Take the unknown i out of a system: its row and column become those of the identity."""
     for k in range(4):
         A[i, k] = A[k, i] = 0.0
@@ -198,9 +188,7 @@ def hold(A: Vector, i: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def axial_equilibrium(
-    column: Column, free_u1: bool, free_u2: bool, state: State, work: Work
-) -> float:
+def axial_equilibrium(column, free_u1, free_u2, state, work):
     """Solve F_u1 = F_u2 = F_beta = 0 at fixed v1 (and fixed u1 or u2 where not free).
 
     Newton on the axial unknowns with the rotation balanced inside every evaluation, backtracking
@@ -244,11 +232,11 @@ def axial_equilibrium(
                 shift = 1e-8 if shift == 0.0 else shift * 30.0
         if not better:
             break
-    return norm  # type: ignore[no-any-return]
+    return norm
 
 
 @njit(cache=True, error_model="numpy")
-def commit(column: Column, start: Vector, state: State) -> None:
+def commit(column, start, state):
     """Plastic deformations from the converged forces, total less elastic, and what they dissipate.
 
     `start` (2, 3): the forces with which the step began; their mean with those at the end works.
@@ -268,7 +256,7 @@ def commit(column: Column, start: Vector, state: State) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def pushover(column: Column, path: Vector, records: State, work: Work) -> tuple[int, int, float]:
+def pushover(column, path, records, work):
     """Static path under imposed v1 = path[i]; returns (status, last step, residual).
 
     `records` (steps + 1,) of STATE begin with the preloaded column. Increments that do not

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,16 @@ from workbench.models.resistance import _kernels
 from workbench.models.resistance.mechanism import Mechanism
 
 Array = NDArray[np.float64]
+Pieces: TypeAlias = Any  # array of _kernels.PIECE
+START, YIELDS, LOAD, LAST, NO_AXIAL_FORCE, TENSION, CATENARY = range(7)  # events
+_NAMES = (
+    "mechanism load",
+    "last hinge yields",
+    "axial force vanishes",
+    "tension grows",
+    "catenary",
+)
+_YIELDS = {"base": "base yields", "hit": "hit point yields", "head": "head yields"}
 
 
 class Event(NamedTuple):
@@ -28,73 +38,71 @@ class Event(NamedTuple):
 class ResistanceCurve:
     """Monotonic resistance of the column at its hit point.
 
-    Arguments: `shape`, its name; `mechanism` it belongs to; `starts` (n,), displacements (m) at
-    which the pieces begin, the last one without end; `coefficients` (n, 4) of the force in
-    x = v - start (N, N/m, ...); `elastic_limit`, displacement of the first yielding (m); `names`
-    of the events at the starts from the second on (empty: no event); `axial` (n, 3), coefficients
-    of the axial force, and `plastic` (n, groups), which groups are plastic, where the shape
-    knows them. Negative displacements mirror the curve.
+    Arguments: `shape`, its name; `mechanism` it belongs to; `pieces`; `elastic_limit`,
+    displacement of the first yielding (m). The cubic shape does not know the axial force, and
+    only the analytic one the hinge moments. Negative displacements mirror the curve.
     """
 
     shape: str
     mechanism: Mechanism
-    starts: Array
-    coefficients: Array
+    pieces: Pieces
     elastic_limit: float
-    names: tuple[str, ...]
-    axial: Array | None = None
-    plastic: NDArray[np.bool_] | None = None
+
+    def __post_init__(self) -> None:
+        _kernels.sum_up(self.pieces)
 
     @property
     def initial_stiffness(self) -> float:
         """Slope k_0 at no displacement, in N/m."""
-        return float(self.coefficients[0, 1])
+        return float(self.pieces["c"][0, 1])
 
     @property
-    def breakpoints(self) -> Array:
-        """Displacements at which one piece meets the next, in m."""
-        return self.starts[1:]
+    def starts(self) -> Array:
+        """Displacements at which the pieces begin, in m."""
+        return np.asarray(self.pieces["start"])
+
+    @property
+    def knows_moments(self) -> bool:
+        """Whether moments and rotations of the hinge groups belong to the curve."""
+        return self.shape == "analytic"
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """What happens along the curve, in order."""
-        places = zip(self.names, self.breakpoints.tolist(), strict=True)
-        return tuple(Event(name, v, float(self.force(v))) for name, v in places if name)
-
-    @cached_property
-    def table(self) -> Array:
-        """The curve as the kernels take it (n, columns)."""
-        table: Array = _kernels.tabulate(self.starts, self.coefficients)
-        return table
+        found = []
+        for v, event, group in self.pieces[["start", "event", "group"]][1:].tolist():
+            yields = event == YIELDS
+            name = _YIELDS[self.mechanism.groups[group]] if yields else _NAMES[event - LOAD]
+            found.append(Event(name, v, float(self.force(v))))
+        return tuple(found)
 
     @cached_property
     def lost_at(self) -> float:
         """Displacement at which the resistance falls to zero, in m (inf: it never does)."""
-        return float(_kernels.lost_at(self.table))
+        return float(_kernels.lost_at(self.pieces))
 
-    def _local(self, displacement: ArrayLike) -> tuple[NDArray[np.intp], Array, Array]:
-        v = np.asarray(displacement, dtype=float)
-        piece = np.searchsorted(self.starts, np.abs(v), side="right") - 1
-        return piece, np.abs(v) - self.starts[piece], np.sign(v)
+    def _local(self, displacement: ArrayLike) -> tuple[Pieces, Array, Array]:
+        """Pieces at displacements, distances from their starts, and coefficients of the force."""
+        v = np.abs(np.asarray(displacement, dtype=float))
+        piece = self.pieces[np.searchsorted(self.starts, v, side="right") - 1]
+        return piece, v - piece["start"], np.moveaxis(piece["c"], -1, 0)
 
     def force(self, displacement: ArrayLike) -> Array:
         """Force (N) at displacements (m), any shape."""
-        piece, x, sign = self._local(displacement)
-        c = np.moveaxis(self.coefficients[piece], -1, 0)
+        _, x, c = self._local(displacement)
+        sign = np.sign(np.asarray(displacement, dtype=float))
         return np.asarray(sign * (c[0] + x * (c[1] + x * (c[2] + x * c[3]))))
 
     def tangent(self, displacement: ArrayLike) -> Array:
         """Slope (N/m) at displacements (m), any shape; at a breakpoint that of the piece after."""
-        piece, x, _ = self._local(displacement)
-        c = np.moveaxis(self.coefficients[piece], -1, 0)
+        _, x, c = self._local(displacement)
         return np.asarray(c[1] + x * (2.0 * c[2] + 3.0 * x * c[3]))
 
     def work(self, displacement: ArrayLike) -> Array:
         """Work (J) of the force from the origin to displacements (m), any shape."""
-        piece, x, _ = self._local(displacement)
-        c = np.moveaxis(self.coefficients[piece], -1, 0)
+        piece, x, c = self._local(displacement)
         within = x * (c[0] + x * (c[1] / 2.0 + x * (c[2] / 3.0 + x * c[3] / 4.0)))
-        return np.asarray(self.table[piece, _kernels.WORK] + within)
+        return np.asarray(piece["work"] + within)
 
     def unloading_stiffness(self, displacement: float) -> float:
         """Slope (N/m) of the unloading from a displacement (m) that has yielded.
@@ -103,15 +111,14 @@ class ResistanceCurve:
         slender column in tension), its steepest slope, or unloading would return more energy
         than was put in.
         """
-        return float(_kernels.unloading_stiffness(self.table, abs(displacement)))
+        return float(_kernels.unloading_stiffness(self.pieces, abs(displacement)))
 
     def residual(self, displacement: float) -> float:
         """Permanent displacement (m) after unloading from `displacement` (m)."""
         if displacement <= self.elastic_limit:
             return 0.0
-        return displacement - float(self.force(displacement)) / self.unloading_stiffness(
-            displacement
-        )
+        stiffness = self.unloading_stiffness(displacement)
+        return displacement - float(self.force(displacement)) / stiffness
 
     def displacement_at(self, energy: float) -> float:
         """Displacement (m) at which the work reaches `energy` (J).
@@ -126,17 +133,17 @@ class ResistanceCurve:
                 f"the resistance of the column is lost at {lost:.4g} m, after "
                 f"{float(self.work(lost)) / 1e3:.4g} kJ of the {energy / 1e3:.4g} kJ to absorb"
             )
-        return float(_kernels.displacement_at(self.table, energy, lost))
+        return float(_kernels.displacement_at(self.pieces, energy, lost))
 
     def axial_force(self, displacement: ArrayLike) -> Array:
         """Axial force (N, tension positive) at displacements (m) on the curve.
 
         Raises ValueError for a shape that does not know it.
         """
-        if self.axial is None:
-            raise ValueError(f"the {self.shape} resistance does not know the axial force")
+        if self.shape == "cubic":
+            raise ValueError("the cubic resistance does not know the axial force")
         piece, x, _ = self._local(displacement)
-        c = np.moveaxis(self.axial[piece], -1, 0)
+        c = np.moveaxis(piece["axial"], -1, 0)
         return np.asarray(c[0] + x * (c[1] + x * c[2]))
 
     def moments(self, displacement: ArrayLike) -> Array:
@@ -144,14 +151,14 @@ class ResistanceCurve:
 
         All are positive; raises ValueError for a shape that does not know them.
         """
-        if self.plastic is None:
+        if not self.knows_moments:
             raise ValueError(f"the {self.shape} resistance does not know the hinge moments")
+        mechanism, (piece, _, _) = self.mechanism, self._local(displacement)
         v = np.asarray(displacement, dtype=float)
-        piece, _, _ = self._local(v)
-        share = np.abs(self.axial_force(v)) / self.mechanism.squash_load
-        capacity = self.mechanism.plastic_moment * (1.0 - share)
-        elastic = np.multiply.outer(self.mechanism.moments_per_displacement, v)
-        plastic = np.moveaxis(self.plastic[piece], -1, 0)
+        share = np.abs(self.axial_force(v)) / mechanism.squash_load
+        capacity = mechanism.plastic_moment * (1.0 - share)
+        elastic = np.multiply.outer(mechanism.moments_per_displacement, v)
+        plastic = np.moveaxis(piece["plastic"], -1, 0)[: len(mechanism.groups)] > 0
         return np.where(plastic, capacity, elastic)
 
     def plastic_rotations(self, displacement: ArrayLike) -> Array:
@@ -167,21 +174,11 @@ class ResistanceCurve:
         V = (sum of the moments at both ends) / length; piecewise quadratic, so its extremes lie
         at the breakpoints or at extremes of the axial force. Raises ValueError as `moments`.
         """
-        if self.axial is None:
-            raise ValueError(f"the {self.shape} resistance does not know the hinge moments")
-        n1, n2 = self.axial[:, 1], self.axial[:, 2]
-        curved = n2 > 0.0
-        extremes = self.starts[curved] - 0.5 * n1[curved] / n2[curved]
+        curved = self.pieces[self.pieces["axial"][:, 2] > 0.0]
+        extremes = curved["start"] - 0.5 * curved["axial"][:, 1] / curved["axial"][:, 2]
         places = np.concatenate([self.starts, extremes, [displacement]])
-        places = places[(places >= 0.0) & (places <= displacement)]
         # a breakpoint belongs to the piece after it; moments are continuous there
-        groups, moments = self.mechanism.groups, self.moments(places)
-        shear = np.empty(2)
-        for bar, (end, length) in enumerate(
-            zip(("base", "head"), self.mechanism.lengths, strict=True)
-        ):
-            both = moments[groups.index("hit")].copy()
-            if end in groups:
-                both += moments[groups.index(end)]
-            shear[bar] = both.max() / length
-        return shear
+        moments = self.moments(places[(places >= 0.0) & (places <= displacement)])
+        at = dict(zip(self.mechanism.groups, moments, strict=True))
+        both = (at["hit"] + at.get(end, 0.0) for end in ("base", "head"))
+        return np.array([m.max() for m in both]) / self.mechanism.lengths

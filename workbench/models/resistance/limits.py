@@ -7,7 +7,7 @@ import numpy as np
 from workbench.errors import OutOfDomainError
 from workbench.models.domain import member_findings
 from workbench.models.resistance.curve import Array, ResistanceCurve
-from workbench.models.resistance.shapes import analytic
+from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover
 
@@ -47,7 +47,7 @@ def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
     if curve.shape == "analytic":
         return curve
     try:
-        return analytic(curve.mechanism)
+        return resistance_curve(curve.mechanism, "analytic")
     except OutOfDomainError:
         return None
 

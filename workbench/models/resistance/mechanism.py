@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,20 @@ from workbench.scenarios import Column
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Mechanism:
+class Groups(NamedTuple):
+    """A mechanism as the kernels take it; `K`: elastic moment of each group per displacement."""
+
+    s: Array
+    K: Array
+    phi: Array
+    kappa: float
+    Mp: float
+    Np: float
+    N0: float
+    c_ax: float
+
+
+class Mechanism(NamedTuple):
     """Two rigid bars with hinge groups that yield in bending and axial force (linear surface).
 
     Arguments: `groups`, names out of base, hit, head (a pinned end has no group; the two hinges
@@ -45,17 +57,14 @@ class Mechanism:
         return np.asarray(self.rotation_rates / self.flexibilities)
 
     @property
-    def arguments(self) -> tuple[Array, Array, Array, float, float, float, float, float]:
-        """Arguments of the kernels: s, K, phi, kappa, M_p, N_p, N_0, c_ax."""
-        return (
+    def kernel(self) -> Groups:
+        """The numbers as the kernels take them."""
+        return Groups(
             self.rotation_rates,
             self.moments_per_displacement,
             self.flexibilities,
             self.slope_sum,
-            self.plastic_moment,
-            self.squash_load,
-            self.axial_force,
-            self.axial_flexibility,
+            *self[4:],
         )
 
 
@@ -69,36 +78,29 @@ def mechanism_of(column: Column, rotational_stiffness: float = 6.0) -> Mechanism
     Raises `OutOfDomainError` if the axial load exhausts the lateral stiffness of the mechanism.
     """
     properties = column.properties
-    below, above = column.length_below, column.length_above
     bending = column.steel.elastic_modulus * properties.second_moment
-    groups, rates, flexibilities = [], [], []
     half = rotational_stiffness * bending
+    ends = (
+        ("base", column.length_below, column.base == "pinned"),
+        ("head", column.length_above, column.head == "pinned"),
+    )
     middle = 0.0
-    for name, length, pinned in (
-        ("base", below, column.base == "pinned"),
-        ("head", above, column.head == "pinned"),
-    ):
+    for _, length, pinned in ends:
         middle += (2.0 if pinned else 1.0) * length / half
-        if not pinned:
-            groups.append(name)
-            rates.append(1.0 / length)
-            flexibilities.append(length / half)
-    place = 1 if "base" in groups else 0
-    groups.insert(place, "hit")
-    rates.insert(place, 1.0 / below + 1.0 / above)
-    flexibilities.insert(place, middle)
-    bars = column.length / (column.steel.elastic_modulus * properties.area)
-    if column.head == "fixed":
-        axial = bars
-    elif column.restraint_stiffness > 0.0:
-        axial = bars + 1.0 / column.restraint_stiffness
-    else:
-        axial = inf
+    hit = ("hit", 1.0 / column.length_below + 1.0 / column.length_above, middle)
+    base, head = (
+        [] if pinned else [(name, 1.0 / length, length / half)] for name, length, pinned in ends
+    )
+    groups, rates, flexibilities = zip(*base, hit, *head, strict=True)
+    axial = column.length / (column.steel.elastic_modulus * properties.area)
+    if column.head != "fixed":
+        spring = column.restraint_stiffness
+        axial = axial + 1.0 / spring if spring > 0.0 else inf
     mechanism = Mechanism(
-        tuple(groups),
+        groups,
         np.array(rates),
         np.array(flexibilities),
-        (below, above),
+        (column.length_below, column.length_above),
         properties.plastic_moment,
         properties.squash_load,
         -column.axial_load,

@@ -1,25 +1,207 @@
 """The three shapes of the resistance curve of a column.
 
-Equilibrium at the hit point, with small rotations of two rigid bars: F = sum(s_g M_g) + kappa N v
-over the hinge groups g, and compatibility of the axial force N with the chords' stretching
-kappa v^2 / 2, the restraint and the plastic elongation of the hinges (linear yield surface,
-associated flow). Heng 2017, section 5.2, gives the stages in figure 5.5 but no formula; see the
-theory page for the derivation.
+Equilibrium at the hit point, with small rotations of two rigid bars (kappa = 1/L_a + 1/L_b):
+F = sum(s_g M_g) + kappa N v over the hinge groups g, elastic with M_g = K_g v. Compatibility of
+the axial force N, one for both bars, with the chords' stretching kappa v^2 / 2, the axial
+flexibility c and the plastic elongation of the hinges (linear yield surface, associated flow:
+r = M_p / N_p per rotation) gives (c + r^2 sum phi_g) dN = (kappa v - sigma r sum s_g) dv over
+the plastic groups, sigma = sign N. Heng 2017, section 5.2, shows the stages in figure 5.5 but no
+formula; see the theory page for the derivation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from numba import njit
 
 from workbench.errors import OutOfDomainError
-from workbench.models.resistance import _kernels
-from workbench.models.resistance.curve import Array, ResistanceCurve
-from workbench.models.resistance.mechanism import Mechanism
+from workbench.models.resistance import curve as events
+from workbench.models.resistance._kernels import PIECE, falling_root
+from workbench.models.resistance.curve import Pieces, ResistanceCurve
+from workbench.models.resistance.mechanism import Groups, Mechanism
 
-_YIELDS = {"base": "base yields", "hit": "hit point yields", "head": "head yields"}
-_MECHANISM, _NO_AXIAL_FORCE, _CATENARY = "mechanism load", "axial force vanishes", "catenary"
+RESISTANCES = ("analytic", "cubic", "linear")
+_MOST_PIECES = 40
+
+
+@njit(cache=True, error_model="numpy")
+def analytic(m: Groups) -> tuple[Pieces, bool]:
+    """Exact event-driven pieces; and whether a plastic hinge would unload, which they exclude."""
+    s, K, phi, kappa, Mp, Np, N0, c_ax = m
+    groups = s.size
+    pieces, plastic = np.zeros(_MOST_PIECES, PIECE), np.zeros(3, np.int8)
+    r, v, N, hold, caught, unloads = Mp / Np, 0.0, N0, False, False, False
+    sigma = 1.0 if N0 >= 0.0 else -1.0
+    event, group, n = events.START, -1, 0
+    for _ in range(_MOST_PIECES):
+        s_plastic, C, w_elastic = 0.0, c_ax, 0.0
+        for g in range(groups):
+            if plastic[g]:
+                s_plastic += s[g]
+                C += r * r * phi[g]
+            else:
+                w_elastic += s[g] * K[g]
+        if not caught and not hold and N == 0.0:
+            # the corner of the yield surface holds N = 0 while hinges stretch faster than chords
+            hold = kappa * v < r * s_plastic * (1.0 - 1e-12)
+            sigma = 1.0
+        if caught:
+            n0, n1, n2 = Np, 0.0, 0.0
+        elif hold:
+            n0, n1, n2 = 0.0, 0.0, 0.0
+        else:
+            n0, n1, n2 = N, (kappa * v - sigma * r * s_plastic) / C, 0.5 * kappa / C
+        m0, m1, m2 = Mp - sigma * r * n0, -sigma * r * n1, -sigma * r * n2
+        # the next event
+        x, next_event, next_group = np.inf, events.START, -1
+        if not caught:
+            for g in range(groups):
+                if not plastic[g]:
+                    at = falling_root(m0 - K[g] * v, m1 - K[g], m2, 1e-13 * Mp)
+                    if at < x:
+                        x, next_event, next_group = at, events.YIELDS, g
+            if hold:
+                at = r * s_plastic / kappa - v
+                if at < x:
+                    x, next_event, next_group = max(at, 0.0), events.TENSION, -1
+            else:
+                at = falling_root(sigma * n0, sigma * n1, sigma * n2, 0.0) if n0 != 0.0 else np.inf
+                if at < x:
+                    x, next_event, next_group = at, events.NO_AXIAL_FORCE, -1
+                at = falling_root(Np - n0, -n1, -n2, 0.0)
+                if at < x:
+                    x, next_event, next_group = at, events.CATENARY, -1
+        if x > 1e-13 * (v + r):
+            piece, c = pieces[n], pieces[n].c
+            piece.start, piece.event, piece.group = v, event, group
+            c[0] = s_plastic * m0 + w_elastic * v + kappa * n0 * v
+            c[1] = s_plastic * m1 + w_elastic + kappa * (n0 + n1 * v)
+            c[2] = s_plastic * m2 + kappa * (n1 + n2 * v)
+            c[3] = kappa * n2
+            piece.axial[0], piece.axial[1], piece.axial[2] = n0, n1, n2
+            piece.plastic[:] = plastic
+            n += 1
+            if not caught:
+                # plastic rotation of a group grows at the rate (K_g - dM/dv) phi_g
+                last = n1 if x == np.inf else n1 + 2.0 * n2 * x
+                slowest = min(sigma * r * n1, sigma * r * last)
+                for g in range(groups):
+                    if plastic[g] and K[g] + slowest < -1e-9 * K[g]:
+                        unloads = True
+            if x == np.inf:
+                break
+            N = n0 + x * (n1 + x * n2)
+            v += x
+        event, group = next_event, next_group
+        if event == events.YIELDS:
+            plastic[group] = 1
+        elif event == events.NO_AXIAL_FORCE:
+            N = 0.0
+        elif event == events.TENSION:
+            hold, N, sigma = False, 0.0, 1.0
+        elif event == events.CATENARY:
+            caught, N, sigma = True, Np, 1.0
+    return pieces[:n], unloads
+
+
+@njit(cache=True, error_model="numpy")
+def simplified_points(m: Groups) -> tuple[float, float, float, float, float, float]:
+    """Points that both simplifications share: (F0, k_e, v_y, v_b, v_nd, v_c).
+
+    F0 mechanism load at the initial axial force, k_e elastic stiffness, v_y = F0 / k_e, v_b
+    last hinge, v_nd axial force gone, v_c catenary (infinite without axial restraint).
+    """
+    s, K, phi, kappa, Mp, Np, N0, c_ax = m
+    r, total = Mp / Np, np.sum(s)
+    Mr = Mp * (1.0 - abs(N0) / Np)
+    F0, ke = total * Mr, np.sum(s * K)
+    vy = F0 / ke
+    vb = max(Mr / np.min(K), vy)
+    v_hat = r * total / kappa
+    C = c_ax + r * r * np.sum(phi)
+    q = kappa / C
+    if q == 0.0:
+        return F0, ke, vy, vb, (vb if N0 == 0.0 else np.inf), np.inf
+    push = N0 / q  # q ((v^2 - v_b^2) / 2 -+ v_hat (v - v_b)) is the growth of N after v_b
+    N_b = 0.0
+    if N0 <= 0.0:
+        v_nd = -v_hat + np.sqrt(v_hat * v_hat - 2.0 * push + vb * vb + 2.0 * v_hat * vb)
+        v_pd = max(v_nd, v_hat)
+    elif vb < v_hat:
+        # initial tension falls first; at v_hat the force is that of N = 0 whatever N is
+        left = (v_hat - vb) ** 2 - 2.0 * push
+        v_nd, v_pd = v_hat - np.sqrt(max(left, 0.0)), v_hat
+        N_b = max(-0.5 * q * left, 0.0)
+    else:
+        v_nd, v_pd, N_b = vb, vb, N0
+    rest = (Np - N_b) / q
+    v_c = v_hat + np.sqrt((v_pd - v_hat) ** 2 + 2.0 * rest)
+    return F0, ke, vy, vb, v_nd, v_c
+
+
+@njit(cache=True, error_model="numpy")
+def put(pieces: Pieces, n: int, event: int, start: float, c: tuple[float, float, float]) -> int:
+    """Append a piece that begins with an event; the number of pieces then."""
+    pieces[n].event, pieces[n].start = event, start
+    pieces[n].c[0], pieces[n].c[1], pieces[n].c[2] = c
+    return n + 1
+
+
+@njit(cache=True, error_model="numpy")
+def cubic(m: Groups) -> Pieces:
+    """Simplification 1: elastic line, plateau, cubic, catenary.
+
+    A reconstruction: the source names it and shows its curve, and of several dozen definitions
+    that give the published peaks this is one.
+    """
+    F0, ke, vy, vb, v_nd, v_c = simplified_points(m)
+    pieces = np.zeros(4, PIECE)
+    put(pieces, 0, events.START, 0.0, (0.0, ke, 0.0))
+    put(pieces, 1, events.LOAD, vy, (F0, 0.0, 0.0))
+    put(pieces, 2, events.LAST, vb, (F0, 0.0, 0.0))
+    if v_c == np.inf:
+        return pieces[:3]
+    x1, x2, plateau = v_nd - vb, v_c - vb, m.kappa * m.Np
+    rise1, rise2 = np.sum(m.s) * m.Mp - F0, plateau * v_c - F0
+    c1, c3 = 0.0, rise2 / x2**3
+    if x1 >= 1e-9:
+        slope1, slope2 = rise1 / x1, rise2 / x2
+        c3_both = (slope2 - slope1) / ((x2 - x1) * (x2 + x1))
+        c1_both = slope1 - c3_both * x1 * x1
+        if c1_both >= 0.0:
+            c1, c3 = c1_both, c3_both
+    pieces[2].c[1], pieces[2].c[3] = c1, c3
+    put(pieces, 3, events.CATENARY, v_c, (plateau * v_c, plateau, 0.0))
+    return pieces
+
+
+@njit(cache=True, error_model="numpy")
+def linear(m: Groups) -> Pieces:
+    """Simplification 2: axial force linear in the displacement once all hinges have yielded.
+
+    A choice: the source shows a curve but prints neither formula nor number.
+    """
+    s, _, _, kappa, Mp, Np, N0, _ = m
+    F0, ke, vy, vb, _, v_c = simplified_points(m)
+    pieces, total, r = np.zeros(5, PIECE), np.sum(s), Mp / Np
+    put(pieces, 0, events.START, 0.0, (0.0, ke + kappa * N0, 0.0))
+    n = put(pieces, 1, events.LOAD, vy, (F0 + kappa * N0 * vy, kappa * N0, 0.0))
+    pieces[0].axial[0] = pieces[1].axial[0] = N0
+    if v_c == np.inf:
+        return pieces[:n]
+    rate = (Np - N0) / (v_c - vb)
+    v, N, event = vb, N0, events.LAST
+    while True:
+        sigma = -1.0 if N < 0.0 else 1.0
+        pieces[n].axial[0], pieces[n].axial[1] = N, rate
+        c0 = total * Mp - total * sigma * r * N + kappa * N * v
+        c1 = -total * sigma * r * rate + kappa * (N + rate * v)
+        n = put(pieces, n, event, v, (c0, c1, kappa * rate))
+        if N >= 0.0:
+            break
+        v, N, event = v - N / rate, 0.0, events.NO_AXIAL_FORCE
+    pieces[n].axial[0] = Np
+    return pieces[: put(pieces, n, events.CATENARY, v_c, (kappa * Np * v_c, kappa * Np, 0.0))]
 
 
 def resistance_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
@@ -28,104 +210,21 @@ def resistance_curve(mechanism: Mechanism, shape: str) -> ResistanceCurve:
     Arguments: `mechanism`; `shape`: analytic, cubic or linear. Raises `OutOfDomainError` if a
     yielded hinge would unload on the way (analytic), KeyError for another shape.
     """
-    return _SHAPES[shape](mechanism)
-
-
-def analytic(mechanism: Mechanism) -> ResistanceCurve:
-    """Exact event-driven curve of the mechanism with a linear yield surface.
-
-    Raises `OutOfDomainError` if a yielded hinge would unload: the derivation excludes it.
-    """
-    count, starts, coefficients, axial, plastic, events, which, unloads = _kernels.analytic_curve(
-        *mechanism.arguments
-    )
-    if unloads:
-        raise OutOfDomainError(
-            "a yielded hinge would unload while the push goes on, which the analytic resistance "
-            "excludes: use the four-DOF model or a simplified resistance"
-        )
-    names = []
-    for event, group in zip(events[1:count].tolist(), which[1:count].tolist(), strict=True):
-        if event == _kernels.GROUP_YIELDS:
-            names.append(_YIELDS[mechanism.groups[group]])
-        elif event == _kernels.AXIAL_FORCE_VANISHES:
-            names.append(_NO_AXIAL_FORCE)
-        elif event == _kernels.TENSION_GROWS:
-            names.append("tension grows")
-        else:
-            names.append(_CATENARY)
-    yielded = np.flatnonzero(plastic[:count].any(axis=1))
-    return ResistanceCurve(
-        "analytic",
-        mechanism,
-        starts[:count].copy(),
-        coefficients[:count].copy(),
-        float(starts[yielded[0]]),
-        tuple(names),
-        axial[:count].copy(),
-        plastic[:count].copy(),
-    )
-
-
-def cubic(mechanism: Mechanism) -> ResistanceCurve:
-    """Simplification 1: elastic line, plateau, cubic, catenary.
-
-    A reconstruction: the source names it and shows its curve, and of several dozen definitions
-    that give the published peaks this is one.
-    """
-    count, starts, coefficients = _kernels.cubic_curve(*mechanism.arguments)
-    names = (_MECHANISM, "last hinge yields", _CATENARY)[: count - 1]
-    return _without_gaps(
-        "cubic", mechanism, starts[:count].copy(), coefficients[:count].copy(), names, None
-    )
-
-
-def linear(mechanism: Mechanism) -> ResistanceCurve:
-    """Simplification 2: axial force linear in the displacement once all hinges have yielded.
-
-    A choice: the source shows a curve but prints neither formula nor number.
-    """
-    count, starts, coefficients, axial = _kernels.linear_curve(*mechanism.arguments)
-    names: tuple[str, ...] = (_MECHANISM, "last hinge yields", _NO_AXIAL_FORCE, _CATENARY)
-    if count == 4:
-        names = (_MECHANISM, "last hinge yields", _CATENARY)
-    return _without_gaps(
-        "linear",
-        mechanism,
-        starts[:count].copy(),
-        coefficients[:count].copy(),
-        names[: count - 1],
-        axial[:count].copy(),
-    )
-
-
-def _without_gaps(
-    shape: str,
-    mechanism: Mechanism,
-    starts: Array,
-    coefficients: Array,
-    names: tuple[str, ...],
-    axial: Array | None,
-) -> ResistanceCurve:
-    """The curve without the empty pieces (a single hinge group has no plateau)."""
-    keep = np.append(np.diff(starts) > 0.0, True)
-    # a piece that is left takes the name of the first one that begins where it does
-    first = np.searchsorted(starts, starts[keep][1:])
-    kept = tuple(names[i - 1] for i in first.tolist())
-    return ResistanceCurve(
-        shape,
-        mechanism,
-        starts[keep],
-        coefficients[keep],
-        float(starts[1]),
-        kept,
-        None if axial is None else axial[keep],
-    )
-
-
-_SHAPES: dict[str, Callable[[Mechanism], ResistanceCurve]] = {
-    "analytic": analytic,
-    "cubic": cubic,
-    "linear": linear,
-}
-RESISTANCES = tuple(_SHAPES)
+    if shape == "analytic":
+        pieces, unloads = analytic(mechanism.kernel)
+        if unloads:
+            raise OutOfDomainError(
+                "a yielded hinge would unload while the push goes on, which the analytic "
+                "resistance excludes: use the four-DOF model or a simplified resistance"
+            )
+        limit = pieces["start"][pieces["plastic"].any(axis=1)][0]
+    else:
+        pieces = {"cubic": cubic, "linear": linear}[shape](mechanism.kernel)
+        limit = pieces["start"][1]
+        # a single hinge group has no plateau; a piece takes the event of the first one where it is
+        starts = pieces["start"]
+        begins = pieces["event"][np.searchsorted(starts, starts)]
+        keep = np.append(np.diff(starts) > 0.0, True)
+        pieces, begins = pieces[keep], begins[keep]
+        pieces["event"] = begins
+    return ResistanceCurve(shape, mechanism, pieces, float(limit))

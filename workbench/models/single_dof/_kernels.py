@@ -1,46 +1,64 @@
 """The elasto-plastic spring of the single-degree-of-freedom column and its time stepping.
 
-Heng 2017, section 5.2 and chapter 3. The spring's state is a tuple (v, f, v_top, f_top, k,
-yielded, dissipated): displacement and force; the largest displacement met on the envelope and its
-force (before the first yielding: the elastic limit and its force); the unloading stiffness there;
-whether it has yielded; the energy dissipated so far. The envelope is the `table` of the
-resistance curve.
+Heng 2017, section 5.2 and chapter 3. The envelope of the spring is a resistance curve, `pieces`.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from workbench.impact import contact_loss, explicit_percussion, rebound, touches
-from workbench.models.resistance._kernels import (
-    START,
-    force_in,
-    piece_of,
-    tangent_in,
-    unloading_stiffness,
-    work_between,
-)
+from workbench.models.resistance._kernels import on_curve, unloading_stiffness, work_between
 
-V, F, V_TOP, F_TOP, STIFFNESS, YIELDED, DISSIPATED = 0, 1, 2, 3, 4, 5, 6
 MIDPOINT, MOREAU = 0, 1
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
-ROWS = 9  # of a record: v, v', striker v', percussion, F, kinetic, elastic, dissipated, lost
+HISTORIES = (
+    *("displacement", "velocity", "striker_velocity", "percussion", "force"),
+    *("kinetic", "elastic", "dissipated", "contact_loss"),
+)
+RECORD = np.dtype([(name, float) for name in HISTORIES])
 _EPS = 2.220446049250313e-16
 _TOUCHING = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
 
 
+class Spring(NamedTuple):
+    """Displacement `v` and `force`; the largest displacement met on the envelope, and its force.
+
+    Before the first yielding `top` is the elastic limit. Further the unloading `stiffness` there,
+    whether the spring has `yielded`, and the energy `dissipated` so far.
+    """
+
+    v: float
+    force: float
+    top: float
+    top_force: float
+    stiffness: float
+    yielded: bool
+    dissipated: float
+
+
+class Blow(NamedTuple):
+    """Masses M_B of the column and M_A of the striker, its velocity and restitution."""
+
+    mass: float
+    striker: float
+    velocity: float
+    restitution: float
+
+
 @njit(cache=True, error_model="numpy")
-def spring_at_rest(elastic_limit, table):
+def spring_at_rest(elastic_limit, pieces):
     """State of the spring before the impact."""
-    i = piece_of(table, elastic_limit)
-    force = force_in(table, i, elastic_limit - table[i, START])
-    stiffness = unloading_stiffness(table, elastic_limit)
-    return 0.0, 0.0, elastic_limit, force, stiffness, False, 0.0
+    force, _ = on_curve(pieces, elastic_limit)
+    stiffness = unloading_stiffness(pieces, elastic_limit)
+    return Spring(0.0, 0.0, elastic_limit, force, stiffness, False, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
-def spring_path(state, v1, table):
+def spring_path(state, v1, pieces):
     """Force, slope and work of the straight path from the state to v1, which is not taken.
 
     Below the first yielding the spring follows the envelope both ways; later it moves on the
@@ -48,23 +66,19 @@ def spring_path(state, v1, table):
     """
     v0, f0, v_top, f_top, k, yielded, _ = state
     if v1 >= v_top:
-        i = piece_of(table, v1)
-        x = v1 - table[i, START]
-        f1, slope = force_in(table, i, x), tangent_in(table, i, x)
+        f1, slope = on_curve(pieces, v1)
     if not yielded:
         a, b = abs(v0), min(abs(v1), v_top)
-        work = work_between(table, a, b) if b >= a else -work_between(table, b, a)
+        work = work_between(pieces, a, b) if b >= a else -work_between(pieces, b, a)
         if v1 >= v_top:
-            return f1, slope, work + work_between(table, v_top, v1)
+            return f1, slope, work + work_between(pieces, v_top, v1)
         if v1 < -v_top:
             return -f_top, 0.0, work - f_top * (v1 + v_top)
-        i = piece_of(table, b)
-        x = b - table[i, START]
-        f1, slope = force_in(table, i, x), tangent_in(table, i, x)
+        f1, slope = on_curve(pieces, b)
         return (f1 if v1 >= 0.0 else -f1), slope, work
     if v1 >= v0:
         if v0 == v_top:
-            return f1, slope, work_between(table, v0, v1)
+            return f1, slope, work_between(pieces, v0, v1)
         bend = min(v0 + max(f_top - f0, 0.0) / k, v_top)  # back at F_top
         if v1 <= bend and v1 < v_top:
             f1 = f0 + k * (v1 - v0)
@@ -73,7 +87,7 @@ def spring_path(state, v1, table):
         if v1 < v_top:
             return f_top, 0.0, work + f_top * (v1 - bend)
         work += f_top * (v_top - bend)
-        return f1, slope, work + work_between(table, v_top, v1)
+        return f1, slope, work + work_between(pieces, v_top, v1)
     bend = v0 - (f0 + f_top) / k  # at -F_top
     if v1 >= bend:
         f1 = f0 + k * (v1 - v0)
@@ -82,23 +96,23 @@ def spring_path(state, v1, table):
 
 
 @njit(cache=True, error_model="numpy")
-def spring_energy(state, table):
+def spring_energy(state, pieces):
     """Elastic energy of the spring."""
-    if state[YIELDED]:
-        return 0.5 * state[F] ** 2 / state[STIFFNESS]
-    return work_between(table, 0.0, abs(state[V]))
+    if state.yielded:
+        return 0.5 * state.force**2 / state.stiffness
+    return work_between(pieces, 0.0, abs(state.v))
 
 
 @njit(cache=True, error_model="numpy")
-def spring_moved(state, v1, table):
+def spring_moved(state, v1, pieces):
     """State after the straight path to v1: force, top, unloading stiffness, dissipation."""
-    f1 = spring_path(state, v1, table)[0]
+    f1 = spring_path(state, v1, pieces)[0]
     v0, f0, v_top, f_top, k, yielded, dissipated = state
     if not yielded:
         if abs(v1) <= v_top:
-            return v1, f1, v_top, f_top, k, False, dissipated
+            return Spring(v1, f1, v_top, f_top, k, False, dissipated)
         # elastic energy of the curve gives way to that of the unloading line
-        dissipated += work_between(table, 0.0, v_top) - 0.5 * f_top * f_top / k
+        dissipated += work_between(pieces, 0.0, v_top) - 0.5 * f_top * f_top / k
         if v1 < 0.0:
             dissipated += f_top * (-v_top - v1)
     elif v1 < v0:
@@ -106,27 +120,27 @@ def spring_moved(state, v1, table):
     elif v0 < v_top:
         dissipated += f_top * max(min(v1, v_top) - (v0 + max(f_top - f0, 0.0) / k), 0.0)
     if v1 <= v_top:
-        return v1, f1, v_top, f_top, k, True, dissipated
-    stiffness = unloading_stiffness(table, v1)
-    dissipated += work_between(table, v_top, v1)
+        return Spring(v1, f1, v_top, f_top, k, True, dissipated)
+    stiffness = unloading_stiffness(pieces, v1)
+    dissipated += work_between(pieces, v_top, v1)
     dissipated -= 0.5 * (f1 * f1 / stiffness - f_top * f_top / k)
-    return v1, f1, v1, f1, stiffness, True, dissipated
+    return Spring(v1, f1, v1, f1, stiffness, True, dissipated)
 
 
 @njit(cache=True, error_model="numpy")
-def _solve_midpoint(dt, w0, mass, jump, state, table):
+def _solve_midpoint(dt, w0, mass, jump, state, pieces):
     """End velocity w1 of mass (w1 - w0) + jump + dt F_mean = 0; returns (w1, residual).
 
     F_mean is the work of the step over its displacement, so energy is kept whatever the curve.
     The residual grows with w1 unless the curve softens within the step faster than 2 mass / dt^2.
     """
-    v0 = state[V]
-    w1 = w0 - (jump + dt * state[F]) / mass
+    v0 = state.v
+    w1 = w0 - (jump + dt * state.force) / mass
     low, high, residual = -np.inf, np.inf, np.inf
     for _ in range(200):
         v1 = v0 + 0.5 * dt * (w0 + w1)
-        f1, slope, work = spring_path(state, v1, table)
-        mean = work / (v1 - v0) if v1 != v0 else state[F]
+        f1, slope, work = spring_path(state, v1, pieces)
+        mean = work / (v1 - v0) if v1 != v0 else state.force
         residual = mass * (w1 - w0) + jump + dt * mean
         scale = mass * (abs(w0) + abs(w1)) + abs(jump) + dt * (abs(mean) + abs(f1))
         scale += dt * abs(slope) * (abs(v0) + abs(v1))  # round-off of v in the force
@@ -147,103 +161,96 @@ def _solve_midpoint(dt, w0, mass, jump, state, table):
 
 
 @njit(cache=True, error_model="numpy")
-def _midpoint_step(dt, motion, masses, restitution, state, table):
+def _midpoint_step(dt, motion, blow, state, pieces):
     """One energy-conserving midpoint step (Heng 2017, eqs 3.31-3.33).
 
-    `motion`: velocity of the hit point, position and velocity of the striker; `masses`: M_B and
-    M_A. Contact is eliminated: closed, the striker follows with w_c1 = w1 + eps gamma_0.
+    `motion`: velocity of the hit point, position and velocity of the striker. Contact is
+    eliminated: closed, the striker follows with w_c1 = w1 + eps gamma_0.
     Returns (residual, motion, state, percussion, energy lost in contact).
     """
-    (w0, xc, wc0), (mass, striker) = motion, masses
+    (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
     gamma = w0 - wc0
     restitution = rebound(gamma, restitution)
     percussion, w1, residual = 0.0, 0.0, 0.0
-    closed = touches(state[V] - xc - _TOUCHING, gamma, dt)
+    closed = touches(state.v - xc - _TOUCHING, gamma, dt)
     if closed:
         jump = striker * (1.0 + restitution) * gamma
-        w1, residual = _solve_midpoint(dt, w0, mass + striker, jump, state, table)
+        w1, residual = _solve_midpoint(dt, w0, mass + striker, jump, state, pieces)
         percussion = -striker * (w1 - w0) - jump
         closed = percussion >= 0.0
     if not closed:
         percussion = 0.0
-        w1, residual = _solve_midpoint(dt, w0, mass, 0.0, state, table)
+        w1, residual = _solve_midpoint(dt, w0, mass, 0.0, state, pieces)
     wc1 = wc0 - percussion / striker
-    v1 = state[V] + 0.5 * dt * (w0 + w1)
-    state = spring_moved(state, v1, table)
+    v1 = state.v + 0.5 * dt * (w0 + w1)
+    state = spring_moved(state, v1, pieces)
     motion = (w1, xc + 0.5 * dt * (wc0 + wc1), wc1)
     return residual, motion, state, percussion, contact_loss(percussion, gamma, w1 - wc1)
 
 
 @njit(cache=True, error_model="numpy")
-def _moreau_step(dt, motion, masses, restitution, state, table):
+def _moreau_step(dt, motion, blow, state, pieces):
     """One explicit step of Moreau's scheme (eqs 3.26-3.30); as `_midpoint_step`."""
-    (w0, xc, wc0), (mass, striker) = motion, masses
+    (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
     gamma = w0 - wc0
-    state = spring_moved(state, state[V] + 0.5 * dt * w0, table)
+    state = spring_moved(state, state.v + 0.5 * dt * w0, pieces)
     xc += 0.5 * dt * wc0
-    w1, wc1, percussion = w0 - dt * state[F] / mass, wc0, 0.0
-    if state[V] - xc <= _TOUCHING:
+    w1, wc1, percussion = w0 - dt * state.force / mass, wc0, 0.0
+    if state.v - xc <= _TOUCHING:
         percussion = explicit_percussion(w1 - wc0, gamma, restitution, mass, striker)
         w1 += percussion / mass
         wc1 -= percussion / striker
-    state = spring_moved(state, state[V] + 0.5 * dt * w1, table)
+    state = spring_moved(state, state.v + 0.5 * dt * w1, pieces)
     motion = (w1, xc + 0.5 * dt * wc1, wc1)
     return 0.0, motion, state, percussion, contact_loss(percussion, gamma, w1 - wc1)
 
 
 @njit(cache=True, error_model="numpy")
-def impact(
-    scheme, steps, dt, velocity, masses, restitution, elastic_limit, limit,
-    table, records,
-):  # fmt: skip
-    """Follow the impact for `steps` of `dt`: (status, last step, residual, final state).
-
-    The first collision, whose instant is known, comes before the first step; later ones are
-    found by the steps. Its percussion is recorded with the first step. `records`
-    (ROWS, steps + 1) is written. COLLAPSE when v passes `limit`.
-    """
-    state = spring_at_rest(elastic_limit, table)
-    mass, striker = masses
-    records[:, 0] = 0.0
-    records[2, 0] = velocity
-    records[5, 0] = 0.5 * striker * velocity**2
-    first = explicit_percussion(-velocity, -velocity, restitution, mass, striker)
-    motion = (first / mass, 0.0, velocity - first / striker)
-    lost = contact_loss(first, -velocity, motion[0] - motion[2])
-    for n in range(1, steps + 1):
-        if scheme == MOREAU:
-            residual, motion, state, percussion, loss = _moreau_step(
-                dt, motion, masses, restitution, state, table
-            )
-        else:
-            residual, motion, state, percussion, loss = _midpoint_step(
-                dt, motion, masses, restitution, state, table
-            )
-            if residual > 1e-9:
-                return NO_CONVERGENCE, n, residual, state
-        if n == 1:
-            percussion += first
-        lost += loss
-        records[0, n], records[1, n], records[2, n] = state[V], motion[0], motion[2]
-        records[3, n], records[4, n] = percussion, state[F]
-        records[5, n] = 0.5 * (mass * motion[0] ** 2 + striker * motion[2] ** 2)
-        records[6, n] = spring_energy(state, table)
-        records[7, n] = state[DISSIPATED]
-        records[8, n] = lost
-        if state[V] > limit:
-            return COLLAPSE, n, 0.0, state
-    return OK, steps, 0.0, state
+def _record(row, state, pieces):
+    """Force and energies of the spring."""
+    row.force, row.dissipated = state.force, state.dissipated
+    row.elastic = spring_energy(state, pieces)
 
 
 @njit(cache=True, error_model="numpy")
-def follow(path, elastic_limit, table, records):
-    """Move the spring along displacements `path` (n,), forth and back.
+def impact(scheme, dt, blow, elastic_limit, limit, pieces, records):
+    """Follow the impact in steps of `dt`: (status, last step, residual, final state).
 
-    `records` (3, n) takes force, elastic energy and dissipation.
+    The first collision, whose instant is known, comes before the first step; later ones are
+    found by the steps. Its percussion is recorded with the first step. `records` (steps + 1,) of
+    RECORD are zero at first. COLLAPSE when v passes `limit`.
     """
-    state = spring_at_rest(elastic_limit, table)
+    state = spring_at_rest(elastic_limit, pieces)
+    mass, striker, velocity, restitution = blow
+    records[0].striker_velocity = velocity
+    records[0].kinetic = 0.5 * striker * velocity**2
+    first = explicit_percussion(-velocity, -velocity, restitution, mass, striker)
+    motion = (first / mass, 0.0, velocity - first / striker)
+    lost = contact_loss(first, -velocity, motion[0] - motion[2])
+    for n in range(1, records.size):
+        if scheme == MOREAU:
+            found = _moreau_step(dt, motion, blow, state, pieces)
+        else:
+            found = _midpoint_step(dt, motion, blow, state, pieces)
+        residual, motion, state, percussion, loss = found
+        if residual > 1e-9:
+            return NO_CONVERGENCE, n, residual, state
+        lost += loss
+        row = records[n]
+        row.displacement, row.velocity, row.striker_velocity = state.v, motion[0], motion[2]
+        row.percussion = percussion + first if n == 1 else percussion
+        row.kinetic = 0.5 * (mass * motion[0] ** 2 + striker * motion[2] ** 2)
+        row.contact_loss = lost
+        _record(row, state, pieces)
+        if state.v > limit:
+            return COLLAPSE, n, 0.0, state
+    return OK, records.size - 1, 0.0, state
+
+
+@njit(cache=True, error_model="numpy")
+def follow(path, elastic_limit, pieces, records):
+    """Move the spring along displacements `path` (n,), forth and back, with `records` (n,)."""
+    state = spring_at_rest(elastic_limit, pieces)
     for n in range(path.size):
-        state = spring_moved(state, path[n], table)
-        records[0, n] = state[F]
-        records[1, n] = spring_energy(state, table)
-        records[2, n] = state[DISSIPATED]
+        state = spring_moved(state, path[n], pieces)
+        _record(records[n], state, pieces)

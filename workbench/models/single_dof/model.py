@@ -8,7 +8,9 @@ one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the s
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import reduce
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -19,6 +21,7 @@ from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.models.base import respond
+from workbench.models.domain import step_finding
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, mechanism_of, resistance_curve
 from workbench.models.resistance.limits import (
     analytic_companion,
@@ -59,8 +62,8 @@ class Peaks(NamedTuple):
 
 class _Run(NamedTuple):
     time: Array
-    records: Array
-    state: tuple[float, ...]
+    records: Any
+    state: _kernels.Spring
     curve: ResistanceCurve
 
 
@@ -118,16 +121,9 @@ class SingleDof(Declared, table="option"):
             )
             findings.append(Finding("time-step", text, refusal=True))
         if self.integrator == "moreau":
-            try:
-                limit = 0.6 / _frequency(self.curve(scenario.column), scenario.column)
-            except OutOfDomainError:
-                return findings  # told by the solution itself
-            if step > limit:
-                text = (
-                    f"option.time_step = {step:g} s is above 0.3 of the stability "
-                    f"limit of the explicit scheme, {limit:.3g} s: reduce it"
-                )
-                findings.append(Finding("time-step", text, refusal=True))
+            with suppress(OutOfDomainError):  # told by the solution itself
+                stable = 2.0 / _frequency(self.curve(scenario.column), scenario.column)
+                findings += step_finding(step, stable)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -165,15 +161,15 @@ class SingleDof(Declared, table="option"):
         column, striker = scenario.column, scenario.striker
         curve = self.curve(column)
         steps = self._steps(scenario, curve)
-        step = scenario.duration / steps
-        records = np.empty((_kernels.ROWS, steps + 1))
+        step, scheme = scenario.duration / steps, _SCHEMES[self.integrator]
+        records = np.zeros(steps + 1, _kernels.RECORD)
         limit = min(reach(column), curve.lost_at)
+        mass = column.properties.impact_mass
+        blow = _kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
         status, last, residual, state = _kernels.impact(
-            _SCHEMES[self.integrator], steps, step, striker.velocity,
-            (column.properties.impact_mass, striker.mass), striker.restitution,
-            curve.elastic_limit, limit, curve.table, records,
-        )  # fmt: skip
-        where = f"{last * step:.4g} s"
+            scheme, step, blow, curve.elastic_limit, limit, curve.pieces, records
+        )
+        where, v = f"{last * step:.4g} s", records["displacement"]
         if status == _kernels.NO_CONVERGENCE:
             tried = "Newton with bisection; the resistance may soften too fast for the step"
             raise SolverError(f"time {where} (step of {step:.3g} s)", residual, tried)
@@ -184,8 +180,7 @@ class SingleDof(Declared, table="option"):
                 else "the displacement passes nine tenths of the shorter segment"
             )
             raise OutOfDomainError(
-                f"collapse at {where} and {records[0, last]:.4g} m: {reason}; the model means "
-                "nothing beyond"
+                f"collapse at {where} and {v[last]:.4g} m: {reason}; the model means nothing beyond"
             )
         return _Run(np.linspace(0.0, scenario.duration, steps + 1), records, state, curve)
 
@@ -202,28 +197,19 @@ class SingleDof(Declared, table="option"):
         started = perf_counter()
         run = self._march(scenario)
         solved = perf_counter() - started
-        time, records, curve = run.time, run.records, run.curve
-        column, scalars = scenario.column, _scalars(scenario, run)
-        top = float(records[0].max())
+        records, curve = run.records, run.curve
+        top = float(records["displacement"].max())
         companion = analytic_companion(curve)
-        warnings = reached_findings(curve, companion, top)
-        kinetic, elastic, dissipated, lost = records[5:9]
+        spent = (records[name] for name in _kernels.HISTORIES[-4:])  # energies
         values: dict[str, Any] = {
-            "displacement": records[0],
-            "velocity": records[1],
-            "striker_velocity": records[2],
-            "percussion": records[3],
-            "force": records[4],
-            "kinetic": kinetic,
-            "elastic": elastic,
-            "dissipated": dissipated,
-            "contact_loss": lost,
-            "balance_error": scenario.input_energy - kinetic - elastic - dissipated - lost,
+            **{name: records[name] for name in _kernels.HISTORIES},
+            "balance_error": reduce(np.subtract, spent, scenario.input_energy),
             "input_energy": scenario.input_energy,
-            "shear_utilisation": shear_utilisation(companion, column, top),
-            **scalars,
+            "shear_utilisation": shear_utilisation(companion, scenario.column, top),
+            **_scalars(scenario, run),
         }
-        response = build_response(values, time=time, segments=_SEGMENTS, warnings=warnings)
+        warnings = reached_findings(curve, companion, top)
+        response = build_response(values, time=run.time, segments=_SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
 
@@ -231,7 +217,7 @@ class SingleDof(Declared, table="option"):
         column, top = scenario.column, scenario.displacement
         curve = self.curve(column)
         # the breakpoints are load steps, so that the quadrature of the force is exact
-        inner = curve.breakpoints[curve.breakpoints < top]
+        inner = curve.starts[1:][curve.starts[1:] < top]
         path = np.union1d(np.linspace(0.0, top, _PUSH_STEPS + 1), inner)
         companion = analytic_companion(curve)
         warnings = reached_findings(curve, companion, top)
@@ -250,7 +236,7 @@ class SingleDof(Declared, table="option"):
         else:
             values.update(_pushed_energies(curve, path, force))
         hinges: tuple[str, ...] = ()
-        if curve.plastic is not None:
+        if curve.knows_moments:
             hinges = curve.mechanism.groups
             # the sign convention of the four-DOF column: the hinge at the hit point turns back
             sign = np.array([[-1.0 if name == "hit" else 1.0] for name in hinges])
@@ -271,14 +257,13 @@ def _frequency(curve: ResistanceCurve, column: Column) -> float:
 
 def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
-    percussion, state = run.records[3].copy(), run.state
-    values = peak_of(run.time, run.records[0])
+    percussion, spring = run.records["percussion"].copy(), run.state
+    values = peak_of(run.time, run.records["displacement"])
     if values:
         values["residual_displacement"] = run.curve.residual(values["peak_displacement"])
-        if state[_kernels.YIELDED]:  # what reverse yielding has changed since
-            stiffness = state[_kernels.STIFFNESS]
-            top = state[_kernels.V_TOP] - state[_kernels.F_TOP] / stiffness
-            now = state[_kernels.V] - state[_kernels.F] / stiffness
+        if spring.yielded:  # what reverse yielding has changed since
+            top = spring.top - spring.top_force / spring.stiffness
+            now = spring.v - spring.force / spring.stiffness
             values["residual_displacement"] += now - top
     # the first collision is recorded with the first step but happens at time 0
     striker = scenario.striker
@@ -292,15 +277,14 @@ def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
 
 def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[str, Any]:
     """Energies along a push: work by quadrature of the force, the rest from the spring's law."""
-    records = np.zeros((3, len(path)))
-    _kernels.follow(path, curve.elastic_limit, curve.table, records)
+    records = np.zeros(len(path), _kernels.RECORD)
+    _kernels.follow(path, curve.elastic_limit, curve.pieces, records)
     middle = curve.force(0.5 * (path[1:] + path[:-1]))
     pieces = np.diff(path) * (force[1:] + 4.0 * middle + force[:-1]) / 6.0
     work = np.concatenate([[0.0], np.cumsum(pieces)])
-    elastic, dissipated = records[1], records[2]
     return {
-        "elastic": elastic,
-        "dissipated": dissipated,
+        "elastic": records["elastic"],
+        "dissipated": records["dissipated"],
         "external_work": work,
         "input_energy": work[-1],
     }
