@@ -225,20 +225,18 @@ def test_one_test_per_campaign_is_no_crash() -> None:
     """Scatter within and between campaigns cannot be told apart: the interval is Student's."""
     generator = np.random.default_rng(2)
     ratio = np.exp(0.1 * generator.normal(size=6))
-    frame = pd.DataFrame(
-        {"campaign": list("abcdef"), "specimen": "s", "test": ratio, "prediction": 1.0}
-    )
-    found = judge(frame)
+    frame = pd.DataFrame({"campaign": list("abcdef"), "specimen": "s"})
+    found = judge(frame, ratio, np.ones(6))
     logs = np.log(ratio)
     half = 2.015048 * np.std(logs, ddof=1) / np.sqrt(6)  # t_5(0.95)
     assert found.interval is not None
     assert (found.interval.low, found.interval.high) == pytest.approx(
         (np.exp(logs.mean() - half), np.exp(logs.mean() + half)), rel=1e-3
     )
-    single = judge(frame.iloc[:1])
+    single = judge(frame.iloc[:1], ratio[:1], np.ones(1))
     assert (single.interval, single.half_width) == (None, None)
     with pytest.raises(InputError, match="holds no test"):
-        judge(frame.iloc[:0])
+        judge(frame.iloc[:0], ratio[:0], np.ones(0))
 
 
 def test_results_become_plain() -> None:

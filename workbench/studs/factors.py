@@ -13,15 +13,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fitting import (
-    Content,
-    Fitted,
-    Judgement,
-    fitted,
-    judge,
-    judged_rows,
-    judgement_content,
-)
+from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, shear_model
@@ -50,11 +42,11 @@ class FactorFit:
         self.identity.refuse_overlap(table)
         rows = undamaged_headed_studs(table)
         tests = specimens(rows)
-        return judge(judged_rows(rows, tests.shear, self.model.of(tests)), confidence)
+        return judge(rows, tests.shear, self.model.of(tests), confidence)
 
     def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
         """The fit, and how it meets unseen tests."""
-        return {"fit": self.to_dict(), **judgement_content(judged)}
+        return content_of_fit(self.to_dict(), judged)
 
     def to_dict(self) -> Content:
         """Everything but the rows."""

@@ -207,15 +207,21 @@ class Judgement:
         }
 
 
-def judge(rows: pd.DataFrame, confidence: float = 0.9) -> Judgement:
-    """Judge predictions: rows with campaign, specimen, test and prediction, all positive.
+def judge(
+    rows: pd.DataFrame, test: Any, prediction: Any, confidence: float = 0.9, *more: str
+) -> Judgement:
+    """Judge predictions by tests that they have not used.
 
-    Raises `InputError` without rows.
+    Arguments: `rows` with campaign, specimen and the columns `more` that are kept; `test` and
+    `prediction` (n,), positive where there is a prediction. Raises `InputError` without any.
     """
-    if rows.empty:
+    judged = rows[["campaign", "specimen", *more]].assign(test=test, prediction=prediction)
+    known = np.isfinite(prediction) & (np.asarray(prediction) > 0.0)
+    judged = judged[known].reset_index(drop=True)
+    if judged.empty:
         raise InputError("validation", 0, "holds no test that the model can answer")
-    ratio = rows["test"].to_numpy(float) / rows["prediction"].to_numpy(float)
-    judged = rows.assign(ratio=ratio).reset_index(drop=True)
+    ratio = judged["test"].to_numpy(float) / judged["prediction"].to_numpy(float)
+    judged = judged.assign(ratio=ratio)
     least = judged.loc[int(np.argmin(ratio))]
     worst = f"{least['campaign']} {least['specimen']}"
     if len(ratio) < 2:
@@ -227,16 +233,8 @@ def judge(rows: pd.DataFrame, confidence: float = 0.9) -> Judgement:
     return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
 
 
-def judged_rows(rows: pd.DataFrame, test: Any, prediction: Any, *more: str) -> pd.DataFrame:
-    """Names, `more` columns, test (n,) and prediction (n,) of rows whose prediction has a value."""
-    frame: pd.DataFrame = rows[["campaign", "specimen", *more]]
-    frame = frame.assign(test=test, prediction=prediction)
-    known: pd.DataFrame = frame[np.isfinite(prediction) & (np.asarray(prediction) > 0.0)]
-    return known
-
-
-def judgement_content(judged: Any) -> Content:
-    """A judgement (or None) and its rows, as every content ends."""
-    if judged is None:
-        return {"judgement": None, "judged": None}
-    return {"judgement": judged.to_dict(), "judged": judged.rows}
+def content_of_fit(found: Content | None, judged: Any, **parts: Any) -> Content:
+    """The content of a fit: what it `found`, its rows and curves, and a judgement (or None)."""
+    judgement = None if judged is None else judged.to_dict()
+    rows = None if judged is None else judged.rows
+    return {"fit": found, **parts, "judgement": judgement, "judged": rows}

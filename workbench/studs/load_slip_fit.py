@@ -18,14 +18,7 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError, OutOfDomainError
 from workbench.responses import Finding
 from workbench.studs.curve_fit import CurveFit, fit_curve, make_law, misfit, parameter_names
-from workbench.studs.fitting import (
-    Content,
-    Fitted,
-    Judgement,
-    fitted,
-    judge,
-    judgement_content,
-)
+from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.load_slip import Law, LoadSlipLaw, OllgaardLaw
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
@@ -126,9 +119,7 @@ class LoadSlipFit:
         """The fit, its curves, median and band over the slip, and how it meets unseen curves."""
         low, high = self.band(GRID, confidence)
         grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
-        return {
-            "fit": self.to_dict(), "curves": self.curves, "grid": grid, **judgement_content(judged)
-        }  # fmt: skip
+        return content_of_fit(self.to_dict(), judged, curves=self.curves, grid=grid)
 
 
 def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
@@ -320,10 +311,8 @@ def judge_curves(
             stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
     if not rows:
         raise InputError("validation", 0, "holds no curve of two points or more")
-    frame = pd.DataFrame(rows)
-    return CurveJudgement(
-        frame,
-        judge(pd.DataFrame(stiffness), confidence) if stiffness else None,
-        None if fit is None else float(frame["inside"].mean()),
-        confidence,
-    )
+    frame, stiff, told = pd.DataFrame(rows), pd.DataFrame(stiffness), None
+    if stiffness:
+        told = judge(stiff, stiff["test"], stiff["prediction"], confidence)
+    coverage = None if fit is None else float(frame["inside"].mean())
+    return CurveJudgement(frame, told, coverage, confidence)

@@ -16,15 +16,7 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fitting import (
-    Content,
-    Fitted,
-    Judgement,
-    fitted,
-    judge,
-    judged_rows,
-    judgement_content,
-)
+from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
@@ -111,7 +103,7 @@ class ResidualFit:
             raise InputError("validation", 0, f"holds no test after {self.predamage}")
         self.identity.refuse_overlap(rows)
         predicted = self.left(rows["level"].to_numpy(float))
-        return judge(judged_rows(rows, rows["ratio"], predicted, "level"), confidence)
+        return judge(rows, rows["ratio"], predicted, confidence, "level")
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -140,14 +132,14 @@ class ResidualFit:
         curve = self.mechanical
         names = ("level", "ratio", "low", "high", "basis")
         columns = ["campaign", "specimen", "level", "ratio", "origin"]
-        return {
-            "fit": self.to_dict(),
-            "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
-            "curve": {"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
-            "tests": self.rows.reindex(columns=columns),
-            "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
-            **judgement_content(judged),
-        }
+        return content_of_fit(
+            self.to_dict(),
+            judged,
+            validated=self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
+            curve={"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
+            tests=self.rows.reindex(columns=columns),
+            mechanical=None if curve is None else {n: getattr(curve, n) for n in names},
+        )
 
 
 def damaged_rows(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.fields import did_you_mean
 
 
 def campaigns_of(*tables: pd.DataFrame) -> list[str]:
@@ -48,9 +48,8 @@ def check_campaigns(wanted: Sequence[str], *tables: pd.DataFrame) -> None:
     known = campaigns_of(*tables)
     for name in wanted:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            advice = f"did you mean {near[0]}?" if near else ""
-            raise InputError("campaign", name, "must be one of " + ", ".join(known), advice)
+            allowed = "must be one of " + ", ".join(known)
+            raise InputError("campaign", name, allowed, did_you_mean(name, known))
 
 
 def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFrame:

@@ -14,15 +14,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fitting import (
-    Content,
-    Fitted,
-    Judgement,
-    fitted,
-    judge,
-    judged_rows,
-    judgement_content,
-)
+from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import Level, ShearModel, characteristic_strength, shear_model
@@ -108,7 +100,7 @@ class StrengthFit:
         rows = undamaged_headed_studs(table)
         tests = specimens(rows)
         prediction = self.predict(tests) if corrected else self.model.of(tests)
-        found = judge(judged_rows(rows, tests.shear, prediction), confidence)
+        found = judge(rows, tests.shear, prediction, confidence)
         kept, known = _complete(rows, self.model)
         held = _problem(known, self.model, self._trends, self.reference, fitted=False)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
@@ -137,7 +129,7 @@ class StrengthFit:
 
     def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
         """The fit, its tests, and how it meets unseen ones."""
-        return {"fit": self.to_dict(), "tests": self.rows, **judgement_content(judged)}
+        return content_of_fit(self.to_dict(), judged, tests=self.rows)
 
 
 def fit_strength(

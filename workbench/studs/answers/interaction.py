@@ -14,7 +14,7 @@ from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.mechanical import calibrated
-from workbench.studs.fitting import judge, judged_rows
+from workbench.studs.fitting import judge
 from workbench.studs.interaction import INTERACTIONS, combined_tests
 from workbench.studs.mechanical import Stud, interaction_points
 from workbench.studs.quantities import Array
@@ -70,7 +70,8 @@ class StudInteraction(StudModel):
         content |= {"tension": tension, "shear": shear, "tests": tests}
         judged = None
         if held and not tests.empty:
-            judged = judge(_utilised(tests, tension, shear), scenario.confidence)
+            reached = np.hypot(tests["shear"], tests["tension"])
+            judged = judge(tests, reached, _borne(tests, tension, shear), scenario.confidence)
             content["judgement"] = judged.to_dict()
         elif self.law != MECHANICAL:
             # a law of the books is drawn all the same; that nothing validates it is said
@@ -79,13 +80,12 @@ class StudInteraction(StudModel):
         return Found(content, findings, judged, {"tests_fitted": 0.0})
 
 
-def _utilised(tests: pd.DataFrame, tension: Array, shear: Array) -> pd.DataFrame:
-    """Distance of every test from the origin against that of the curve in its direction."""
+def _borne(tests: pd.DataFrame, tension: Array, shear: Array) -> Array:
+    """Distance (n,) of the curve from the origin in the direction of every test."""
     angle = np.arctan2(shear, tension)
     order = np.argsort(angle)
     radius = np.hypot(shear, tension)[order]
     wanted = np.arctan2(tests["shear"].to_numpy(float), tests["tension"].to_numpy(float))
     if wanted.min() < angle.min() - 1e-9 or wanted.max() > angle.max() + 1e-9:
         raise InputError("tests", float(wanted.min()), "lie outside the curve of the law")
-    distance = np.hypot(tests["shear"], tests["tension"])
-    return judged_rows(tests, distance, np.interp(wanted, angle[order], radius))
+    return np.interp(wanted, angle[order], radius)

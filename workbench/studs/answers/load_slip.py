@@ -8,7 +8,7 @@ from typing import ClassVar
 from workbench.fields import Choice, Flag, checked
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
-from workbench.studs.fitting import judgement_content
+from workbench.studs.fitting import content_of_fit
 from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 
@@ -61,5 +61,5 @@ class StudLoadSlip(StudModel):
         law = OllgaardLaw()
         judged = None if unseen.empty else judge_curves(unseen, law, confidence=level)
         grid = {"slip": GRID, "median": law.ratio(GRID)}
-        content = {"fit": None, "curves": None, "grid": grid, **judgement_content(judged)}
+        content = content_of_fit(None, judged, curves=None, grid=grid)
         return Found(content, (), judged, {"tests_fitted": 0.0})

@@ -10,7 +10,7 @@ import pandas as pd
 from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
-from workbench.studs.fitting import judge, judged_rows
+from workbench.studs.fitting import judge
 from workbench.studs.mechanical import MechanicalFit, calibrate, push_out
 from workbench.studs.mechanical.calibration import complete_rows, stud_of
 
@@ -48,8 +48,8 @@ class StudMechanical(StudModel):
         rows, judged = complete_rows(split.calibration), None
         if not split.validation.empty:
             unseen = fit.validate(split.validation)
-            strengths = judged_rows(unseen, unseen["strength_test"], unseen["strength_model"])
-            judged = judge(strengths, scenario.confidence)
+            pair = unseen["strength_test"], unseen["strength_model"]
+            judged = judge(unseen, *pair, scenario.confidence)
             content |= {"judgement": judged.to_dict(), "judged": judged.rows}
             rows = complete_rows(split.validation)
         content["curves"] = [_curve(row, fit) for _, row in rows.drop_duplicates(_STUD).iterrows()]
