@@ -21,18 +21,18 @@ from workbench.studs import (
     shipped,
     unloadings,
 )
-from workbench.studs.curve_fit import fit_curve
-from workbench.studs.load_slip import law_kind
+from workbench.studs.load_slip import fit_curve, law_kind
 from workbench.studs.load_slip_fit import first_loading
 from workbench.studs.plain import plain
 from workbench.studs.stiffness import (
+    CyclicState,
     ascending,
     chord_stiffness,
     fitted_stiffness,
     law_stiffness,
     slip_at_level,
+    unloading_ratio,
 )
-from workbench.studs.unloading import CyclicState, unloading_ratio
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
 

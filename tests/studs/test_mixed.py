@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from workbench.errors import InputError
-from workbench.studs.statistics.choice import choose, score_relations
 from workbench.studs.statistics.intervals import (
     Interval,
     bootstrap_by_campaign,
@@ -20,9 +19,11 @@ from workbench.studs.statistics.intervals import (
 )
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import (
+    choose,
     leave_one_campaign_out,
     posterior_interval,
     predictive_quantile,
+    score_relations,
 )
 from workbench.studs.statistics.problem import Problem, problem
 

@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.studs import SHEAR_MODELS, Deck, design_resistance, shear_model
-from workbench.studs.interaction import INTERACTIONS, PowerInteraction, TrilinearInteraction
 from workbench.studs.quantities import concrete_modulus, specimens
 from workbench.studs.shear import aisc360, characteristic_strength
 from workbench.studs.tension import (
     CONE_MEAN,
+    INTERACTIONS,
     Cone,
+    PowerInteraction,
+    TrilinearInteraction,
     pull_through_resistance,
     steel_resistance,
     tension_resistance,

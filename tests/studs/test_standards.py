@@ -12,9 +12,14 @@ from workbench.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_series, evaluate_table
 from workbench.studs.plain import plain
 from workbench.studs.reading import read_text
-from workbench.studs.statistics.annex_b import slip_capacity
-from workbench.studs.statistics.annex_d import from_prior_knowledge, sensitivities_of
-from workbench.studs.statistics.quantiles import LIMIT_DESIGN, TABLE_DESIGN, fractile_factor
+from workbench.studs.series import slip_capacity
+from workbench.studs.statistics.annex_d import (
+    LIMIT_DESIGN,
+    TABLE_DESIGN,
+    fractile_factor,
+    from_prior_knowledge,
+    sensitivities_of,
+)
 
 # EN 1990 tables D.1 and D.2: n, k_n known, k_n unknown, k_d,n known, k_d,n unknown (V_X)
 TABLE = {

@@ -13,13 +13,12 @@ from workbench.errors import InputError
 from workbench.evidence import dataset, load
 from workbench.studs import check_tables, shipped, summarise
 from workbench.studs.load_slip_fit import fit_load_slip
-from workbench.studs.quantities import specimens
+from workbench.studs.quantities import ratio_summary, specimens
 from workbench.studs.reading import read_text
 from workbench.studs.schema import TESTS
-from workbench.studs.summary import ratio_summary
+from workbench.studs.stiffness import unloadings
 from workbench.studs.tables import SHIPPED
 from workbench.studs.tension import Cone
-from workbench.studs.unloading import unloadings
 
 KILO = 1e3
 

@@ -185,8 +185,8 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.errors import InputError
     from workbench.scenarios import StudTests
     from workbench.studs import TESTS
-    from workbench.studs.answers.mechanical import CALIBRATION, calibrated
-    from workbench.studs.answers.residual import answer_residual
+    from workbench.studs.answers.evidence import CALIBRATION, calibrated
+    from workbench.studs.answers.fits import answer_residual
     from workbench.studs.mechanical import Stud
     from workbench.studs.residual import QUANTITIES, damaged_rows
 
@@ -222,7 +222,7 @@ def _tables(
 ) -> tuple[pd.DataFrame, pd.DataFrame, Content]:
     """The rows to fit, those that judge, and what every answer begins with."""
     from workbench.studs import examine, shipped
-    from workbench.studs.split import campaigns_of, check_campaigns, joined, split_table
+    from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
 
     table, bad = None, []
     if options.file is not None:

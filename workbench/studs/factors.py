@@ -14,11 +14,11 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.responses import Finding
 from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
-from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, shear_model
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import Prediction, problem
+from workbench.studs.tables import RowIdentity, identity_of
 
 FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensible fit reaches
 

@@ -17,9 +17,17 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.responses import Finding
-from workbench.studs.curve_fit import CurveFit, fit_curve, make_law, misfit, parameter_names
 from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
-from workbench.studs.load_slip import Law, LoadSlipLaw, OllgaardLaw
+from workbench.studs.load_slip import (
+    CurveFit,
+    Law,
+    LoadSlipLaw,
+    OllgaardLaw,
+    fit_curve,
+    make_law,
+    misfit,
+    parameter_names,
+)
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import location

@@ -19,8 +19,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.studs.checks import Row, row_findings
-from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Table
+from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Row, Table, row_findings
 
 LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
 MOST_ROWS = 50_000

@@ -17,14 +17,19 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError
 from workbench.responses import Finding
 from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
-from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.choice import Score, choose, score_relations
 from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, predictive_quantile
+from workbench.studs.statistics.prediction import (
+    LEAST_CAMPAIGNS,
+    Score,
+    choose,
+    predictive_quantile,
+    score_relations,
+)
 from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.tables import RowIdentity, identity_of
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),

@@ -1,15 +1,117 @@
-"""EN 1994-1-1 Annex B.2 on the rows of a table: series of nominally equal push tests."""
+"""EN 1994-1-1 Annex B.2: evaluation of series of nominally equal push tests, also of a table.
+
+Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.studs.quantities import Array, undamaged_headed_studs
-from workbench.studs.statistics.annex_b import AnnexB, evaluate_series
+
+LARGEST_DEVIATION = 0.10  # of any test from the mean of the series
+REDUCTION = 0.9
+DUCTILE_SLIP = 6.0e-3  # m, EN 1994-1-1, 6.6.1.1(5)
+
+
+@dataclass(frozen=True, slots=True)
+class AnnexB:
+    """Characteristic and design resistance, slip capacity and ductility class of a series.
+
+    `count`; `mean` and `lowest` resistance and largest `deviation` from the mean; `P_Rk`, `P_Rd`
+    in N; slip capacities `slips` in m, `slip_capacity` delta_uk in m (None without curves);
+    `ductile` (None without curves); `slip_is_lower_bound`, some curve ended before its load fell
+    to P_Rk; `note`, one sentence where the numbers need one.
+    """
+
+    count: int
+    mean: float
+    lowest: float
+    deviation: float
+    P_Rk: float
+    P_Rd: float
+    slips: tuple[float, ...]
+    slip_capacity: float | None
+    ductile: bool | None
+    slip_is_lower_bound: bool
+    note: str
+
+    def to_dict(self) -> dict[str, object]:
+        """All values by name."""
+        return asdict(self)
+
+
+def evaluate_series(
+    resistances: ArrayLike,
+    *,
+    specified_strength: float,
+    measured_strength: float,
+    curves: Sequence[tuple[ArrayLike, ArrayLike]] = (),
+    partial_factor: float = 1.25,
+) -> AnnexB:
+    """Evaluate three or more nominally equal tests by Annex B.2.5.
+
+    Arguments: `resistances` per stud (n,) in N; `specified_strength` (minimum) and
+    `measured_strength` of the stud material in Pa; `curves` (slip in m, load in N) of the tests in
+    the same order, or none; `partial_factor` gamma_V. Raises `InputError` for fewer than three
+    tests, for tests off the mean by over 10 %, or curves that do not belong to the tests.
+    """
+    p = np.atleast_1d(np.asarray(resistances, float))
+    if len(p) < 3 or not np.all(p > 0.0):
+        raise InputError("tests", len(p), "must be three or more positive resistances (B.2.5)")
+    mean, lowest = float(np.mean(p)), float(np.min(p))
+    deviation = float(np.max(np.abs(p / mean - 1.0)))
+    if deviation > LARGEST_DEVIATION:
+        found, advice = (
+            f"{100 * deviation:.0f} % off the mean",
+            "make three more tests of the same ",
+        )
+        advice += "kind and evaluate all by EN 1990 D.8"
+        raise InputError("tests", found, "must lie within 10 % of the mean", advice)
+    if curves and len(curves) != len(p):
+        raise InputError("curves", len(curves), f"must be {len(p)}, one per test, or none")
+    characteristic = REDUCTION * lowest
+    reached = [slip_capacity(slip, load, characteristic) for slip, load in curves]
+    slips = tuple(slip for slip, _ in reached)
+    capacity = REDUCTION * min(slips) if slips else None
+    bound = any(open_ended for _, open_ended in reached)
+    ductile = None if capacity is None else capacity >= DUCTILE_SLIP
+    note = ""
+    if bound:
+        note = "a curve ends before its load falls to P_Rk: its slip capacity is a lower bound"
+        if ductile is False:
+            ductile = None  # the stud may be ductile: the test was stopped too early to tell
+    return AnnexB(
+        len(p), mean, lowest, deviation, characteristic,
+        min(specified_strength / measured_strength, 1.0) * characteristic / partial_factor,
+        slips, capacity, ductile, bound, note,
+    )  # fmt: skip
+
+
+def slip_capacity(slip: ArrayLike, load: ArrayLike, level: float) -> tuple[float, bool]:
+    """Largest slip (m) at a load level (N) on the falling branch, and whether the curve ends above.
+
+    Arguments: `slip` (n,) in m and `load` (n,) in N in the order of the test. In the second case
+    the slip is that of the last point, a lower bound. Raises `InputError` for a curve that never
+    reaches the level.
+    """
+    s: Array = np.asarray(slip, float)
+    q: Array = np.asarray(load, float)
+    if s.shape != q.shape or len(s) < 2 or np.max(q) < level:
+        raise InputError("curve", float(np.max(q, initial=0.0)), f"must reach {level:.4g} N")
+    last = int(np.flatnonzero(q >= level)[-1])
+    if last == len(q) - 1:
+        return float(s[-1]), True
+    share = (q[last] - level) / (q[last] - q[last + 1])
+    return float(s[last] + share * (s[last + 1] - s[last])), False
+
 
 EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fcm_MPa", "fu_MPa")
 

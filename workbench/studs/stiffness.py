@@ -1,16 +1,23 @@
-"""Stiffness of a connection from its load-slip curve, by the definitions in use.
+"""Stiffness of a connection from its load-slip curve; unloading, permanent slip and reloading.
 
 Chord from 10 to 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such
-levels), slope of a line fitted from 5 to 40 %, secants. Levels refer to the largest load.
-Units: SI.
+levels), slope of a line fitted from 5 to 40 %, secants. A stud unloads along a straight line and
+leaves a permanent slip; reloading follows the same line back to the envelope of first loading,
+which then goes on as if nothing had happened. This is what the markers of the Lehigh push-outs show
+below failure; it says nothing about fatigue. Units: SI.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import NamedTuple
+
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.fields import Declared, Number, checked
 from workbench.studs.load_slip import LoadSlipLaw
 from workbench.studs.quantities import Array
 
@@ -88,3 +95,130 @@ def law_stiffness(law: LoadSlipLaw, load: float, low: float = 0.1, high: float =
 def _levels(low: float, high: float) -> None:
     if not 0.0 <= low < high < 1.0:
         raise InputError("levels", (low, high), "must rise, from 0 to below 1")
+
+
+_ABSCISSAE, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+class CyclicState(NamedTuple):
+    """What a stud remembers: the largest slip reached, and the slip at which it is free of load."""
+
+    largest_slip: float
+    permanent_slip: float
+
+
+@dataclass(frozen=True)
+class UnloadingLaw(Declared, table="law"):
+    """An envelope with straight unloading and reloading.
+
+    Arguments: `envelope`, a law of first loading; `strength`, its largest load in N;
+    `stiffness_ratio`, slope of unloading over the 10-40 % chord stiffness of the envelope. The
+    slope is never so low that slip is regained beyond the origin, or more work than was done.
+    """
+
+    envelope: LoadSlipLaw
+    strength: float = checked(Number(1.0, 1e8, "N", advice="loads are in N: 100 kN is 100e3"))
+    stiffness_ratio: float = checked(Number(0.05, 20.0), 1.0)
+
+    @property
+    def slope(self) -> float:
+        """Slope of unloading in N/m, before the limit by the secant."""
+        return self.stiffness_ratio * law_stiffness(self.envelope, self.strength)
+
+    def permanent_slip(self, largest_slip: float) -> float:
+        """Slip (m) that is left when the stud is unloaded from `largest_slip` (m)."""
+        load = self._load(largest_slip)
+        if largest_slip <= 0.0 or load <= 0.0:
+            return max(largest_slip, 0.0)
+        regained = min(load / self.slope, 2.0 * self._work(largest_slip) / load)
+        return max(largest_slip - regained, 0.0)
+
+    def load(self, slip: float, state: CyclicState) -> tuple[float, CyclicState]:
+        """Load (N) at a slip (m) and the new state, from the state before.
+
+        Raises `OutOfDomainError` below the permanent slip, where the stud would be pushed the
+        other way.
+        """
+        if slip >= state.largest_slip:
+            return self._load(slip), CyclicState(slip, self.permanent_slip(slip))
+        if slip < state.permanent_slip:
+            raise OutOfDomainError(
+                f"slip {slip:g} m lies below the permanent slip {state.permanent_slip:g} m: "
+                "reversed loading is outside the law"
+            )
+        top = self._load(state.largest_slip)
+        share = (slip - state.permanent_slip) / (state.largest_slip - state.permanent_slip)
+        return top * share, state
+
+    def follow(self, path: ArrayLike) -> Array:
+        """Loads (n,) in N along a path of slips (n,) in m that starts undamaged."""
+        state = CyclicState(0.0, 0.0)
+        loads = np.empty(len(np.asarray(path)))
+        for i, slip in enumerate(np.asarray(path, float)):
+            loads[i], state = self.load(float(slip), state)
+        return loads
+
+    def _work(self, slip: float) -> float:
+        """Work (J) of first loading to a slip (m)."""
+        # points at slip t^2: the slope at zero may be infinite
+        t = 0.5 * (1.0 + _ABSCISSAE)
+        loads = self.strength * self.envelope.ratio(slip * t * t)
+        return float(np.sum(_WEIGHTS * loads * t) * slip)
+
+    def _load(self, slip: float) -> float:
+        return self.strength * float(self.envelope.ratio(slip))
+
+
+class Unloading(NamedTuple):
+    """One observed unloading: where it started, a reading on its way, and what follows from both.
+
+    Slips in m, loads in N; `slope` in N/m; `permanent_slip` by extending the line to zero load,
+    `ratio` of it to the slip of unloading.
+    """
+
+    campaign: str
+    specimen: str
+    start_slip: float
+    start_load: float
+    reading_slip: float
+    reading_load: float
+    slope: float
+    permanent_slip: float
+    ratio: float
+
+
+def unloadings(points: pd.DataFrame) -> list[Unloading]:
+    """The unloadings among the points of a table (schema `POINTS`) with inferred starts.
+
+    Where several readings belong to one start, the one with the lowest load counts: the others
+    may lie on the way of reloading. Raises `InputError` when there is none.
+    """
+    needed = ("probable_unloading_slip_mm", "probable_unloading_load_kN")
+    known = points[np.isfinite(points[list(needed)].to_numpy(float)).all(axis=1)]
+    result = []
+    groups = known.groupby(["campaign", "specimen", needed[0]], sort=False)
+    for (campaign, specimen, _), group in groups:
+        row = group.loc[group["load_kN"].astype(float).idxmin()]
+        start, top = 1e-3 * row[needed[0]], 1e3 * row[needed[1]]
+        slip, load = 1e-3 * row["slip_mm"], 1e3 * row["load_kN"]
+        if slip >= start or load >= top:
+            continue  # no way down: the inferred start does not belong to this reading
+        slope = (top - load) / (start - slip)
+        permanent = start - top / slope
+        result.append(
+            Unloading(
+                str(campaign), str(specimen), start, top, slip, load, slope, permanent,
+                permanent / start,
+            )
+        )  # fmt: skip
+    if not result:
+        raise InputError("points", len(points), "hold no unloading with a known start")
+    return result
+
+
+def unloading_ratio(law: LoadSlipLaw, strength: float, observed: list[Unloading]) -> Array:
+    """Ratios (n,) of observed unloading slopes to the chord stiffness of an envelope.
+
+    Arguments: `law` and its `strength` in N; `observed` unloadings of the same stud.
+    """
+    return np.array([each.slope for each in observed]) / law_stiffness(law, strength)

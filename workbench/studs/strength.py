@@ -15,7 +15,6 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.responses import Finding
 from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
-from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import Level, ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
@@ -28,6 +27,7 @@ from workbench.studs.statistics.prediction import (
     predictive_quantile,
 )
 from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.tables import RowIdentity, identity_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own

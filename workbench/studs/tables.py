@@ -1,13 +1,17 @@
-"""The tables that come with the workbench, and whether tables keep their schema."""
+"""Tables of tests in use: shipped, joined, split by campaign, not validated by their own rows."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
 from workbench.evidence import dataset
+from workbench.fields import did_you_mean
 from workbench.studs.reading import LONGEST_LINE, examine
 from workbench.studs.schema import POINTS, TESTS
 
@@ -53,3 +57,110 @@ def check_file(path: str | Path) -> list[str]:
     names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
     table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
     return [str(problem.error()) for problem in examine(path, table).problems]
+
+
+def campaigns_of(*tables: pd.DataFrame) -> list[str]:
+    """Names of the campaigns of tables, in the order in which they appear."""
+    return list(dict.fromkeys(str(name) for table in tables for name in table["campaign"]))
+
+
+def split_table(
+    table: pd.DataFrame,
+    calibrate: Sequence[str] = (),
+    validate: Sequence[str] = (),
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Rows that a fit may use, and rows that it is judged by (either may be empty).
+
+    Arguments: `table` (schema `TESTS` or `POINTS`); campaigns to `calibrate` (empty: all that do
+    not validate) and to `validate`. Rows whose role is not calibrate are never fitted; those whose
+    role is validate are held out with the others. Raises `InputError` where a campaign is to do
+    both, or has no row that may be fitted.
+    """
+    for campaign in (name for name in validate if name in calibrate):
+        reason = "calibrates too: a fit is not validated by its own rows"
+        advice = "validate on campaigns that the fit has not seen"
+        raise InputError("validate", campaign, reason, advice)
+    held = table["campaign"].isin(list(validate))
+    used = named = table["campaign"].isin(list(calibrate)) if calibrate else ~held
+    if "role" in table.columns:
+        used = named & (table["role"] == "calibrate")
+        held |= table["role"] == "validate"
+    if calibrate and named.any() and not used.any():
+        reason = "has no row whose role is calibrate"
+        advice = "rows that validate or verify are never fitted"
+        raise InputError("calibrate", ", ".join(calibrate), reason, advice)
+    return table[used].reset_index(drop=True), table[held].reset_index(drop=True)
+
+
+def check_campaigns(wanted: Sequence[str], *tables: pd.DataFrame) -> None:
+    """Refuse names of campaigns that no table has. Raises `InputError` with the nearest name."""
+    known = campaigns_of(*tables)
+    for name in wanted:
+        if name not in known:
+            allowed = "must be one of " + ", ".join(known)
+            raise InputError("campaign", name, allowed, did_you_mean(name, known))
+
+
+def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFrame:
+    """Several tables of one schema below each other.
+
+    `unique`: refuse a specimen that stands in two of them (`InputError`).
+    """
+    seen: set[tuple[str, str]] = set()
+    for part in tables if unique else ():
+        names = set(zip(part["campaign"], part["specimen"], strict=True))
+        for campaign, specimen in sorted(seen & names):
+            advice = "give the campaign another name, or leave one table out"
+            raise InputError("tables", f"{campaign} {specimen}", "stands in two tables", advice)
+        seen |= names
+    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+
+
+_CONTENT = [
+    *("diameter_mm", "height_mm", "embedment_mm", "fcm_MPa", "fu_MPa", "shear_kN", "tension_kN"),
+    *("slip_at_max_mm", "predamage_level"),
+]
+_ENOUGH = 4  # equal numbers that two different tests do not share by chance
+_MISSING = -1.0  # stands for a number that is not reported: no cell can hold it
+Row = tuple[tuple[str, str], tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class RowIdentity:
+    """Names (campaign, specimen) of rows, and the numbers that give a renamed row away."""
+
+    names: frozenset[tuple[str, str]]
+    contents: frozenset[tuple[float, ...]]
+
+    @property
+    def campaigns(self) -> frozenset[str]:
+        """Campaigns of the rows."""
+        return frozenset(campaign for campaign, _ in self.names)
+
+    def refuse_overlap(self, table: pd.DataFrame) -> None:
+        """Refuse a table that holds one of these rows, also under another name.
+
+        Raises `InputError`: a fit is not validated by the rows it was made of.
+        """
+        for name, content in _rows(table):
+            telling = sum(value != _MISSING for value in content) >= _ENOUGH
+            renamed = name[0] not in self.campaigns and telling and content in self.contents
+            if name in self.names or renamed:
+                how = "equals a row of the fit under other names"
+                how = "was used for the fit" if name in self.names else how
+                advice = "validate on tests that the fit has not seen, or leave campaigns out of it"
+                raise InputError("validation", " ".join(name), how, advice)
+
+
+def identity_of(table: pd.DataFrame) -> RowIdentity:
+    """The identity of the rows of a table of tests."""
+    rows = _rows(table)
+    return RowIdentity(frozenset(n for n, _ in rows), frozenset(content for _, content in rows))
+
+
+def _rows(table: pd.DataFrame) -> list[Row]:
+    pairs = zip(table["campaign"], table["specimen"], strict=True)
+    names = [(str(a).strip().casefold(), str(b).strip().casefold()) for a, b in pairs]
+    numbers = table.reindex(columns=_CONTENT).to_numpy(float)
+    contents = np.where(np.isfinite(numbers), numbers, _MISSING).tolist()
+    return [(name, tuple(content)) for name, content in zip(names, contents, strict=True)]

@@ -23,8 +23,7 @@ from workbench.studs.fitting import Judged
 from workbench.studs.plain import plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
-from workbench.studs.split import check_campaigns, joined, split_table
-from workbench.studs.tables import SHIPPED, shipped
+from workbench.studs.tables import SHIPPED, check_campaigns, joined, shipped, split_table
 
 __all__ = ["Found", "Split", "StudModel", "content_of", "load_split"]
 

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError, SolverError
-from workbench.studs.identity import RowIdentity, identity_of
 from workbench.studs.mechanical.driving import push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
+from workbench.studs.tables import RowIdentity, identity_of
 
 FREE = ("bearing_factor", "foundation_factor", "slide_capacity")
 OBSERVED = ("strength", "stiffness", "slip")

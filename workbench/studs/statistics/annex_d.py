@@ -1,21 +1,49 @@
-"""EN 1990 Annex D.8: characteristic and design resistance from tests and a resistance function.
+"""EN 1990 Annex D: fractile factors, characteristic and design resistance from tests.
 
-Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again). Every intermediate value of the
-procedure is kept in the result.
+A normal quantity with mean m and standard deviation s estimated from n values (V unknown) lies
+below m - k s in a new test with the wanted probability for k = t_(n-1)(p) sqrt(1 + 1/n); with a
+known standard deviation t is replaced by the normal quantile. This reproduces tables D.1 and D.2.
+Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from math import exp, log, prod, sqrt
+from math import exp, inf, log, prod, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.quantiles import TABLE_DESIGN, fractile_factor
+
+CHARACTERISTIC = 0.95  # share of tests above the characteristic value
+TABLE_DESIGN = 0.999  # the probability that table D.2 follows
+LIMIT_DESIGN = 0.99882  # Phi(3.04), 3.04 = 0.8 x 3.8: the limit that the standard quotes
+
+
+def fractile_factor(count: float, share: float = CHARACTERISTIC, *, known: bool = False) -> float:
+    """Factor k for which a `share` of new tests lies above mean - k times standard deviation.
+
+    The default `share` is that of k_n (table D.1). k_d,n (table D.2) follows `TABLE_DESIGN`,
+    although its limit for many tests is quoted as 3.04, the normal quantile of `LIMIT_DESIGN`.
+    Arguments: `count` of tests (infinity allowed); `share` in 0.5..1; `known`, the standard
+    deviation is known beforehand. Raises `InputError` for too few tests.
+    """
+    from scipy.special import ndtri, stdtrit
+
+    if not 0.5 < share < 1.0:
+        raise InputError("share", share, "must lie between 0.5 and 1")
+    least = 1 if known else 2
+    if not count >= least:
+        advice = "one test has no scatter to estimate"
+        raise InputError("count", count, f"must be {least} or more tests", advice)
+    spread = sqrt(1.0 + 1.0 / count)
+    if known or count == inf:
+        return float(ndtri(share)) * spread
+    return float(stdtrit(count - 1.0, share)) * spread
+
 
 K_INFINITE = 1.64  # the limits as the standard prints them
 KD_INFINITE = 3.04

@@ -1,4 +1,7 @@
-"""What is left of a stud after pre-damage, with the grade of its evidence."""
+"""Fits as models: a strength formula, a load-slip law, what is left after pre-damage.
+
+Each is fitted to the calibrating tests and judged by the validating ones.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,117 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Number, checked
+from workbench.fields import Choice, Flag, Number, checked
 from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
-from workbench.studs.answers.measured import RESIDUAL
-from workbench.studs.answers.mechanical import calibrated
+from workbench.studs.answers.evidence import RESIDUAL, calibrated
+from workbench.studs.fitting import content_of_fit
+from workbench.studs.load_slip import LAWS, OllgaardLaw
+from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
 from workbench.studs.mechanical.calibration import stud_of
 from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual import ResidualFit, damaged_rows, fit_residual
 from workbench.studs.schema import TESTS
+from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.strength import fit_strength
+
+SOURCES = {
+    "en1994": ("en1994-1-1",),
+    "roik-mean": ("roik1989", "en1994-1-1"),
+    "aisc360": ("aisc360-22",),
+    "ollgaard": ("ollgaard1971",),
+    "bilinear": ("roik1989",),
+    "rational": ("sargin1971",),
+}
+STATISTICS = ("en1990", "pinheiro-bates2000")
+
+
+@dataclass(frozen=True)
+class StudStrength(StudModel):
+    """Shear resistance of a headed stud in a solid slab by a formula.
+
+    Options: `formula`, a name in `workbench.studs.SHEAR_MODELS`; `corrected`, predict with the
+    median ratio that the calibrating tests give, instead of the formula as it is; `loss` of the
+    fit (linear, huber, bisquare).
+    """
+
+    formula: str = checked(Choice(tuple(SHEAR_MODELS)), "roik-mean")
+    corrected: bool = checked(Flag(), False)
+    loss: str = checked(Choice(("linear", "huber", "bisquare")), "linear")
+
+    name: ClassVar[str] = "stud-strength"
+    asks: ClassVar[tuple[str, ...]] = ("strength",)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Smaller of a steel and a concrete term with the mean values of the tests, headed studs in "
+        "solid slabs, undamaged.",
+        "The logarithm of test over prediction has a bias, a normal effect per campaign and a "
+        "normal scatter within campaigns; EN 1990 D.8 takes all tests as independent.",
+    )
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the formula and of the statistics."""
+        return (*SOURCES[self.formula], *STATISTICS)
+
+    def find(self, scenario: StudTests, split: Split) -> Found:
+        """The fit, and how the prediction meets the validating tests."""
+        level = scenario.confidence
+        fit = fit_strength(split.calibration, self.formula, loss=self.loss, confidence=level)
+        judged = None
+        if not split.validation.empty:
+            judged = fit.judge(split.validation, level, corrected=self.corrected)
+        scalars = {"tests_fitted": float(len(fit.rows)), "fitted_test_over_prediction": fit.bias}
+        units = {"test": "N", "prediction": "N"}
+        return Found(fit.content(judged), fit.findings, judged, scalars, units)
+
+
+@dataclass(frozen=True)
+class StudLoadSlip(StudModel):
+    """Load over its largest value as a function of slip, under first loading.
+
+    Options: `law`, a name in `workbench.studs.LAWS`; `published`, Ollgaard's law with its published
+    parameters instead of fitted ones.
+    """
+
+    law: str = checked(Choice(tuple(LAWS)), "ollgaard")
+    published: bool = checked(Flag(), False)
+
+    name: ClassVar[str] = "stud-load-slip"
+    asks: ClassVar[tuple[str, ...]] = ("load-slip",)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Shape of the curve only: loads are over the largest load of the test.",
+        "Curves are the observations, not points; the logarithms of the parameters have an effect "
+        "per campaign. The band holds the stated share of the points of a further curve of the "
+        "fitted campaigns, fewer of a new one.",
+    )
+
+    def check(self) -> None:
+        """Only Ollgaard's law has published parameters."""
+        if self.published and self.law != "ollgaard":
+            raise self.refusal("published", "is known for the law ollgaard only")
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the law and of the statistics."""
+        return SOURCES[self.law] + (() if self.published else ("pinheiro-bates2000",))
+
+    def find(self, scenario: StudTests, split: Split) -> Found:
+        """The fitted law with its band, and how it meets the validating curves."""
+        level, unseen = scenario.confidence, split.validation_points
+        if not self.published:
+            fit = fit_load_slip(split.calibration_points, self.law, confidence=level)
+            judged = None if unseen.empty else fit.judge(unseen, level)
+            fitted = {"tests_fitted": float(len(fit.curves))}
+            units = {"strength": "N"}
+            return Found(fit.content(judged, level), fit.findings, judged, fitted, units)
+        law = OllgaardLaw()
+        judged = None if unseen.empty else judge_curves(unseen, law, confidence=level)
+        grid = {"slip": GRID, "median": law.ratio(GRID)}
+        content = content_of_fit(None, judged, curves=None, grid=grid)
+        return Found(content, (), judged, {"tests_fitted": 0.0})
+
 
 MEASURES = ("displacement ratio", "load ratio")
 ANY = "any"
