@@ -194,16 +194,12 @@ class Judgement:
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
+        told = ("interval", "worst", "scatter", "covered", "known_campaigns")
         return {
             "tests": len(self.rows),
             "campaigns": sorted(set(self.rows["campaign"])),
-            "test_over_prediction": self.bias,
-            "interval": self.interval,
-            "least_test_over_prediction": self.least,
-            "worst": self.worst,
-            "scatter": self.scatter,
-            "covered": self.covered,
-            "known_campaigns": self.known_campaigns,
+            **self.scalars,
+            **{name: getattr(self, name) for name in told},
         }
 
 
@@ -231,6 +227,15 @@ def judge(
     scatter = float(np.hypot(estimate.sigma, estimate.tau))
     bias = float(np.exp(estimate.theta[0]))
     return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
+
+
+def used_rows(fit: Any) -> Content:
+    """What every fit says of the rows behind it."""
+    return {
+        "tests": len(fit.rows),
+        "campaigns": sorted(fit.identity.campaigns),
+        "warnings": [finding.text for finding in fit.findings],
+    }
 
 
 def content_of_fit(found: Content | None, judged: Any, **parts: Any) -> Content:

@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fitting import (
+    Content,
+    Fitted,
+    Judgement,
+    content_of_fit,
+    fitted,
+    judge,
+    used_rows,
+)
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
@@ -112,23 +120,17 @@ class ResidualFit:
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
-        own = self.fitted
+        own, told = self.fitted, ("quantity", "predamage", "measure", "scores", "levels")
+        scatter = ("sigma", "tau")
         return {
-            "quantity": self.quantity,
-            "predamage": self.predamage,
-            "measure": self.measure,
+            **{name: getattr(self, name) for name in told},
             "relation": self.relation.name,
             "formula": self.relation.formula,
             "parameters": self.parameters,
             **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
-            "sigma": None if own is None else own.estimate.sigma,
-            "tau": None if own is None else own.estimate.tau,
-            "scores": self.scores,
+            **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
-            "levels": self.levels,
-            "tests": len(self.rows),
-            "campaigns": sorted(self.identity.campaigns),
-            "warnings": [finding.text for finding in self.findings],
+            **used_rows(self),
         }
 
     def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
@@ -244,24 +246,12 @@ def _predicted(
             raise InputError(*where, f"{advice}{mechanical.predamage}, {mechanical.measure} only")
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
-    none = table.iloc[:0]
-    return ResidualFit(
-        quantity=quantity,
-        predamage=mechanical.predamage,
-        measure=mechanical.measure,
-        relation=mechanical.relation(),
-        fitted=None,
-        scores=(),
-        grade=Grade.MECHANICAL,
-        levels=(float(mechanical.level[0]), float(mechanical.level[-1])),
-        rows=none,
-        findings=(
-            Finding("evidence", _why_none(table, quantity)),
-            Finding("evidence", mechanical.basis),
-        ),
-        identity=identity_of(none),
-        mechanical=mechanical,
-    )
+    none, kind = table.iloc[:0], (quantity, mechanical.predamage, mechanical.measure)
+    levels = (float(mechanical.level[0]), float(mechanical.level[-1]))
+    texts = (_why_none(table, quantity), mechanical.basis)
+    findings = tuple(Finding("evidence", text) for text in texts)
+    answer = (*kind, mechanical.relation(), None, (), Grade.MECHANICAL, levels, none, findings)
+    return ResidualFit(*answer, identity_of(none), mechanical)
 
 
 def _why_none(table: pd.DataFrame, quantity: str) -> str:
@@ -295,16 +285,11 @@ def _candidates(
 def _problem(
     y: Array, level: Array, campaigns: ArrayLike, relation: Relation, *, fitted: bool = True
 ) -> Problem:
-    return problem(
-        y,
-        campaigns,
-        lambda theta: relation(level, theta),
-        relation.parameters,
-        relation.start,
-        lower=np.array(relation.lower),
-        upper=np.array(relation.upper),
-        fitted=fitted,
-    )
+    def predict(theta: Array) -> Array:
+        return relation(level, theta)
+
+    names, start, low, high = relation.parameters, relation.start, relation.lower, relation.upper
+    return problem(y, campaigns, predict, names, start, lower=low, upper=high, fitted=fitted)
 
 
 def _grade(rows: pd.DataFrame) -> Grade:

@@ -14,11 +14,19 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fitting import (
+    Content,
+    Fitted,
+    Judgement,
+    content_of_fit,
+    fitted,
+    judge,
+    used_rows,
+)
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import Level, ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.mixed import Estimate, fit_robust
+from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
     LeftOut,
@@ -109,22 +117,13 @@ class StrengthFit:
 
     def to_dict(self) -> Content:
         """Everything but the rows; loads in N."""
+        scatters = ("new_campaign_factor", "measurement", "model_scatter")
         return {
             "model": self.model.name,
-            "title": self.model.title,
-            "source": self.model.source,
-            "tests": len(self.rows),
-            "campaigns": sorted(self.identity.campaigns),
-            "parameters": self.fitted.parameters,
-            "sigma": self.fitted.sigma,
-            "tau": self.fitted.tau,
-            "left_out": self.left_out,
-            "d8": self.d8,
-            "reference": self.reference,
-            "new_campaign_factor": self.new_campaign_factor,
-            "measurement": self.measurement,
-            "model_scatter": self.model_scatter,
-            "warnings": [finding.text for finding in self.findings],
+            **{name: getattr(self.model, name) for name in ("title", "source")},
+            **{name: getattr(self.fitted, name) for name in ("parameters", "sigma", "tau")},
+            **{name: getattr(self, name) for name in ("left_out", "d8", "reference", *scatters)},
+            **used_rows(self),
         }
 
     def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
@@ -160,13 +159,16 @@ def fit_strength(
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
+    new = None
+    if given.campaigns >= LEAST_CAMPAIGNS:
+        new = float(np.exp(np.mean(predictive_quantile(estimate, estimate.problem, 0.05))))
     return StrengthFit(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence, resamples=resamples, seed=seed),
         left_out=tuple(_left_out(given)),
         d8=_d8(tests, chosen, reference, dict(VARIATIONS if variations is None else variations)),
         reference=reference,
-        new_campaign_factor=_new_campaign(estimate),
+        new_campaign_factor=new,
         measurement=_measurement(kept),
         rows=_rows(kept, tests, chosen.of(tests)),
         findings=tuple(_findings(kept, tests, chosen, given)),
@@ -198,15 +200,9 @@ def _problem(
     *,
     fitted: bool = True,
 ) -> Problem:
-    return problem(
-        np.log(tests.shear / model.of(tests)),
-        tests.campaign,
-        None,
-        ("bias", *trends),
-        np.zeros(1 + len(trends)),
-        design=_design(tests, trends, reference),
-        fitted=fitted,
-    )
+    ratio, names = np.log(tests.shear / model.of(tests)), ("bias", *trends)
+    start, design = np.zeros(len(names)), _design(tests, trends, reference)
+    return problem(ratio, tests.campaign, None, names, start, design=design, fitted=fitted)
 
 
 def _left_out(given: Problem) -> list[LeftOut]:
@@ -214,13 +210,6 @@ def _left_out(given: Problem) -> list[LeftOut]:
         return []
     smallest = given.count - max(np.bincount(given.groups))
     return leave_one_campaign_out(given) if smallest > len(given.names) else []
-
-
-def _new_campaign(estimate: Estimate) -> float | None:
-    if estimate.problem.campaigns < LEAST_CAMPAIGNS:
-        return None
-    quantile = predictive_quantile(estimate, estimate.problem, 0.05)
-    return float(np.exp(np.mean(quantile)))
 
 
 def _d8(
