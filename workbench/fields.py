@@ -94,18 +94,21 @@ class Flag(Rule):
 
 @dataclasses.dataclass(frozen=True)
 class Text(Rule):
-    """A non-empty line of text; a `label` has no colon and no space at its ends."""
+    """A line of text; a `label` has no colon and no space at its ends."""
 
     longest: int = 200
     label: bool = False
+    shortest: int = 1
 
     def allowed(self) -> str:
         """The allowed values."""
-        line = f"must be one line of 1 to {self.longest} characters"
+        line = f"must be one line of {self.shortest} to {self.longest} characters"
         return line + " without a colon, nor a space at its ends" if self.label else line
 
     def _accepts(self, value: Any) -> bool:
-        if not isinstance(value, str) or not value.strip() or len(value) > self.longest:
+        if not isinstance(value, str) or len(value) > self.longest:
+            return False
+        if len(value.strip()) < self.shortest:
             return False
         line = not any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value)
         return line and not (self.label and (":" in value or value != value.strip()))

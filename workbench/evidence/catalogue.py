@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
 from workbench.datafiles import data_directory
 from workbench.errors import InputError
-from workbench.fields import did_you_mean
+from workbench.fields import Choice, Declared, Instance, Many, Text, checked, did_you_mean
+from workbench.scenarios.codec import read
 
-ROLES = ("calibrate", "validate", "verify")
+TEXT, MAYBE = Text(2000), Text(2000, shortest=0)
+TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value))
 
 
 @dataclass(frozen=True)
-class Dataset:
+class Dataset(Declared, table="dataset", label="name"):
     """One table of the catalogue.
 
     `file` is relative to the data directory; `role` says what the rows may be used for;
@@ -26,19 +28,19 @@ class Dataset:
     the key that a column of the table varies.
     """
 
-    name: str
-    title: str
-    file: str
-    source: str
-    licence: str
-    role: str
-    uncertainty: str
-    units: str = "SI, as the column names say"
-    key: str = ""
-    scenario: str = ""
-    axis: str = ""
-    axis_column: str = ""
-    columns: dict[str, str] = field(default_factory=dict)
+    name: str = checked(TEXT)
+    title: str = checked(TEXT)
+    file: str = checked(TEXT)
+    source: str = checked(TEXT)
+    licence: str = checked(TEXT)
+    role: str = checked(Choice(("calibrate", "validate", "verify")))
+    uncertainty: str = checked(TEXT)
+    columns: dict[str, str] = checked(TABLE)
+    units: str = checked(TEXT, "SI, as the column names say")
+    key: str = checked(MAYBE, "")
+    scenario: str = checked(MAYBE, "")
+    axis: str = checked(MAYBE, "")
+    axis_column: str = checked(MAYBE, "")
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -51,24 +53,22 @@ class Dataset:
         return data_directory() / self.file
 
 
-def datasets() -> list[Dataset]:
+@dataclass(frozen=True)
+class Catalogue(Declared):
+    """The file of all datasets."""
+
+    datasets: tuple[Dataset, ...] = checked(Many(Instance(Dataset), 1), path="dataset")
+
+
+def datasets() -> tuple[Dataset, ...]:
     """All datasets of the catalogue. Raises `InputError` if the catalogue itself is broken."""
     path = data_directory() / "catalogue.toml"
     try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8"))["dataset"]
-    except (OSError, tomllib.TOMLDecodeError, KeyError) as error:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, tomllib.TOMLDecodeError) as error:
         raise InputError("data catalogue", path.name, f"cannot be read: {error}") from error
-    known = {f.name for f in fields(Dataset)}
-    result = []
-    for entry in entries:
-        try:
-            result.append(Dataset(**entry))
-        except TypeError as error:
-            wrong = ", ".join(sorted(set(entry) - known)) or str(error)
-            raise InputError(
-                "data catalogue", entry.get("name", "?"), f"has a bad entry: {wrong}"
-            ) from error
-    return result
+    catalogue: Catalogue = read(Catalogue, tables)
+    return catalogue.datasets
 
 
 def dataset(name: str) -> Dataset:
@@ -95,11 +95,6 @@ def check() -> list[str]:
 
 
 def _problems(entry: Dataset) -> Iterator[str]:
-    if entry.role not in ROLES:
-        yield f"role {entry.role!r} is not one of {', '.join(ROLES)}"
-    for required in ("title", "source", "licence", "uncertainty"):
-        if not getattr(entry, required).strip():
-            yield f"{required} is missing"
     if not entry.path.is_file():
         yield f"file {entry.file} is missing"
         return
