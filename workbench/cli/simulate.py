@@ -54,31 +54,41 @@ def simulate(
         from workbench.study.netcdf import to_netcdf_bytes
 
         write_atomically(target, to_netcdf_bytes(response))
-    content = as_object(response, given)
-    return Answer(content, _blocks(response, given, target), int(outcome is not Outcome.OK))
+    found = as_object(response, given)
+    shown = _blocks(given.name, found, target)
+    return Answer(found, shown, int(outcome is not Outcome.OK))
 
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
-    from workbench.responses import ENERGIES, energy_error, findings_of, outcome_of
+    from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of
     from workbench.responses.stud_tests import STUD_TESTS
 
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None
 
+    def held(name: str) -> dict[str, Any] | None:  # an attribute that not all models have
+        text = response.attrs.get(name)
+        return None if text is None else dict(json.loads(text))
+
+    shear = None
+    if "shear_utilisation" in response:
+        series = response["shear_utilisation"].to_series()
+        shear = {str(segment): float(value) for segment, value in series.items()}
+    structural = [name for name in SCALARS if name not in (*STUD_TESTS, "input_energy")]
     result: dict[str, Any] = {
         "model": response.attrs["model"],
-        "outcome": outcome_of(response).value,
+        "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
-        **{name: last(name) for name in _headlines()},
-        "numerical_uncertainty": _attribute(response, "numerical_uncertainty"),
-        "refinement": _attribute(response, "refinement"),
+        **{name: last(name) for name in structural},
+        "numerical_uncertainty": held("numerical_uncertainty"),
+        "refinement": held("refinement"),
         "energies": {
             **{name: last(name) for name in ENERGIES},
             "input_energy": last("input_energy"),
             "relative_balance_error": energy_error(response),
         },
-        "shear_utilisation": _shear_utilisation(response),
+        "shear_utilisation": shear,
         "warnings": [f.as_dict() for f in findings_of(response) if not f.refusal],
         "refusals": [f.as_dict() for f in findings_of(response) if f.refusal],
         "wall_time": float(response.attrs["wall_time"]),
@@ -92,84 +102,55 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     }
     if scenario.KIND == "stud-tests":
         result |= {name: last(name) for name in STUD_TESTS}
-        result["answer"] = _attribute(response, "answer")
+        result["answer"] = held("answer")
     if scenario.STATIC:
         for name in ("displacement", "force"):
             result[name] = response[name].values.tolist() if name in response else None
     return result
 
 
-def _headlines() -> list[str]:
-    """The scalars of structures; the input energy stands with the energies."""
-    from workbench.responses import SCALARS
-    from workbench.responses.stud_tests import STUD_TESTS
-
-    return [name for name in SCALARS if name not in STUD_TESTS and name != "input_energy"]
-
-
-def _shear_utilisation(response: Response) -> dict[str, float] | None:
-    """V/Vpl by segment, None for models that do not state it."""
-    if "shear_utilisation" not in response:
-        return None
-    values = response["shear_utilisation"].to_series()
-    return {str(segment): float(value) for segment, value in values.items()}
-
-
-def _attribute(response: Response, name: str) -> dict[str, Any] | None:
-    """An attribute of the response that holds JSON; None for models that do not have it."""
-    text = response.attrs.get(name)
-    return None if text is None else dict(json.loads(text))
-
-
-def _curve_points(response: Response) -> Iterator[tuple[str, str]]:
-    """Points of a static curve with their numerical uncertainty."""
-    widths = _attribute(response, "numerical_uncertainty") or {}
-    table = (_attribute(response, "refinement") or {}).get("quantities", {})
-    for name, found in table.items():
-        if " at " in name and name in widths:
-            unit = {"force": "N", "displacement": "m"}.get(name.split(" at ")[0], "1")
-            yield name, quantity(found["values"]["h"], unit, widths[name])
-
-
-def _blocks(response: Response, scenario: Scenario, target: Path | None) -> Iterator[Block]:
+def _blocks(name: str, found: dict[str, Any], target: Path | None) -> Iterator[Block]:
     from workbench.content.tree import Callout, Definitions, Paragraph
-    from workbench.responses import outcome_of, warnings_of
+    from workbench.responses import Finding
 
-    yield Paragraph(f"{scenario.name}: {response.attrs['model']}, {outcome_of(response)}")
-    if response.attrs["message"]:
-        yield Paragraph(response.attrs["message"])
-    yield Definitions(tuple(_lines(response, scenario)))
-    for finding in warnings_of(response):
+    yield Paragraph(f"{name}: {found['model']}, {found['outcome']}")
+    if found["message"]:
+        yield Paragraph(found["message"])
+    yield Definitions(tuple(_lines(found)))
+    for finding in map(Finding.from_dict, found["warnings"]):
         yield Callout("doubt", f"warning ({finding.subject}): {finding}")
     if target is not None:
         yield Paragraph(f"The response is in {target}.")
 
 
-def _lines(response: Response, scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """The numbers of a response with their names."""
-    from workbench.responses import ENERGIES, VARIABLES, energy_error
-    from workbench.responses.stud_tests import STUD_TESTS
+def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The numbers of a response with their names, units and numerical uncertainty."""
+    from workbench.responses import ENERGIES, SCALARS, VARIABLES
 
-    widths = _attribute(response, "numerical_uncertainty") or {}
-    for name in (*_headlines(), "input_energy", *STUD_TESTS):
-        if name in response:
+    widths = found["numerical_uncertainty"] or {}
+    energies = found["energies"]
+    for name in SCALARS:
+        value = energies.get(name, found.get(name))
+        if value is not None:
             known = VARIABLES[name]
-            text = quantity(float(response[name]), known.units, widths.get(name, 0.0))
-            yield known.long_name, text
+            yield known.long_name, quantity(value, known.units, widths.get(name, 0.0))
     for name in ENERGIES:
-        if name in response:
+        if energies[name] is not None:
             title = VARIABLES[name].long_name.removesuffix(" so far")
-            yield f"{title}, at the end", quantity(float(response[name][-1]), "J")
-    error = energy_error(response)
-    if error is not None:
+            yield f"{title}, at the end", quantity(energies[name], "J")
+    if energies["relative_balance_error"] is not None:
+        error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"
-    if scenario.STATIC and "force" in response:
-        yield "largest force", quantity(float(response["force"].max()), "N")
-        yield from _curve_points(response)
-        yield "points of the curve", str(response.sizes["step"])
-    for segment, value in (_shear_utilisation(response) or {}).items():
+    if found.get("force"):
+        yield "largest force", quantity(max(found["force"]), "N")
+        for point, ladder in (found["refinement"] or {}).get("quantities", {}).items():
+            if " at " in point and point in widths:
+                unit = {"force": "N", "displacement": "m"}.get(point.split(" at ")[0], "1")
+                yield point, quantity(ladder["values"]["h"], unit, widths[point])
+        yield "points of the curve", str(len(found["force"]))
+    for segment, value in (found["shear_utilisation"] or {}).items():
         yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
-    yield "wall time", quantity(float(response.attrs["wall_time"]), "s")
+    yield "wall time", quantity(found["wall_time"], "s")
 
 
 def _options(texts: list[str]) -> dict[str, Any]:
