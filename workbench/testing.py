@@ -22,8 +22,8 @@ from workbench.responses import (
     Outcome,
     Response,
     check_response,
+    findings_of,
     outcome_of,
-    warnings_of,
 )
 from workbench.scenarios import Scenario, scenario_hash
 
@@ -132,11 +132,10 @@ def _domain(model: Model, scenario: Scenario, response: Response) -> Iterator[st
     refusals = [finding for finding in findings if finding.refusal]
     if refusals and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
         yield "domain refuses the scenario but simulate answers it"
-    if not refusals:
-        said = {finding.text for finding in warnings_of(response)}
-        for finding in findings:
-            if finding.text not in said:
-                yield f"the warning {finding.text!r} of domain is missing in the response"
+    for finding in findings:
+        if finding not in findings_of(response):
+            what = "refusal" if finding.refusal else "warning"
+            yield f"the {what} {finding.text!r} of domain is missing in the response"
 
 
 def _response(model: Model, scenario: Scenario, response: Response) -> Iterator[str]:

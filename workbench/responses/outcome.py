@@ -58,7 +58,8 @@ class Finding:
     def as_dict(self) -> dict[str, Any]:
         """The finding as JSON and tables hold it, by the names of `COLUMNS`."""
         severity = REFUSAL if self.refusal else WARNING
-        values = (self.subject, severity, self.text, self.remedy, self.number)
+        number = None if self.number is None else float(self.number)
+        values = (self.subject, severity, self.text, self.remedy, number)
         return dict(zip(COLUMNS, values, strict=True))
 
     @classmethod
