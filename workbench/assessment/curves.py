@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from workbench.assessment.metric import Array, Scope, metric, present
+from workbench.assessment.metric import Array, Common, Scope, metric, on_common_base, present
 from workbench.errors import InputError
 from workbench.responses import Response
 
 _SAMPLES = 400  # points along each curve; the distance changes by less than 1e-3 of itself beyond
-
-
-class Curves(NamedTuple):
-    """Two curves on one base: `x` (n,) displacement in m, `values` and `reference` (n,)."""
-
-    x: Array
-    values: Array
-    reference: Array
 
 
 def _curve(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
@@ -31,26 +21,18 @@ def _curve(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
     return x, y
 
 
-def common_range(response: Response, reference: Response, quantity: str) -> Curves:
+def common_range(response: Response, reference: Response, quantity: str) -> Common:
     """Both curves on the union of their displacements, over the range that both cover.
 
     Raises `InputError` if a curve's displacement does not increase or the ranges do not meet.
     """
     records = []
     for side, given in (("response", response), ("reference", reference)):
-        x, y = _curve(given, quantity, side)
-        if np.any(np.diff(x) <= 0.0):
-            raise InputError(
-                f"{side}.displacement", x.shape, "must increase", "use arc_length_distance"
-            )
-        records.append((x, y))
-    (x1, y1), (x2, y2) = records
-    start, end = max(x1[0], x2[0]), min(x1[-1], x2[-1])
-    if not end > start:
-        raise InputError(quantity, (start, end), "the displacement ranges do not overlap")
-    x = np.union1d(x1, x2)
-    x = x[(x >= start) & (x <= end)]
-    return Curves(x, np.interp(x, x1, y1), np.interp(x, x2, y2))
+        records.append(_curve(given, quantity, side))
+        if np.any(np.diff(records[-1][0]) <= 0.0):
+            shape, advice = records[-1][0].shape, "use arc_length_distance"
+            raise InputError(f"{side}.displacement", shape, "must increase", advice)
+    return on_common_base(records[0], records[1], quantity)
 
 
 def absolute_area(x: Array, y: Array) -> float:

@@ -6,24 +6,14 @@ which both are linear from instant to instant, so that none of them depends on a
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from workbench.assessment.metric import Array, Scope, Swap, metric, present
+from workbench.assessment.metric import Array, Common, Scope, Swap, metric, on_common_base, present
 from workbench.errors import InputError
 from workbench.responses import Response
 
 
-class Overlap(NamedTuple):
-    """Two histories on one time base: `time` (n,) in s, `values` and `reference` (n,)."""
-
-    time: Array
-    values: Array
-    reference: Array
-
-
-def overlap(response: Response, reference: Response, quantity: str) -> Overlap:
+def overlap(response: Response, reference: Response, quantity: str) -> Common:
     """Both histories of a quantity on the union of their time grids where both are known.
 
     Raises `InputError` if one is not a history in time or the records do not overlap.
@@ -32,20 +22,11 @@ def overlap(response: Response, reference: Response, quantity: str) -> Overlap:
     for side, given in (("response", response), ("reference", reference)):
         values = present(given, quantity, side)
         if given[quantity].dims != ("time",):
-            raise InputError(
-                f"{side}.{quantity}",
-                given[quantity].dims,
-                "must be a history over time alone",
-                "choose a hinge first, or use a scalar or curve metric",
-            )
+            allowed = "must be a history over time alone"
+            advice = "choose a hinge first, or use a scalar or curve metric"
+            raise InputError(f"{side}.{quantity}", given[quantity].dims, allowed, advice)
         records.append((np.asarray(given["time"].values, dtype=float), values))
-    (t1, u1), (t2, u2) = records
-    start, end = max(t1[0], t2[0]), min(t1[-1], t2[-1])
-    if not end > start:
-        raise InputError(quantity, (start, end), "the records do not overlap in time")
-    time = np.union1d(t1, t2)
-    time = time[(time >= start) & (time <= end)]
-    return Overlap(time, np.interp(time, t1, u1), np.interp(time, t2, u2))
+    return on_common_base(records[0], records[1], quantity)
 
 
 def product_integral(time: Array, first: Array, second: Array) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,3 +102,25 @@ def present(response: Response, quantity: str, side: str) -> Array:
     if quantity not in response:
         raise InputError(f"{side}.{quantity}", None, f"the {side} does not know this quantity")
     return np.asarray(response[quantity].values, dtype=float)
+
+
+class Common(NamedTuple):
+    """Two records on one base: `at` (n,), time in s or displacement in m, and both values (n,)."""
+
+    at: Array
+    values: Array
+    reference: Array
+
+
+def on_common_base(own: tuple[Array, Array], other: tuple[Array, Array], quantity: str) -> Common:
+    """Two records, each (places, values), on the union of their places where both are known.
+
+    Between its places a record is linear. Raises `InputError` if the records do not overlap.
+    """
+    (x1, y1), (x2, y2) = own, other
+    start, end = max(x1[0], x2[0]), min(x1[-1], x2[-1])
+    if not end > start:
+        raise InputError(quantity, (start, end), "the records do not overlap")
+    x = np.union1d(x1, x2)
+    x = x[(x >= start) & (x <= end)]
+    return Common(x, np.interp(x, x1, y1), np.interp(x, x2, y2))

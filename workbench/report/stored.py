@@ -138,7 +138,7 @@ class Stored:
     def errors(self, quantity: str, metric: str, against: str) -> pd.DataFrame:
         """Comparisons of one quantity by one metric against one label."""
         table = self.tables["comparisons"]
-        wanted = (quantity, metric, against)
+        wanted = [quantity, metric, against]
         return table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
 
     @cached_property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
@@ -12,7 +12,7 @@ from workbench.responses import SCALARS, TIMES, Response, energy_error, findings
 from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
 from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
-from workbench.study.comparisons import comparison_rows, ladder_row
+from workbench.study.comparisons import LADDER_COLUMNS, comparison_rows, ladder_row
 from workbench.study.definition import Study
 from workbench.study.store import Presence, Store
 from workbench.study.tables import Row, write_table
@@ -26,7 +26,6 @@ _COMPARISON = (
     *("model", "against", "quantity", "metric", "value", "against_value", "error"),
     *("uncertainty", "note"),
 )
-_LADDER = ("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note")
 _BIAS = (
     *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
     *("model_scatter", "note"),
@@ -90,7 +89,7 @@ def assess(study: Study, root: Path) -> Assessment:
         "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, "key"),
         "findings": ("case", "label", "model", *FINDING_COLUMNS),
         "comparisons": ("case", *names, *_COMPARISON),
-        "ladder": ("case", "quantity", *study.steps, *_LADDER),
+        "ladder": ("case", "quantity", *study.steps, *LADDER_COLUMNS),
         "gates": CASE_COLUMNS,
         "verdicts": VERDICT_COLUMNS,
         "bias": _BIAS,
@@ -147,11 +146,9 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
             "model": model,
             "against": reference,
             "quantity": quantity,
-            "count": found.count,
-            "bias": found.bias,
+            **asdict(found),
             "low": None if found.low is None else found.low * (1.0 - common),
             "high": None if found.high is None else found.high * (1.0 + common),
             "uncertainty": common if known else None,
-            "model_scatter": found.model_scatter,
             "note": "; ".join(notes),
         }

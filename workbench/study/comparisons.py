@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf
 
 from workbench.assessment import METRICS, Metric, Scope, expand
@@ -34,6 +34,9 @@ from workbench.study.definition import Case, Study
 from workbench.study.sides import by_metric, joined, of_side, own_note, quantity_ladder
 from workbench.study.tables import Row
 
+LADDER_COLUMNS = (
+    *("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note"),
+)
 _OF_THE_RUN = "a number about the run itself"
 
 
@@ -41,14 +44,14 @@ _OF_THE_RUN = "a number about the run itself"
 class Comparison:
     """A metric between two answers.
 
-    `value` of the metric, `uncertainty` of it (None: unknown), and a `note` on that; for scalar
-    quantities also both numbers that were compared, in SI.
+    `error` is the value of the metric, with its `uncertainty` (None: unknown) and a `note` on that;
+    for scalar quantities also both numbers that were compared, in SI.
     """
 
-    value: float
+    error: float
     uncertainty: float | None
     note: str
-    model_value: float | None = None
+    value: float | None = None
     against_value: float | None = None
 
 
@@ -100,11 +103,7 @@ def comparison_rows(answers: Answers) -> Iterator[Row]:
                     "against": against,
                     "quantity": quantity,
                     "metric": metric.name,
-                    "value": found.model_value,
-                    "against_value": found.against_value,
-                    "error": found.value,
-                    "uncertainty": found.uncertainty,
-                    "note": found.note,
+                    **asdict(found),
                 }
 
 
@@ -132,16 +131,7 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
         missing = [label for label in present if label not in row]
         row["note"] = "; ".join(failed) or f"{quantity} is absent in {', '.join(missing)}"
         return row
-    return {
-        **row,
-        "order": found.order,
-        "extrapolated": found.extrapolated,
-        "uncertainty": found.uncertainty,
-        "relative": found.relative,
-        "converging": found.converging,
-        "accepted": found.accepted,
-        "note": found.note,
-    }
+    return {**row, **{name: getattr(found, name) for name in LADDER_COLUMNS}}
 
 
 def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
@@ -151,12 +141,11 @@ def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
         return None
     width = uncertainty_of(response, quantity)
     value = float(response[quantity])
-    told = {name: table.get(name) for name in ("order", "extrapolated", "converging", "accepted")}
     return {
         "case": case.name,
         "quantity": quantity,
         **table["values"],
-        **told,
+        **{name: table.get(name) for name in LADDER_COLUMNS},
         "uncertainty": width,
         "relative": None if width is None or value == 0.0 else width / abs(value),
         "note": own_note(response, quantity),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 
 from workbench.assessment import (
     METRICS,
@@ -57,8 +58,8 @@ def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
         found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
     except InputError as error:
         return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
-    verdict = judge(found.value, found.uncertainty, gate.bound)
-    return CaseVerdict(name, verdict, found.value, found.uncertainty, found.note)
+    verdict = judge(found.error, found.uncertainty, gate.bound)
+    return CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
 
 
 def verdict_row(found: GateVerdict) -> Row:
@@ -72,35 +73,17 @@ def verdict_row(found: GateVerdict) -> Row:
         "value": None if top is None else top.value,
         "uncertainty": None if top is None else top.uncertainty,
         "reasons": "\n".join(found.reasons),
-        "rationale": found.gate.rationale,
-        "source": found.gate.source,
     }
 
 
 def case_rows(found: GateVerdict) -> Iterator[Row]:
     """The rows of a gate in the table of all its cases."""
     for case in found.cases:
-        yield {
-            **_columns(found),
-            "case": case.case,
-            "value": case.value,
-            "uncertainty": case.uncertainty,
-            "verdict": case.verdict.value,
-            "note": case.note,
-        }
+        yield {**_columns(found), **asdict(case)}
 
 
 def _columns(found: GateVerdict) -> dict[str, object]:
-    gate = found.gate
-    return {
-        "number": found.number,
-        "gate": gate.name,
-        "model": gate.model,
-        "against": gate.against,
-        "quantity": gate.quantity,
-        "metric": gate.metric,
-        "bound": gate.bound,
-    }
+    return {"number": found.number, "gate": found.gate.name, **asdict(found.gate)}
 
 
 def check_gates(study: Study) -> None:
