@@ -9,7 +9,7 @@ from time import perf_counter
 from threadpoolctl import threadpool_limits
 
 from workbench.errors import OutOfDomainError
-from workbench.frames.drives import explicit_steps, ground_steps, impact_steps, static_steps
+from workbench.frames.drives import ground_steps, impact_steps, static_steps
 from workbench.frames.runs import OPEN_LEDGER, run_ground_motion, run_impact, run_static
 from workbench.frames.structure import FrameStructure
 from workbench.frames.timing import Spans
@@ -84,10 +84,7 @@ def _run(scenario: FrameScenario, structure: FrameStructure, stepping: Stepping)
         response = run_static(scenario, structure, pushed)
     elif isinstance(scenario, FrameImpact):
         spans = stepping.spans(scenario)
-        if weight is None:
-            steps = explicit_steps(scenario, structure, spans)
-        else:
-            steps = impact_steps(scenario, structure, spans, weight, stepping.integrator)
+        steps = impact_steps(scenario, structure, spans, weight, stepping.integrator)
         response = run_impact(scenario, structure, steps, stepping.largest_error, least)
     elif weight is None:
         raise OutOfDomainError("explicit steps are known for impacts only: take implicit ones")

@@ -41,52 +41,30 @@ def static_steps(
     return follow_arc(structure.assembly, pattern, dof, sign, scenario.path[-1], increment)
 
 
-def point_mass(scenario: FrameImpact) -> PointMass:
-    """The striker of a scenario as the drivers know it."""
-    striker = scenario.striker
-    return PointMass(striker.mass, striker.velocity, striker.restitution)
-
-
 def impact_steps(
     scenario: FrameImpact,
     structure: FrameStructure,
     spans: Sequence[tuple[float, float]],
-    weight: float,
+    weight: float | None,
     integrator: str = MIDPOINT,
 ) -> Iterator[TimeStep]:
-    """Implicit time steps of an impact.
+    """Time steps of an impact.
 
     Arguments: `spans`, end times and time steps (s) of the parts of the record; `weight` of the
-    end stresses in a step; `integrator`, see `impact`. Raises `SolverError`.
+    end stresses in a step and `integrator`, see `impact`. Without a weight the steps are explicit,
+    with lumped mass: the spans then bound them and are the intervals of the record. Raises
+    `SolverError`, and `OutOfDomainError` where a dof has no mass for explicit steps.
     """
-    dof, sign = structure.dof(scenario.striker.node, scenario.striker.direction)
-    return impact(
-        structure.assembly,
-        dof,
-        point_mass(scenario),
-        spans,
-        weight,
-        sign=sign,
-        integrator=integrator,
-    )
-
-
-def explicit_steps(
-    scenario: FrameImpact, structure: FrameStructure, spans: Sequence[tuple[float, float]]
-) -> Iterator[TimeStep]:
-    """Explicit time steps of an impact on a structure with lumped mass.
-
-    Argument: `spans`, end times and intervals between records (s), bounds of the time step.
-    Raises `SolverError`, and `OutOfDomainError` where a dof has no mass.
-    """
+    striker, assembly = scenario.striker, structure.assembly
+    dof, sign = structure.dof(striker.node, striker.direction)
+    mass = PointMass(striker.mass, striker.velocity, striker.restitution)
+    if weight is not None:
+        return impact(assembly, dof, mass, spans, weight, sign=sign, integrator=integrator)
     try:
-        lumped_mass(structure.assembly)
+        lumped_mass(assembly)
     except ValueError as error:
         raise OutOfDomainError(f"{error}: take implicit steps") from error
-    dof, sign = structure.dof(scenario.striker.node, scenario.striker.direction)
-    return explicit_impact(
-        structure.assembly, dof, point_mass(scenario), spans, spans[0][1], sign=sign
-    )
+    return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
 
 
 def ground_steps(

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from workbench.frames.structure import COMPONENT, hinge_names
+from workbench.frames.structure import hinge_names
 from workbench.scenarios import Frame, Load, Member
+from workbench.scenarios.frame_parts import COMPONENT
+from workbench.structures.assembly import COMPONENTS
 
 Array = NDArray[np.float64]
-NUMBER = {"u": 0, "v": 1, "rotation": 2}
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness
 LEAST_SOFTENING = 1e-9  # share of the stiffness; what is less is rounding
@@ -54,12 +55,12 @@ class ElasticFrame:
             at = self._first[node.name]
             self.mass[range(at, at + 3), range(at, at + 3)] += node.mass, node.mass, 0.0
             self.mass[at + 2, at + 2] += node.rotary_inertia
-            held += [at + NUMBER[component] for component in node.held]
+            held += [at + COMPONENTS[component] for component in node.held]
             if springs:
                 given = (node.spring_x, node.spring_y, node.spring_rotation)
                 self.stiffness[range(at, at + 3), range(at, at + 3)] += given
                 if node.locked != "none":
-                    held.append(at + NUMBER[COMPONENT[node.locked]])
+                    held.append(at + COMPONENTS[COMPONENT[node.locked]])
         resisting = np.flatnonzero(np.diag(self.stiffness) > 0.0)
         self._free = np.setdiff1d(resisting, held)
         self._held = np.array(sorted(held), dtype=np.int64)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.shear import shear_findings
-from workbench.frames.stability import dead_load_state
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
 
+Array = NDArray[np.float64]
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
+HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
 
 
 def frame_findings(scenario: FrameScenario) -> list[Finding]:
@@ -75,3 +81,23 @@ def axial_resistance(frame: Frame, member: Member, *, compression: bool) -> floa
         given = joint.compression_resistance if compression else joint.tension_resistance
         least = min(least, least if given is None else given)
     return least
+
+
+class DeadLoadState(NamedTuple):
+    """Axial forces (members,) in N, tension positive, and the critical factor on the dead loads.
+
+    The factor is infinite without compression, and None for a mechanism.
+    """
+
+    axial: Array
+    factor: float | None
+
+
+def dead_load_state(frame: Frame) -> DeadLoadState:
+    """First-order axial forces and buckling factor under the dead loads of a frame."""
+    elastic = ElasticFrame(frame, springs=False, parts=HALVES)
+    moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(frame.loads))
+    if moved is None:
+        return DeadLoadState(np.zeros(len(frame.members)), None)
+    axial, _ = elastic.end_forces(moved)
+    return DeadLoadState(axial[::2], elastic.buckling_factor(axial))

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from workbench.frames.structure import COMPONENT
 from workbench.scenarios import Frame, Joint, Load, Member
+from workbench.scenarios.frame_parts import COMPONENT
 
 Array = NDArray[np.float64]
 UNBOUNDED = 3  # status of `linprog`

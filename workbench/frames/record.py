@@ -2,72 +2,84 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from workbench.frames.collapse import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
-from workbench.structures.ledger import StepEnergies, Tally
+from workbench.structures.ground_motion import GroundStep
+from workbench.structures.impact import TimeStep
+from workbench.structures.ledger import Tally
+from workbench.structures.paths import PathStep
 
 Array = NDArray[np.float64]
+Step = TimeStep | PathStep | GroundStep
 
 
 class Record:
-    """Histories of a run; the caller adds the energies of each step before recording it.
+    """Histories of a run: what its steps tell, and the states that they commit.
 
-    Arguments: the `structure` whose committed state is read; `dof` and `sign` of its displacement;
-    `end` of the record, see `Snapshots`.
+    Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
+    `end` of the record in s (None: load steps), see `Snapshots`.
     """
 
-    def __init__(self, structure: FrameStructure, dof: int, sign: float, end: float | None) -> None:
+    def __init__(
+        self, structure: FrameStructure, node: str, direction: str, end: float | None
+    ) -> None:
         self.structure = structure
-        self._dof, self._sign = dof, sign
-        self._rows: dict[str, list[float]] = {}
+        self.watch = CollapseWatch(structure)
+        self._dof, self._sign = structure.dof(node, direction)
+        self._timed = end is not None
+        self._steps: list[Any] = []
+        self._rows: list[dict[str, float]] = []
         self._tables: dict[str, list[Array]] = {
-            "axial_force": [],
-            "moment": [],
-            "plastic_rotation": [],
+            name: [] for name in ("axial_force", "moment", "plastic_rotation")
         }
         self._shear = np.zeros(len(structure.frame.members))
         self._strains: Array | None = None
         self._snapshots = Snapshots(structure, end)
         self._tally = Tally()
+        self._see(0.0, False)
 
     @property
     def displacement(self) -> float:
         """Committed displacement since the start, along the direction of the record, in m."""
-        assembly = self.structure.assembly
-        moved = assembly.displacement[self._dof] - self.structure.start[self._dof]
-        return self._sign * float(moved)
+        return self._sign * float(self._moved[self._dof])
 
     @property
-    def velocity(self) -> float:
-        """Committed velocity along the direction of the record, in m/s."""
-        return self._sign * float(self.structure.assembly.velocity[self._dof])
+    def _moved(self) -> Array:
+        return self.structure.assembly.displacement - self.structure.start
 
-    def add(self, energies: StepEnergies, evaluations: int, cuts: int) -> None:
-        """Add the dissipation and the solver cost of a step."""
-        self._tally.add(energies, evaluations, cuts)
+    def take(self, step: Step, at: float, *, turns: bool = False) -> None:
+        """Append a step and the state that it has committed, at a time (s) or number of steps.
 
-    def record(self, at: float, *, turns: bool = False, **values: float) -> None:
-        """Append the committed state at a time (s) or step, with further `values` by name.
-
-        `turns`, whether a static path ends or turns back here.
+        `turns`, whether a static path ends or turns back here. Raises `OutOfDomainError` when the
+        frame has collapsed; on a static path, when an element crumples.
         """
+        self._steps.append(step)
+        self._tally.add(step.energies, step.evaluations, step.cuts)
+        self._see(at, turns)
+        self.watch.check(f"{at:.4g} s" if self._timed else f"step {at:.0f}", standing=self._timed)
+
+    def _see(self, at: float, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly
-        for name, (dof, sign) in self.structure.watched.items():
-            values[name] = sign * float(assembly.displacement[dof])
-        values.update(
-            at=at,
-            displacement=self.displacement,
-            elastic=assembly.stored,
-            dissipated=self._tally.dissipated,
-            algorithmic=self._tally.algorithmic,
+        watched = self.structure.watched.items()
+        self._rows.append(
+            {
+                "at": at,
+                "displacement": self.displacement,
+                "velocity": self._sign * float(assembly.velocity[self._dof]),
+                "elastic": assembly.stored,
+                "dissipated": self._tally.dissipated,
+                "algorithmic": self._tally.algorithmic,
+                "dead_work": float(assembly.load @ self._moved),
+                **{name: sign * float(assembly.displacement[dof]) for name, (dof, sign) in watched},
+            }
         )
-        for name, value in values.items():
-            self._rows.setdefault(name, []).append(value)
         self._tables["axial_force"].append(members.axial_forces())
         self._tables["moment"].append(members.moments())
         self._tables["plastic_rotation"].append(members.plastic_rotations())
@@ -79,20 +91,29 @@ class Record:
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,)."""
-        return np.array(self._rows[name])
+        return np.array([row[name] for row in self._rows])
 
     def columns(self, *names: str) -> dict[str, Any]:
         """Histories of several scalars by name."""
         return {name: self.column(name) for name in names}
 
+    def told(self, start: float, read: Callable[[Any], float]) -> Array:
+        """History (steps,) of what is `read` off a step, from `start`."""
+        return np.array([start, *map(read, self._steps)])
+
+    def total(self, read: Callable[[Any], float]) -> Array:
+        """History (steps,) of the sum of what is `read` off all steps so far."""
+        return np.cumsum(self.told(0.0, read))
+
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
-        tables: dict[str, Any] = {
-            name: np.stack(rows, axis=1) for name, rows in self._tables.items()
+        tables = {name: np.stack(rows, axis=1) for name, rows in self._tables.items()}
+        return {
+            **self.columns(*self.structure.watched),
+            **tables,
+            "shear_utilisation": self.shear_utilisation(),
+            **self._snapshots.values(),
         }
-        tables["shear_utilisation"] = self.shear_utilisation()
-        watched = self.columns(*self.structure.watched)
-        return {**watched, **tables, **self._snapshots.values()}
 
     def shear_utilisation(self) -> Array:
         """Largest shear force of each member (members,) over its plastic shear resistance."""

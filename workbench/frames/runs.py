@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.frames.accuracy import impact_accuracy, shear_reached, softened
-from workbench.frames.collapse import COLLAPSE_SIDEWAYS, CollapseWatch
+from workbench.frames.collapse import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.responses import Finding, Response, build_response
@@ -38,41 +38,20 @@ def run_impact(
     `least_yield_ratio` without a warning. Raises `SolverError`, and `OutOfDomainError` when the
     frame collapses.
     """
-    striker = scenario.striker
-    record = Record(structure, *structure.dof(striker.node, striker.direction), scenario.duration)
-    watch = CollapseWatch(structure)
-    work = loss = length = 0.0
-    record.record(
-        0.0,
-        velocity=0.0,
-        striker_velocity=striker.velocity,
-        percussion=0.0,
-        kinetic=scenario.input_energy,
-        external_work=0.0,
-        contact_loss=0.0,
-    )
-    for taken in steps:
-        record.add(taken.energies, taken.evaluations, taken.cuts)
-        work += taken.external_work
-        loss += taken.contact_loss
-        length = length or taken.length
-        record.record(
-            taken.time,
-            velocity=record.velocity,
-            striker_velocity=taken.striker.velocity,
-            percussion=taken.percussion,
-            kinetic=taken.kinetic + taken.striker.kinetic_energy,
-            external_work=work,
-            contact_loss=loss,
-        )
-        watch.check(f"{taken.time:.4g} s")
-    columns = record.columns(
-        *("displacement", "velocity", "striker_velocity", "percussion", "kinetic", "elastic"),
-        *("dissipated", "external_work", "contact_loss"),
-    )
-    columns["input_energy"] = scenario.input_energy
-    warnings = softened(record, least_yield_ratio) + impact_accuracy(record, scenario.input_energy)
-    response = _response(record, columns, warnings, time=record.column("at"), time_step=length)
+    striker, brought = scenario.striker, scenario.input_energy
+    record = Record(structure, striker.node, striker.direction, scenario.duration)
+    length = _follow(record, steps)
+    values = {
+        **record.columns("displacement", "velocity", "elastic", "dissipated"),
+        "striker_velocity": record.told(striker.velocity, lambda s: s.striker.velocity),
+        "percussion": record.told(0.0, lambda s: s.percussion),
+        "kinetic": record.told(brought, lambda s: s.kinetic + s.striker.kinetic_energy),
+        "external_work": record.total(lambda s: s.external_work),
+        "contact_loss": record.total(lambda s: s.contact_loss),
+        "input_energy": brought,
+    }
+    warnings = softened(record, least_yield_ratio) + impact_accuracy(record, brought)
+    response = _response(record, values, warnings, time=record.column("at"), time_step=length)
     _check_ledger(response, largest_error)
     return response
 
@@ -84,42 +63,27 @@ def run_static(
 
     Raises `SolverError`, and `OutOfDomainError` when an element crumples.
     """
-    assembly = structure.assembly
-    record = Record(structure, *structure.dof(scenario.node, scenario.direction), None)
-    watch = CollapseWatch(structure)
-    work = pushed = 0.0
+    record = Record(structure, scenario.node, scenario.direction, None)
+    leads = scenario.control == "load"
     stops = scenario.path
-    record.record(0.0, load_factor=0.0, external_work=0.0, pushed=0.0)
     for count, taken in enumerate(steps, 1):
-        record.add(taken.energies, taken.evaluations, taken.cuts)
-        work += taken.external_work
-        dead = float(assembly.load @ (assembly.displacement - structure.start))
-        pushed = work - dead
-        reached = taken.factor if scenario.control == "load" else record.displacement
+        reached = taken.factor if leads else record.displacement
         turns = bool(stops) and isclose(reached, stops[0], rel_tol=1e-9, abs_tol=1e-12)
         stops = stops[1:] if turns else stops
-        record.record(
-            float(count),
-            turns=turns,
-            load_factor=taken.factor,
-            external_work=work,
-            pushed=pushed,
-        )
-        watch.check(f"step {count}", standing=False)
-    columns = record.columns(
-        "displacement", "load_factor", "elastic", "dissipated", "external_work"
-    )
-    force = columns["load_factor"] * scenario.magnitude
+        record.take(taken, float(count), turns=turns)
+    factor, work = record.told(0.0, lambda s: s.factor), record.total(lambda s: s.external_work)
+    force = factor * scenario.magnitude
     values = {
-        **columns,
+        **record.columns("displacement", "elastic", "dissipated"),
+        "load_factor": factor,
+        "external_work": work,
         "force": force,
         "resistance": np.max(np.abs(force)),
-        "input_energy": float(np.max(np.abs(record.column("pushed")))),
+        "input_energy": np.max(np.abs(work - record.column("dead_work"))),
     }
-    if scenario.control == "load":  # the displacement is an answer
-        values["peak_displacement"] = np.max(np.abs(columns["displacement"]))
-    warnings = _gone_far(watch, structure, imposed=scenario.control != "load")
-    return _response(record, values, warnings)
+    if leads:  # the displacement is an answer
+        values["peak_displacement"] = np.max(np.abs(values["displacement"]))
+    return _response(record, values, _gone_far(record, imposed=not leads))
 
 
 def run_ground_motion(
@@ -134,34 +98,29 @@ def run_ground_motion(
     dissipated, the work of the ground as external. The input energy is the largest work of the
     ground so far. Raises `SolverError`, and `OutOfDomainError` when the frame collapses.
     """
-    record = Record(structure, *structure.dof(scenario.node, scenario.direction), scenario.duration)
-    watch = CollapseWatch(structure)
-    ground = dead = damped = length = 0.0
-    record.record(0.0, velocity=0.0, kinetic=0.0, external_work=0.0, ground=0.0, damped=0.0)
-    for taken in steps:
-        record.add(taken.energies, taken.evaluations, taken.cuts)
-        ground += taken.input_energy
-        dead += taken.external_work
-        damped += taken.damped
-        length = length or taken.length
-        record.record(
-            taken.time,
-            velocity=record.velocity,
-            kinetic=taken.kinetic,
-            external_work=ground + dead,
-            ground=ground,
-            damped=damped,
-        )
-        watch.check(f"{taken.time:.4g} s")
-    columns = record.columns(
-        "displacement", "velocity", "kinetic", "elastic", "dissipated", "external_work"
-    )
-    columns["dissipated"] = columns["dissipated"] + record.column("damped")
-    columns["input_energy"] = np.max(np.abs(record.column("ground")))
+    record = Record(structure, scenario.node, scenario.direction, scenario.duration)
+    length = _follow(record, steps)
+    ground, damped = record.total(lambda s: s.input_energy), record.total(lambda s: s.damped)
+    values = {
+        **record.columns("displacement", "velocity", "elastic"),
+        "kinetic": record.told(0.0, lambda s: s.kinetic),
+        "dissipated": record.column("dissipated") + damped,
+        "external_work": ground + record.total(lambda s: s.external_work),
+        "input_energy": np.max(np.abs(ground)),
+    }
     warnings = softened(record, least_yield_ratio)
-    response = _response(record, columns, warnings, time=record.column("at"), time_step=length)
+    response = _response(record, values, warnings, time=record.column("at"), time_step=length)
     _check_ledger(response, OPEN_LEDGER)
     return response
+
+
+def _follow(record: Record, steps: Iterator[TimeStep] | Iterator[GroundStep]) -> float:
+    """Take all time steps; the length of the first one, in s."""
+    length = 0.0
+    for taken in steps:
+        length = length or taken.length
+        record.take(taken, taken.time)
+    return length
 
 
 def _response(
@@ -186,18 +145,16 @@ def _response(
     return response
 
 
-def _gone_far(watch: CollapseWatch, structure: FrameStructure, imposed: bool) -> list[Finding]:
+def _gone_far(record: Record, imposed: bool) -> list[Finding]:
     """Whether a frame has changed its shape, under a load or by `imposed` displacements."""
-    share, worst = watch.sideways()
+    share, worst = record.watch.sideways()
     if share <= (COLLAPSE_SIDEWAYS if imposed else GONE_FAR):
         return []
-    text = (
-        f"the ends of member {structure.frame.members[worst].name} have moved apart across its "
-        f"axis by {share:.2f} of its length: "
-    )
+    name = record.structure.frame.members[worst].name
+    text = f"the ends of member {name} have moved apart across it by {share:.2f} of its length"
     if imposed:
-        return [Finding("rotation", text + "steel would tear before", number=share)]
-    text += "this load is carried by another shape of the frame, beyond its plastic mechanism"
+        return [Finding("rotation", f"{text}: steel would tear before", number=share)]
+    text += ": this load is carried by another shape of the frame, beyond its plastic mechanism"
     remedy = "displacement control shows the way there"
     return [Finding("large-displacements", text, remedy=remedy, number=share)]
 

@@ -6,65 +6,102 @@ are those of the frame, and a reader of the members' states; everything else hap
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from workbench.scenarios import Frame, Load
+from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import ElementGroup
 from workbench.structures.statics import apply_loads
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
-COMPONENT = {"x": "u", "y": "v", "rotation": "rotation"}
 
 
-class MemberReader(Protocol):
-    """Committed state of all members, in SI units; two hinges per member, start and end.
+class MemberElements(Protocol):
+    """What is read off the elements of members, committed and in SI units.
 
-    Axial forces are positive in tension, moments where they stretch the fibers on the right of
-    somebody who looks from start to end.
+    `crumples`: whether an element means nothing once a plastic hinge has shortened it to nothing.
     """
+
+    crumples: ClassVar[bool]
+
+    @property
+    def lengths(self) -> Array:
+        """Initial lengths (elements,)."""
+        ...
+
+    @property
+    def local_forces(self) -> Array:
+        """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
+        ...
+
+    @property
+    def elongations(self) -> Array:
+        """Changes of length along the axis or chord (elements,)."""
+        ...
+
+
+class MemberReader(ABC):
+    """Reads the committed state of all members off their elements, in SI units.
+
+    Two hinges per member, start and end. Axial forces are positive in tension, moments where they
+    stretch the fibers on the right of somebody who looks from start to end.
+    Arguments: the `elements`, one member after the other; `first` (members + 1,), where those of
+    each member start.
+    """
+
+    def __init__(self, elements: MemberElements, first: Indices) -> None:
+        self._elements, self._first = elements, first
+        self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
+        self._at_start: NDArray[np.bool_] = np.resize([True, False], len(self._ends))
 
     def axial_forces(self) -> Array:
         """Axial forces (hinges,)."""
-        ...
+        return np.asarray(self._elements.local_forces[self._ends, 0])
 
     def moments(self) -> Array:
         """Bending moments (hinges,)."""
-        ...
+        local = self._elements.local_forces[self._ends]
+        return np.where(self._at_start, -local[:, 1], local[:, 2])
 
+    @abstractmethod
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), those of the joints included."""
-        ...
 
+    @abstractmethod
     def utilisation(self) -> Array:
         """Utilisation of the sections (hinges,) under N and M: 1 on the yield surface."""
-        ...
 
+    @abstractmethod
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
-        ...
 
     def shear_strains(self) -> Array | None:
         """Mean shear strain of each member (members,), without sign; None unless shear yields."""
-        ...
+        return None
 
     def contractions(self) -> Array:
         """Loss of length along the axis of each member (members,)."""
-        ...
+        return -np.add.reduceat(self._elements.elongations, self._first[:-1])
 
     def slightest(self) -> float:
         """Least length of an element over its initial one, where that must not vanish; else 1."""
-        ...
+        elements = self._elements
+        if not elements.crumples:
+            return 1.0
+        return float(np.min(1.0 + elements.elongations / elements.lengths))
 
+    @abstractmethod
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
-        ...
 
 
 class Skeleton(NamedTuple):

@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
+from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
@@ -110,7 +110,7 @@ def stand_superelements(
     return stand_frame(
         frame,
         Skeleton(coordinates, [group], (), len(nodes)),
-        SuperelementMembers(frame, group, coordinates, parts),
+        SuperelementMembers(group, coordinates, parts),
         lumped=lumped,
         rotary_inertia=node_inertia,
     )
@@ -180,34 +180,23 @@ def _weaker(own: float, joint: float | None) -> float:
     return own if joint is None else min(own, joint)
 
 
-class SuperelementMembers:
-    """Reads the members of a frame off their superelements, see `MemberReader`.
+class SuperelementMembers(MemberReader):
+    """Reads the members of a frame off their superelements.
 
-    Arguments: the `frame`; the `group` of all elements, so many `parts` for every member in turn;
+    Arguments: the `group` of all elements, so many `parts` for every member in turn;
     `coordinates` (nodes, 2) of the nodes in m.
     """
 
-    def __init__(self, frame: Frame, group: Superelements, coordinates: Array, parts: int) -> None:
+    def __init__(self, group: Superelements, coordinates: Array, parts: int) -> None:
+        super().__init__(group, np.arange(0, len(group.nodes) + 1, parts))
         self._group, self._parts = group, parts
-        count = len(frame.members)
-        first = np.arange(count) * parts
-        self._ends: Indices = np.stack([first, first + parts - 1], axis=1).ravel()
-        self._side: Indices = np.resize([0, 1], 2 * count)
+        self._side: Indices = np.where(self._at_start, 0, 1)
         self._origin: Array = coordinates[group.nodes[:, 0]]
-
-    def axial_forces(self) -> Array:
-        """Axial forces (hinges,)."""
-        return np.asarray(self._group.local_forces[self._ends, 0])
-
-    def moments(self) -> Array:
-        """Bending moments (hinges,)."""
-        local = self._group.local_forces[self._ends]
-        return np.where(self._side == 0, -local[:, 1], local[:, 2])
 
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
         plastic = self._group.plastic[self._ends]
-        return np.where(self._side == 0, -plastic[:, 1], plastic[:, 3])
+        return np.where(self._at_start, -plastic[:, 1], plastic[:, 3])
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""
@@ -215,19 +204,7 @@ class SuperelementMembers:
 
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
-        shear = np.abs(self._group.shear_forces)
-        return np.asarray(shear.reshape(-1, self._parts).max(axis=1))
-
-    def shear_strains(self) -> None:
-        """Shear does not yield."""
-
-    def contractions(self) -> Array:
-        """Loss of length of the chords of each member (members,)."""
-        return np.asarray(-self._group.elongations.reshape(-1, self._parts).sum(axis=1))
-
-    def slightest(self) -> float:
-        """Least length of a chord over its initial length."""
-        return float(np.min(1.0 + self._group.elongations / self._group.lengths))
+        return np.asarray(np.maximum.reduceat(np.abs(self._group.shear_forces), self._first[:-1]))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""

@@ -79,10 +79,8 @@ def wave_times(frame: Frame) -> list[float]:
     return times
 
 
-def struck_wave_time(scenario: FrameImpact) -> float:
-    """Time (s) of an axial wave along the struck member, all its parts; of several the longest."""
-    frame = scenario.frame
-    times = dict(zip((m.name for m in frame.members), wave_times(frame), strict=True))
-    struck = {m.name for m in frame.members if scenario.striker.node in (m.start, m.end)}
-    lines = [names for names in chains(frame) if struck & set(names)]
-    return max(sum(times[name] for name in names) for names in lines)
+def line_wave_times(frame: Frame) -> list[float]:
+    """Times (s) of an axial wave along every line of members that continue each other."""
+    names = [member.name for member in frame.members]
+    times = dict(zip(names, wave_times(frame), strict=True))
+    return [sum(times[name] for name in line) for line in chains(frame)]

@@ -51,7 +51,7 @@ from workbench.scenarios import (
     Member,
     Scenario,
 )
-from workbench.structures.impact import INTEGRATORS, MOREAU
+from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, sway_stiffness
 
 PUSH_STEPS = 1000  # load steps over the range of a static path
@@ -60,18 +60,6 @@ LEAST_STEPS = 100.0  # of a record
 WEIGHT = 0.5  # of the end forces in a time step: conserves energy
 INERTIAS = ("nonlinear", "linear", "none")
 GEOMETRIES = ("co-rotational", "linear")
-ANSWERS = (
-    FrameStatic.KIND,
-    FrameImpact.KIND,
-    FrameGroundMotion.KIND,
-    ColumnImpact.KIND,
-    ColumnPushover.KIND,
-)
-EXPONENT = Number(1.0, 20.0)
-ELEMENTS = Number(1, 100, integer=True)
-TIME_STEP = Number(1e-8, 1.0, "s")
-NODE_INERTIA = Number(0.0, 1e6, "kg m2")
-REGULARISATION = Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default")
 COMMON = (
     "All plasticity in hinges at the ends of the elements: an impacted member needs a node where "
     "it is hit.",
@@ -81,23 +69,32 @@ COMMON = (
 )
 
 
-class _HingedBars(ABC):
-    """What both superelements do alike; each says what its bars are and holds the options."""
+@dataclass(frozen=True)
+class _HingedBars(ABC, Declared, table="option"):
+    """What both superelements do alike; each says what its bars are and explains the options."""
+
+    alpha: float | None = checked(Number(1.0, 20.0), optional=True)
+    beta: float | None = checked(Number(1.0, 20.0), optional=True)
+    elements: int = checked(Number(1, 100, integer=True), 1)
+    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
+    time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
+    node_inertia: float = checked(Number(0.0, 1e6, "kg m2"), 0.1)
+    regularisation: float = checked(
+        Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
+    )
+    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
     name: ClassVar[str]
     version: ClassVar[int]
-    answers: ClassVar[tuple[str, ...]] = ANSWERS
+    answers: ClassVar[tuple[str, ...]] = (
+        FrameStatic.KIND,
+        FrameImpact.KIND,
+        FrameGroundMotion.KIND,
+        ColumnImpact.KIND,
+        ColumnPushover.KIND,
+    )
     assumptions: ClassVar[tuple[str, ...]]
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    alpha: float | None
-    beta: float | None
-    elements: int
-    integrator: str
-    time_step: float | None
-    node_inertia: float
-    regularisation: float
-    geometry: str
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings common to all member models."""
@@ -155,7 +152,7 @@ class _HingedBars(ABC):
 
 
 @dataclass(frozen=True)
-class RigidSuperelement(_HingedBars, Declared, table="option"):
+class RigidSuperelement(_HingedBars):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -172,17 +169,9 @@ class RigidSuperelement(_HingedBars, Declared, table="option"):
     undeformed frame: first-order theory, for comparison).
     """
 
-    alpha: float | None = checked(EXPONENT, optional=True)
-    beta: float | None = checked(EXPONENT, optional=True)
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
     axial_stiffness: float = checked(Number(0.1, 1e6), 2.0)
-    elements: int = checked(ELEMENTS, 1)
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
-    integrator: str = checked(Choice(INTEGRATORS), "midpoint")
-    time_step: float | None = checked(TIME_STEP, optional=True)
-    node_inertia: float = checked(NODE_INERTIA, 0.1)
-    regularisation: float = checked(REGULARISATION, 1e-6)
-    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
     name: ClassVar[str] = "rigid-superelement"
     version: ClassVar[int] = 2
@@ -212,7 +201,7 @@ class RigidSuperelement(_HingedBars, Declared, table="option"):
 
 
 @dataclass(frozen=True)
-class FlexibleSuperelement(_HingedBars, Declared, table="option"):
+class FlexibleSuperelement(_HingedBars):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
@@ -226,15 +215,7 @@ class FlexibleSuperelement(_HingedBars, Declared, table="option"):
     of the undeformed frame: first-order theory, for comparison).
     """
 
-    alpha: float | None = checked(EXPONENT, optional=True)
-    beta: float | None = checked(EXPONENT, optional=True)
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
-    elements: int = checked(ELEMENTS, 1)
-    integrator: str = checked(Choice(INTEGRATORS), "midpoint")
-    time_step: float | None = checked(TIME_STEP, optional=True)
-    node_inertia: float = checked(NODE_INERTIA, 0.1)
-    regularisation: float = checked(REGULARISATION, 1e-6)
-    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
     name: ClassVar[str] = "flexible-superelement"
     version: ClassVar[int] = 1

@@ -6,7 +6,9 @@ A column is the frame of its two members. Each reference adds its elements and t
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +18,8 @@ from workbench.fields import Choice, Declared, Number, checked
 from workbench.frames.answers import Stepping, answer, as_frame
 from workbench.frames.chains import named
 from workbench.frames.structure import FrameStructure
-from workbench.frames.timing import Spans, spans_to, struck_wave_time, time_to_peak
+from workbench.frames.timing import Spans, line_wave_times, spans_to, time_to_peak
+from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.references.members import stand_fibers
@@ -40,16 +43,17 @@ from workbench.scenarios import (
     FrameStatic,
     Scenario,
 )
+from workbench.sections import Section
 from workbench.structures.fibers import FiberElements
 
 Array = NDArray[np.float64]
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
-WAVE_STEPS = 15.0  # time steps while an axial wave passes the struck member, at least
+WAVE_STEPS = 30.0  # time steps while an axial wave passes the longest member, at least
+LONE_STEPS = 15.0  # where no other member is: it does as well within 0.1 % of the peak
 LEAST_STEPS = 200.0  # time steps of a record, at least
 LEAST_YIELD_RATIO = 0.995
 SAME = 0.01  # relative difference of an override from what the fibers give that counts as none
-OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load")
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,11 @@ class FiberReference(ABC, Declared, table="option"):
         return [
             *(f for f in common if f.subject != "shear" or not self.shear_yields),
             *joint_findings(told.frame),
-            *override_findings(told.frame, self.layers),
+            *override_findings(
+                told.frame,
+                partial(fiber_values, layers=self.layers),
+                "fibers come from the section alone and leave overrides out",
+            ),
             *mesh_findings(told, self.lengths(told), self.sampled),
         ]
 
@@ -138,7 +146,9 @@ class FiberReference(ABC, Declared, table="option"):
         share = 0.5**self._halvings
         if self.time_step is not None:
             return [(told.duration, self.time_step * share)]
-        coarsest = min(struck_wave_time(told) / WAVE_STEPS, told.duration / LEAST_STEPS)
+        waves = line_wave_times(told.frame)
+        wave_steps = WAVE_STEPS if len(waves) > 1 else LONE_STEPS
+        coarsest = min(max(waves) / wave_steps, told.duration / LEAST_STEPS)
         peak = time_to_peak(told, shear_flexible=True)
         return spans_to(peak, told.duration, peak / PEAK_STEPS, coarsest, share)
 
@@ -181,55 +191,55 @@ class FiberReference(ABC, Declared, table="option"):
 def joint_findings(frame: Frame) -> list[Finding]:
     """What a rotational spring at the end of a fiber member leaves out of a joint."""
     used = {m.joint_start for m in frame.members} | {m.joint_end for m in frame.members}
-    joints = [joint for joint in frame.joints if joint.name in used]
-    strong = [
-        j.name
-        for j in joints
-        if j.plastic_moment is not None or j.plastic_moment_negative is not None
-    ]
-    axial = [
-        j.name
-        for j in joints
-        if not (j.axial_stiffness is j.tension_resistance is j.compression_resistance is None)
-    ]
+    left_out = (
+        (
+            ("plastic_moment", "plastic_moment_negative"),
+            "are rotational springs here: their plastic moment does not depend on the axial force, "
+            "which overestimates them in catenary action",
+        ),
+        (
+            ("axial_stiffness", "tension_resistance", "compression_resistance"),
+            "are rigid along the member here: axial stiffness and axial resistances of joints are "
+            "left out",
+        ),
+    )
     findings = []
-    if strong:
-        text = (
-            f"joints {', '.join(strong)} are rotational springs here: their plastic moment does "
-            "not depend on the axial force, which overestimates them in catenary action"
-        )
-        findings.append(Finding("joints", text))
-    if axial:
-        text = (
-            f"joints {', '.join(axial)} are rigid along the member here: axial stiffness and "
-            "axial resistances of joints are left out"
-        )
-        findings.append(Finding("joints", text))
+    for options, text in left_out:
+        given = [j for j in frame.joints if any(getattr(j, key) is not None for key in options)]
+        names = [joint.name for joint in given if joint.name in used]
+        if names:
+            findings.append(Finding("joints", f"joints {', '.join(names)} {text}"))
     return findings
 
 
-def override_findings(frame: Frame, layers: int) -> list[Finding]:
-    """Overrides of section values that differ from those of the fibers by over 1 %."""
-    stress = frame.steel.yield_stress
+def fiber_values(section: Section, steel: Steel, layers: int) -> dict[str, float]:
+    """What so many layers of fibers make of a section, by the names of its overrides."""
+    y, area = section.fibers(layers)
+    return {
+        "area": np.sum(area),
+        "second_moment": np.sum(y**2 * area),
+        "plastic_moment": steel.yield_stress * np.sum(np.abs(y) * area),
+        "squash_load": steel.yield_stress * np.sum(area),
+    }
+
+
+def override_findings(
+    frame: Frame, values: Callable[[Section, Steel], Mapping[str, float]], text: str
+) -> list[Finding]:
+    """Overrides of section values that differ by over 1 % from what a model makes of the section.
+
+    Arguments: these `values`, of the section that gives the strength; `text` that says why.
+    """
     differing: dict[str, list[str]] = {}  # what is said, and of which members
     for member in frame.members:
-        given = {key: value for key in OVERRIDES if (value := getattr(member, key)) is not None}
-        if not given:
-            continue
-        y, area = frame.strength_section(member).fibers(layers)
-        values = {
-            "area": np.sum(area),
-            "second_moment": np.sum(y**2 * area),
-            "plastic_moment": stress * np.sum(np.abs(y) * area),
-            "squash_load": stress * np.sum(area),
-        }
-        for key, value in given.items():
-            if abs(value / values[key] - 1.0) > SAME:
-                said = f"{key} = {value:.5g} against {values[key]:.5g}"
-                differing.setdefault(said, []).append(member.name)
+        for key, own in values(frame.strength_section(member), frame.steel).items():
+            given = getattr(member, key)
+            if given is not None and abs(given / own - 1.0) > SAME:
+                differing.setdefault(f"{key} = {given:.5g} against {own:.5g}", []).append(
+                    member.name
+                )
     if not differing:
         return []
     told = [f"{said} ({named(names)})" for said, names in differing.items()]
     more = f" and {len(told) - 4} more" if len(told) > 4 else ""
-    text = "fibers come from the section alone and leave overrides out: "
-    return [Finding("section", text + ", ".join(told[:4]) + more)]
+    return [Finding("section", f"{text}: {', '.join(told[:4])}{more}")]

@@ -49,14 +49,14 @@ class FiberCorotational(FiberReference):
     `largest_element` in m (None: 1/40 of the longest member in dynamics, 1/8 in statics);
     `layers` over the depth of the section; `weight` of the end stresses in a time step (1/2
     conserves energy, but does not converge on fine plastic meshes); `hardening_ratio`, the
-    regularising hardening over the elastic modulus; `time_step` in s (None: 1/15 of the time of
-    an axial wave along the member that is hit, and at first at most 1/200 of the expected time to
-    the peak); `refinement`, how often all these elements and steps are halved (-1: doubled);
-    `step_refinement`, how often the steps alone are halved further; `levels`, meshes behind an
-    answer, each with twice the elements and steps of the next finer one (1: that of `refinement`
-    alone, the numerical uncertainty is then unknown); `shear_flexible`: elastic shear strain
-    (False: Bernoulli's beam without any); `integrator`, implicit with energy-exact steps or
-    explicit central differences with lumped mass.
+    regularising hardening over the elastic modulus; `time_step` in s (None: 1/30 of the time of
+    an axial wave along the longest member, 1/15 in a single one, and at first at most 1/200 of
+    the expected time to the peak); `refinement`, how often all these elements and steps are
+    halved (-1: doubled); `step_refinement`, how often the steps alone are halved further;
+    `levels`, meshes behind an answer, each with twice the elements and steps of the next finer one
+    (1: that of `refinement` alone, the numerical uncertainty is then unknown); `shear_flexible`:
+    elastic shear strain (False: Bernoulli's beam without any); `integrator`, implicit with
+    energy-exact steps or explicit central differences with lumped mass.
     """
 
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)

@@ -7,7 +7,13 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.frames.structure import POINTS, FrameStructure, Skeleton, stand_frame
+from workbench.frames.structure import (
+    POINTS,
+    FrameStructure,
+    MemberReader,
+    Skeleton,
+    stand_frame,
+)
 from workbench.references.mesh import FrameMesh
 from workbench.scenarios import Frame
 from workbench.structures.assembly import PlanarAssembly
@@ -20,8 +26,8 @@ ENVELOPE = 181  # points of the exact interaction curve
 STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
 
 
-class FiberMembers:
-    """Reads the members of a frame off their fiber elements, see `MemberReader`.
+class FiberMembers(MemberReader):
+    """Reads the members of a frame off their fiber elements.
 
     Arguments: the `frame`, its `mesh`, its elements `beams`, its `springs` (None without joints);
     `sampled`, where an element samples plasticity, from its end next to a hinge and over its
@@ -37,11 +43,9 @@ class FiberMembers:
         sampled: float,
         shear_yields: bool,
     ) -> None:
+        super().__init__(beams, mesh.first)
         self._mesh, self._beams, self._springs = mesh, beams, springs
         self._sampled, self._shear_yields = sampled, shear_yields
-        count = len(frame.members)
-        self._ends = np.stack([mesh.first[:-1], mesh.first[1:] - 1], axis=1).ravel()
-        self._at_start = np.resize([True, False], 2 * count)
         sections = [frame.strength_section(member) for member in frame.members]
         steel = frame.steel
         self._squash = np.repeat([s.squash_load(steel) for s in sections], 2)
@@ -51,15 +55,6 @@ class FiberMembers:
         self._half = 2 * mesh.member + mesh.upper
         self._hinge = np.array([2 * m + (not start) for m, start, _, _ in mesh.joints], dtype=int)
         self._dofs: tuple[Indices, Indices] | None = None
-
-    def axial_forces(self) -> Array:
-        """Axial forces (hinges,)."""
-        return np.asarray(self._beams.local_forces[self._ends, 0])
-
-    def moments(self) -> Array:
-        """Bending moments (hinges,)."""
-        local = self._beams.local_forces[self._ends]
-        return np.where(self._at_start, -local[:, 1], local[:, 2])
 
     def plastic_rotations(self) -> Array:
         """Plastic curvature integrated over the half member next to each end, and its joint."""
@@ -103,16 +98,6 @@ class FiberMembers:
         mesh = self._mesh
         weighted = np.add.reduceat(values * mesh.lengths, mesh.first[:-1])
         return np.abs(weighted / np.add.reduceat(mesh.lengths, mesh.first[:-1]))
-
-    def contractions(self) -> Array:
-        """Loss of length along the axis of each member (members,)."""
-        return -np.add.reduceat(self._beams.elongations, self._mesh.first[:-1])
-
-    def slightest(self) -> float:
-        """Least length of an element over its initial length, where that must not vanish."""
-        if not self._beams.crumples:
-            return 1.0
-        return float(np.min(1.0 + self._beams.elongations / self._beams.lengths))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2), straight between the nodes."""

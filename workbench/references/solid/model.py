@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from workbench.fields import Declared, Number, checked
+from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.references.fiber import override_findings
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.mesh import solid_mesh
@@ -25,7 +27,8 @@ from workbench.references.solid.run import run_pushover
 from workbench.references.solid.supports import supports_of
 from workbench.responses import Finding, Response
 from workbench.responses.uncertainty import SPACE
-from workbench.scenarios import Column, ColumnPushover, ColumnScenario, Scenario
+from workbench.scenarios import ColumnPushover, ColumnScenario, Scenario, frame_of
+from workbench.sections import Section
 
 Array = NDArray[np.float64]
 STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
@@ -81,7 +84,8 @@ class SolidPlaneStress(Declared, table="option"):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
         findings = [found for found in member_findings(scenario) if found.subject != "shear"]
-        return findings + _override_findings(scenario.column)
+        text = "the solid takes its shape from the section alone and leaves overrides out"
+        return findings + override_findings(frame_of(scenario.column), _values, text)
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a column pushover, with numerical uncertainty."""
@@ -108,21 +112,11 @@ class SolidPlaneStress(Declared, table="option"):
             return run_pushover(column, assembly, self.path(scenario))
 
 
-def _override_findings(column: Column) -> list[Finding]:
-    """Overrides of section values that differ from those of the meshed section by over 1 %."""
-    section, steel = column.strength_section, column.steel
-    values = {
+def _values(section: Section, steel: Steel) -> dict[str, float]:
+    """What the meshed section comes to, by the names of its overrides."""
+    return {
         "area": section.area,
         "second_moment": section.second_moment,
         "plastic_moment": section.plastic_moment(steel),
         "squash_load": section.squash_load(steel),
     }
-    differing = [
-        f"column.{key} = {getattr(column, key):.5g} against {value:.5g}"
-        for key, value in values.items()
-        if getattr(column, key) is not None and abs(getattr(column, key) / value - 1.0) > 0.01
-    ]
-    if not differing:
-        return []
-    text = "the solid takes its shape from the section alone and leaves overrides out: "
-    return [Finding("section", text + ", ".join(differing))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.references.solid.assembly import SolidAssembly
+from workbench.structures.equilibrium import in_pieces
 from workbench.structures.newton import Solution, newton
 
 Array = NDArray[np.float64]
@@ -71,32 +73,26 @@ def push(assembly: SolidAssembly, path: Array, held: Indices) -> Iterator[Pushed
     """
     hit = assembly.supports.hit
     held = np.union1d(held, [hit])
-    previous = np.zeros(len(assembly.q))
+    previous, force, evaluations = np.zeros(len(assembly.q)), 0.0, 0
+
+    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
+        nonlocal previous, force, evaluations
+        reach = begin + (done + share) * span
+        start = _predict(assembly, reach - float(assembly.q[hit]), previous, held)
+        start[hit] = reach
+        found, reactions = equilibrium(assembly, start, held)
+        evaluations += found.evaluations
+        if not found.converged:
+            previous = np.zeros(len(assembly.q))
+            tried = f"line search and steps down to 1/{2**MOST_CUTS}"
+            return SolverError(f"displacement {reach:.6g} m", found.residual, tried)
+        previous, force = found.x - assembly.q, float(reactions[hit])
+        assembly.commit(found.x)
+        return None
+
     for target in path:
-        evaluations = cuts = level = 0
-        begin, done = float(assembly.q[hit]), 0.0
-        while done < 1.0:
-            share = 0.5**level  # sub-steps are binary shares, so that the target is met exactly
-            reach = begin + (done + share) * (float(target) - begin)
-            start = _predict(assembly, reach - float(assembly.q[hit]), previous, held)
-            start[hit] = reach
-            found, reactions = equilibrium(assembly, start, held)
-            evaluations += found.evaluations
-            if not found.converged:
-                level, cuts, previous = level + 1, cuts + 1, np.zeros(len(assembly.q))
-                if level > MOST_CUTS:
-                    raise SolverError(
-                        f"displacement {reach:.6g} m",
-                        found.residual,
-                        f"line search and steps down to 1/{2**MOST_CUTS}",
-                    )
-                continue
-            previous = found.x - assembly.q
-            force = float(reactions[hit])
-            assembly.commit(found.x)
-            done += share
-            while level > 0 and (done * 2.0 ** (level - 1)).is_integer():
-                level -= 1
+        begin, evaluations = float(assembly.q[hit]), 0
+        cuts = in_pieces(partial(attempt, begin, float(target) - begin), MOST_CUTS)
         yield Pushed(force, evaluations, cuts)
 
 
