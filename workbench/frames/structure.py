@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,12 @@ POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is
 
 
 class MemberElements(Protocol):
-    """What is read off the elements of members, committed and in SI units.
+    """What is read off the elements of members, committed and in SI units."""
 
-    `crumples`: whether an element means nothing once a plastic hinge has shortened it to nothing.
-    """
-
-    crumples: ClassVar[bool]
+    @property
+    def crumples(self) -> bool:
+        """Whether an element means nothing once a hinge has shortened it to nothing."""
+        ...
 
     @property
     def lengths(self) -> Array:
