@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.references.solid.assembly import SolidAssembly
-from workbench.structures.equilibrium import in_pieces
-from workbench.structures.newton import Solution, newton
+from workbench.structures.newton import Solution, newton, pieces
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -73,10 +72,10 @@ def push(assembly: SolidAssembly, path: Array, held: Indices) -> Iterator[Pushed
     """
     hit = assembly.supports.hit
     held = np.union1d(held, [hit])
-    previous, force, evaluations = np.zeros(len(assembly.q)), 0.0, 0
+    previous, evaluations = np.zeros(len(assembly.q)), 0
 
-    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
-        nonlocal previous, force, evaluations
+    def attempt(begin: float, span: float, done: float, share: float) -> SolverError | float:
+        nonlocal previous, evaluations
         reach = begin + (done + share) * span
         start = _predict(assembly, reach - float(assembly.q[hit]), previous, held)
         start[hit] = reach
@@ -88,12 +87,12 @@ def push(assembly: SolidAssembly, path: Array, held: Indices) -> Iterator[Pushed
             return SolverError(f"displacement {reach:.6g} m", found.residual, tried)
         previous, force = found.x - assembly.q, float(reactions[hit])
         assembly.commit(found.x)
-        return None
+        return force
 
     for target in path:
         begin, evaluations = float(assembly.q[hit]), 0
-        cuts = in_pieces(partial(attempt, begin, float(target) - begin), MOST_CUTS)
-        yield Pushed(force, evaluations, cuts)
+        taken = list(pieces(partial(attempt, begin, float(target) - begin), MOST_CUTS))
+        yield Pushed(taken[-1][0], evaluations, sum(cuts for _, _, cuts in taken))
 
 
 def _predict(assembly: SolidAssembly, increment: float, previous: Array, held: Indices) -> Array:
