@@ -19,6 +19,9 @@ class Rule:
 
     def allowed(self) -> str:
         """What is allowed, in words."""
+        return f"must be {self._allowed()}"
+
+    def _allowed(self) -> str:
         raise NotImplementedError
 
     def check(self, path: str, value: Any) -> Any:
@@ -45,12 +48,11 @@ class Number(Rule):
     integer: bool = False
     advice: str = ""
 
-    def allowed(self) -> str:
-        """The allowed range in words."""
+    def _allowed(self) -> str:
         kind = "a whole number" if self.integer else "a number"
         unit = f" {self.unit}" if self.unit else ""
         least = "from" if self.low_included else "above"
-        return f"must be {kind} {least} {self.low:g} to {self.high:g}{unit}"
+        return f"{kind} {least} {self.low:g} to {self.high:g}{unit}"
 
     def check(self, path: str, value: Any) -> float:
         """Return the value as int or float, or raise `InputError` naming `path`."""
@@ -72,9 +74,8 @@ class Choice(Rule):
     words: tuple[str, ...]
     advice: str = ""
 
-    def allowed(self) -> str:
-        """The allowed words."""
-        return "must be one of " + ", ".join(self.words)
+    def _allowed(self) -> str:
+        return "one of " + ", ".join(self.words)
 
     def _accepts(self, value: Any) -> bool:
         return isinstance(value, str) and value in self.words
@@ -84,9 +85,8 @@ class Choice(Rule):
 class Flag(Rule):
     """True or false."""
 
-    def allowed(self) -> str:
-        """The allowed values."""
-        return "must be true or false"
+    def _allowed(self) -> str:
+        return "true or false"
 
     def _accepts(self, value: Any) -> bool:
         return isinstance(value, bool)
@@ -100,9 +100,8 @@ class Text(Rule):
     label: bool = False
     shortest: int = 1
 
-    def allowed(self) -> str:
-        """The allowed values."""
-        line = f"must be one line of {self.shortest} to {self.longest} characters"
+    def _allowed(self) -> str:
+        line = f"one line of {self.shortest} to {self.longest} characters"
         return line + " without a colon, nor a space at its ends" if self.label else line
 
     def _accepts(self, value: Any) -> bool:
@@ -131,9 +130,8 @@ class Instance(Rule):
     form: type[Any] | None = None
     instead_of: tuple[str, ...] = ()
 
-    def allowed(self) -> str:
-        """The allowed class."""
-        return f"must be a {self.kind.__name__}"
+    def _allowed(self) -> str:
+        return f"a {self.kind.__name__}"
 
     def _accepts(self, value: Any) -> bool:
         return isinstance(value, self.kind)
@@ -152,14 +150,13 @@ class Many(Rule):
     different: bool = False
     single: bool = False
 
-    def allowed(self) -> str:
-        """The allowed length and what the items are."""
+    def _allowed(self) -> str:
         several = f"{self.shortest} or more " if self.shortest else ""
         if self.longest is not None:
             several = f"{self.shortest} to {self.longest} "
         if isinstance(self.item, Instance):
-            return f"must be a list of {several}{self.item.kind.__name__} objects"
-        return f"must be a list of {several}{type(self.item).__name__.lower()}s"
+            return f"a list of {several}{self.item.kind.__name__} objects"
+        return f"a list of {several}{type(self.item).__name__.lower()}s"
 
     def check(self, path: str, value: Any) -> tuple[Any, ...]:
         """Return the items, or raise `InputError` naming `path` or one place in it."""

@@ -25,13 +25,25 @@ class Shape(Declared, table="section"):
     width: float
 
     @property
-    def shear_area(self) -> float:
-        """Area that carries plastic shear, in m2."""
+    def _plates(self) -> tuple[float, float]:
+        """Thickness (m) of what stands upright and of what lies across its end."""
         raise NotImplementedError
 
+    @property
+    def shear_area(self) -> float:
+        """Area of what stands upright, between the centre lines of what lies across, in m2."""
+        upright, across = self._plates
+        return upright * (self.height - across)
+
     def layers(self, half_count: int) -> tuple[Layers, ...]:
-        """The upper half in groups that are cut into fibers by themselves."""
-        raise NotImplementedError
+        """The upper half in groups that are cut into fibers by themselves.
+
+        Plates upright and across are layered separately; those across get 40 % of the layers.
+        """
+        upright, across = self._plates
+        clear, count = self.height / 2.0 - across, max(1, round(0.4 * half_count))
+        web, flange = Band(0.0, clear, upright), Band(clear, self.height / 2.0, self.width)
+        return web.cut(half_count - count), flange.cut(count)
 
     @property
     def bands(self) -> tuple[Band, ...]:
@@ -80,13 +92,12 @@ class ISection(Shape):
             raise self.refusal("fillet", allowed, "check the root radius")
 
     @property
-    def shear_area(self) -> float:
-        """Area of the web between the flange centre lines, in m2."""
-        return self.web * (self.height - self.flange)
+    def _plates(self) -> tuple[float, float]:
+        return self.web, self.flange
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
-        """Web and flange layered separately, fillet strips on top of the web's (upper half)."""
-        plates = _plates(self, self.web, self.flange, half_count)
+        """Web and flange layered separately, fillet strips on top of the web's."""
+        plates = super().layers(half_count)
         if self.fillet == 0.0:
             return plates
         clear, r = self.height / 2.0 - self.flange, self.fillet
@@ -105,9 +116,8 @@ class Rectangle(Shape):
     WORD: ClassVar[str] = "rectangle"
 
     @property
-    def shear_area(self) -> float:
-        """The whole area, in m2."""
-        return self.height * self.width
+    def _plates(self) -> tuple[float, float]:
+        return self.width, 0.0
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Equal layers."""
@@ -133,13 +143,8 @@ class RectangularTube(Shape):
         self._below("wall", least / 2.0, "half the smaller side")
 
     @property
-    def shear_area(self) -> float:
-        """The two side walls between the centre lines of the others, in m2."""
-        return 2.0 * self.wall * (self.height - self.wall)
-
-    def layers(self, half_count: int) -> tuple[Layers, ...]:
-        """Side walls and upper wall layered separately (upper half)."""
-        return _plates(self, 2.0 * self.wall, self.wall, half_count)
+    def _plates(self) -> tuple[float, float]:
+        return 2.0 * self.wall, self.wall
 
 
 @dataclass(frozen=True)
@@ -166,9 +171,8 @@ class CircularTube(Shape):
     width = height
 
     @property
-    def shear_area(self) -> float:
-        """2 A / pi, in m2 (thin circular tube)."""
-        return 2.0 * self.wall * (self.diameter - self.wall)
+    def _plates(self) -> tuple[float, float]:
+        return 2.0 * self.wall, self.wall  # the shear area of a thin tube, 2 A / pi
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
         """Outer disc less inner disc; each layer subtends the same angle of the outer circle."""
@@ -180,11 +184,3 @@ class CircularTube(Shape):
         )
         angles = (pi / 2.0 * i / half_count for i in range(half_count + 1))
         return (Layers(bands, tuple(outer * sin(angle) for angle in angles)),)
-
-
-def _plates(shape: Shape, web: float, flange: float, half_count: int) -> tuple[Layers, Layers]:
-    """Layers of an upright and of a plate across its end, which gets 40 % of them."""
-    across = max(1, round(0.4 * half_count))
-    clear = shape.height / 2.0 - flange
-    upright, end = Band(0.0, clear, web), Band(clear, shape.height / 2.0, shape.width)
-    return upright.cut(half_count - across), end.cut(across)
