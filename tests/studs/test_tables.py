@@ -13,9 +13,7 @@ from workbench.errors import InputError
 from workbench.evidence import dataset, load
 from workbench.studs import check_tables, shipped, summarise
 from workbench.studs.load_slip_fit import fit_load_slip
-from workbench.studs.quantities import ratio_summary, specimens
-from workbench.studs.reading import read_text
-from workbench.studs.schema import TESTS
+from workbench.studs.quantities import specimens
 from workbench.studs.stiffness import unloadings
 from workbench.studs.tables import SHIPPED
 from workbench.studs.tension import Cone
@@ -187,14 +185,3 @@ def test_retested_beam() -> None:
     deepest = points.groupby("test")["midspan_deflection_this_test_mm"].max()
     ratio = left / deepest
     assert ratio[["B3-T1", "B3-T2"]].round(2).tolist() == [0.68, 0.63]
-
-
-def test_tables_with_ratios_only_are_summarised() -> None:
-    header = "campaign,specimen,test,strength_over_nominal,nominal_model"
-    rows = [f"{c},{s},push-out,{ratio},AISC 360" for c, s, ratio in
-            (("a", 1, 1.0), ("a", 2, 0.8), ("b", 1, 0.6), ("b", 2, 0.6))]  # fmt: skip
-    text = "\n".join([header, *rows])
-    found = ratio_summary(read_text(text, TESTS).accept())
-    assert found["mean"] == pytest.approx(0.75)
-    assert found["variation"] == pytest.approx(np.std([1, 0.8, 0.6, 0.6], ddof=1) / 0.75)
-    assert (found["lowest_campaign_mean"], found["highest_campaign_mean"]) == (0.6, 0.9)

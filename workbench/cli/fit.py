@@ -6,7 +6,7 @@ The options of a verb are the fields of a class; `_verb` makes the command of it
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
@@ -17,7 +17,6 @@ from workbench.cli.output import Answer, verb
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.content.tree import Block
     from workbench.studs.fitting import Fit
     from workbench.studs.schema import Table
 
@@ -31,8 +30,9 @@ app = typer.Typer(
 )
 
 
-def _option(text: str, default: Any = None, metavar: str | None = None, *flags: str) -> Any:
+def _option(text: str, default: Any = None, metavar: str | None = None, flag: str = "") -> Any:
     """A field of options: its help, default, and how its value and flag are called."""
+    flags = (flag,) if flag else ()
     return field(default=default, metadata={"": typer.Option(*flags, metavar=metavar, help=text)})
 
 
@@ -47,15 +47,9 @@ class Common:
 
     file: str | None = _file("[FILE.csv]", "tests")
     calibrate: Names = _option("A campaign to fit.  [default: all not validating]", None, _CAMPAIGN)
-    validate: Names = _option(
-        "A campaign to hold the fit against, kept out of it.", None, _CAMPAIGN
-    )
-    with_shipped: bool = _option(
-        "Add the shipped tables to those of FILE.", False, None, "--with-shipped"
-    )
-    keep_good: bool = _option(
-        "Leave bad rows of FILE out instead of refusing it.", False, None, "--keep-good"
-    )
+    validate: Names = _option("A campaign to judge the fit by, kept out of it.", None, _CAMPAIGN)
+    with_shipped: bool = _option("Add the shipped tables to FILE.", False, None, "--with-shipped")
+    keep_good: bool = _option("Leave bad rows of FILE out.", False, None, "--keep-good")
     confidence: float = _option("Confidence of intervals and bands.", 0.9)
 
 
@@ -110,15 +104,12 @@ def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
             Number(0.5, 0.999).check("--confidence", options.confidence)
             return answer(options)
 
-        parameters = [
-            inspect.Parameter(
-                declared.name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=declared.default,
-                annotation=Annotated[hints[declared.name], declared.metadata[""]],
-            )
-            for declared in fields(kind)
-        ]
+        only = inspect.Parameter.KEYWORD_ONLY
+        parameters = []
+        for declared in fields(kind):
+            own, hint = declared.name, Annotated[hints[declared.name], declared.metadata[""]]
+            default = declared.default
+            parameters.append(inspect.Parameter(own, only, default=default, annotation=hint))
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         command.__doc__ = answer.__doc__
         app.command(name)(verb(command))
@@ -134,6 +125,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     Annex B.2. Campaigns that validate are kept out of the fit.
     """
     from workbench.errors import InputError, OutOfDomainError
+    from workbench.report.chapters import stud_answer
     from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points, shear_model
     from workbench.studs.plain import plain
 
@@ -153,7 +145,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
     groups = plain([each.to_dict() for each in series])
     result = {**head, "models": contents, "not_fitted": left_out, "series": groups}
-    return Answer(result, _strength(result))
+    return Answer(result, stud_answer.strength(result))
 
 
 @_verb("load-slip")
@@ -162,6 +154,7 @@ def load_slip(options: LoadSlipOptions) -> Answer:
 
     Curves are the observations, not points: a curve of many points counts once.
     """
+    from workbench.report.chapters import stud_answer
     from workbench.studs import LAWS, POINTS, fit_load_slip
     from workbench.studs.load_slip import law_kind
 
@@ -172,7 +165,7 @@ def load_slip(options: LoadSlipOptions) -> Answer:
         law_kind(name)
         contents.append(_judged(fit_load_slip(fitted, name, **how), held, options.confidence))
     result = {**head, "laws": contents}
-    return Answer(result, _load_slip(result))
+    return Answer(result, stud_answer.load_slip(result))
 
 
 @_verb("residual")
@@ -183,6 +176,7 @@ def residual(options: ResidualOptions) -> Answer:
     model predicts, and nothing validates it.
     """
     from workbench.errors import InputError
+    from workbench.report.chapters import stud_answer
     from workbench.scenarios import StudTests
     from workbench.studs import TESTS
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
@@ -214,7 +208,7 @@ def residual(options: ResidualOptions) -> Answer:
         contents.append(_judged(fit, held if wanted else relevant, options.confidence))
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
     result = {**head, "grade": "; ".join(grades), "quantities": contents}
-    return Answer(result, _residual(result))
+    return Answer(result, stud_answer.residual(result))
 
 
 def _tables(
@@ -224,16 +218,13 @@ def _tables(
     from workbench.studs import examine, shipped
     from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
 
-    table, bad = None, []
+    own = options.with_shipped or options.file is None
+    parts, bad = [shipped(name)] if own else [], []
     if options.file is not None:
         examination = examine(options.file, schema)
-        table = examination.rows if options.keep_good else examination.accept()
+        parts.append(examination.rows if options.keep_good else examination.accept())
         bad = [str(problem.error()) for problem in examination.problems]
-    own = options.with_shipped or table is None
-    if own:
-        parts = [shipped(name)] if table is None else [shipped(name), table]
-        table = joined(parts, unique=bool(schema.key))
-    assert table is not None
+    table = joined(parts, unique=bool(schema.key))
     calibrate, validate = options.calibrate or [], options.validate or []
     check_campaigns((*calibrate, *validate), table)
     fitted, held = split_table(table, calibrate, validate)
@@ -297,81 +288,3 @@ def _variations(texts: Names) -> dict[str, float] | None:
             raise InputError("--variation", text, "must look like concrete_strength=0.15") from None
         result[name] = float(Number(0.0, 1.0).check(f"--variation {name}", number))
     return result
-
-
-# -- what a terminal shows --------------------------------------------------------------------
-
-
-def _shown(result: Content, what: str, contents: list[Content], *blocks: Block) -> Iterator[Block]:
-    """What was fitted and what was left out, the blocks, every warning once."""
-    from workbench.content.tree import Callout, Paragraph, Section
-
-    tables = " and ".join("shipped tables" if t == "shipped" else t for t in result["tables"])
-    yield Paragraph(f"{what} ({tables})")
-    for text in (*result["rows_left_out"], *contents[0]["fit"].get("skipped", ())):
-        yield Paragraph(f"left out: {text}")
-    yield from blocks
-    warnings = dict.fromkeys(text for c in contents for text in c["fit"]["warnings"])
-    if warnings:
-        callouts = tuple(Callout("doubt", f"warning: {text}") for text in warnings)
-        yield Section("warnings", "", callouts)
-
-
-def _strength(result: Content) -> Iterator[Block]:
-    from workbench.content.tree import Paragraph
-    from workbench.report.chapters import stud_tables as tables
-
-    named = {content["fit"]["model"]: content for content in result["models"]}
-    fit = result["models"][0]["fit"]
-    kinds = {"judgement": "as it is", "corrected": "as fitted"}
-    caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
-    yield from _shown(
-        result,
-        f"{fit['tests']} tests of {', '.join(fit['campaigns'])}",
-        result["models"],
-        *(Paragraph(f"not fitted: {name}: {why}") for name, why in result["not_fitted"].items()),
-        *tables.fitted(named),
-        *tables.exponents(named),
-        *tables.unseen(named, kinds, caption),
-        *tables.design_values(named),
-        *tables.left_out(named),
-        *tables.series(result["series"]),
-    )
-
-
-def _load_slip(result: Content) -> Iterator[Block]:
-    from workbench.content.formatting import number
-    from workbench.content.tree import Paragraph
-    from workbench.report.chapters import stud_tables as tables
-
-    named = {content["fit"]["law"]: content for content in result["laws"]}
-    fit = result["laws"][0]["fit"]
-    names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
-    rms, bias = (number(fit[name], 3) for name in names)
-    published = f"Ollgaard's published law on these curves: misfit {rms}, bias {bias} of the load."
-    yield from _shown(
-        result,
-        f"{fit['curves']} curves of {', '.join(fit['campaigns'])}",
-        result["laws"],
-        *tables.load_slip(named),
-        Paragraph(published),
-        *tables.unseen_curves(named),
-    )
-
-
-def _residual(result: Content) -> Iterator[Block]:
-    from workbench.content.tree import Callout
-    from workbench.report.chapters import stud_tables as tables
-
-    contents = result["quantities"]
-    named = {content["fit"]["quantity"]: content for content in contents}
-    most = max(content["fit"]["tests"] for content in contents)
-    yield from _shown(
-        result,
-        f"{most} tests after pre-damage",
-        contents,
-        Callout("bad", f"GRADE: {result['grade']}"),
-        *tables.residual(contents),
-        *tables.relations(contents),
-        *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),
-    )

@@ -3,44 +3,37 @@
 The mechanical model is in `workbench.studs.mechanical`, which needs the compiled kernels.
 """
 
-from workbench.studs.factors import FactorFit, fit_factors
+from workbench.studs.factors import fit_factors
 from workbench.studs.load_slip import LAWS, BilinearLaw, OllgaardLaw, RationalLaw
-from workbench.studs.load_slip_fit import LoadSlipFit, fit_load_slip
+from workbench.studs.load_slip_fit import fit_load_slip
 from workbench.studs.quantities import summarise
 from workbench.studs.reading import examine, read_points, read_tests
 from workbench.studs.relations import RELATIONS, MechanicalCurve
 from workbench.studs.residual import Grade, ResidualFit, fit_residual
 from workbench.studs.schema import POINTS, TESTS
-from workbench.studs.series import AnnexB, evaluate_groups, evaluate_series, evaluate_table
-from workbench.studs.shear import SHEAR_MODELS, Deck, ShearModel, design_resistance, shear_model
-from workbench.studs.statistics.annex_d import D8, evaluate_d8
+from workbench.studs.series import evaluate_groups, evaluate_series, evaluate_table
+from workbench.studs.shear import SHEAR_MODELS, Deck, design_resistance, shear_model
+from workbench.studs.statistics.annex_d import evaluate_d8
 from workbench.studs.stiffness import UnloadingLaw, unloadings
 from workbench.studs.strength import StrengthFit, fit_strength
 from workbench.studs.tables import check_tables, shipped
-from workbench.studs.tension import INTERACTIONS, PowerInteraction, TrilinearInteraction
+from workbench.studs.tension import INTERACTIONS
 
 __all__ = [
-    "D8",
     "INTERACTIONS",
     "LAWS",
     "POINTS",
     "RELATIONS",
     "SHEAR_MODELS",
     "TESTS",
-    "AnnexB",
     "BilinearLaw",
     "Deck",
-    "FactorFit",
     "Grade",
-    "LoadSlipFit",
     "MechanicalCurve",
     "OllgaardLaw",
-    "PowerInteraction",
     "RationalLaw",
     "ResidualFit",
-    "ShearModel",
     "StrengthFit",
-    "TrilinearInteraction",
     "UnloadingLaw",
     "check_tables",
     "design_resistance",

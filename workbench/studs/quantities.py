@@ -157,25 +157,3 @@ def _summary(rows: pd.DataFrame) -> dict[str, float]:
         "over_steel": float(np.mean(steel)),
         "over_reduced_steel": float(np.mean(steel)) / 0.8,
     }
-
-
-def ratio_summary(table: pd.DataFrame) -> dict[str, float | int]:
-    """Mean, scatter and range of `strength_over_nominal`, and range of the means per campaign.
-
-    For sources that report only the ratio to a nominal value. Raises `InputError`.
-    """
-    rows = table[np.isfinite(table["strength_over_nominal"].to_numpy(float))]
-    if len(rows) < 2:
-        raise InputError("strength_over_nominal", len(rows), "must be given for two rows or more")
-    ratio = rows["strength_over_nominal"].astype(float)
-    means = ratio.groupby(rows["campaign"]).mean()
-    return {
-        "count": len(rows),
-        "campaigns": len(means),
-        "mean": float(ratio.mean()),
-        "variation": float(ratio.std(ddof=1) / ratio.mean()),
-        "lowest": float(ratio.min()),
-        "highest": float(ratio.max()),
-        "lowest_campaign_mean": float(means.min()),
-        "highest_campaign_mean": float(means.max()),
-    }

@@ -44,6 +44,10 @@ def _value(path: str, digits: int = 3, factor: float = 1.0) -> Finder:
     return lambda record: valued(found(record, path), digits, factor=record.get("factor", factor))
 
 
+def _plain(path: str) -> Finder:
+    return lambda record: valued(found(record, path), 3)
+
+
 def _span(path: str) -> Finder:
     return lambda record: span(found(record, path), record.get("factor", 1.0))
 
@@ -217,18 +221,15 @@ def load_slip(named: Named) -> Iterator[Block]:
             words = name.replace("_", " ") + (f" ({unit})" if unit else "")
             yield {"parameter": words, "factor": factor, "rms": content["fit"]["median_rms"], **own}
 
-    def scatter(path: str) -> Finder:
-        return lambda record: valued(found(record, path), 2)
-
     columns = (
         Column("law", width=3.0, of="name"),
         Column("parameter", width=1.7, of="parameter"),
         Column("median", True, 0.9, _value("median")),
         Column("profile interval", True, 1.5, _span("profile")),
         Column("bootstrap", True, 1.5, _span("bootstrap")),
-        Column("σ", True, 0.6, scatter("sigma.value")),
-        Column("τ", True, 0.6, scatter("tau.value")),
-        Column("misfit", True, 0.7, scatter("rms")),
+        Column("σ", True, 0.6, _plain("sigma.value")),
+        Column("τ", True, 0.6, _plain("tau.value")),
+        Column("misfit", True, 0.7, _plain("rms")),
     )
     caption = (
         "Load-slip laws: median of each parameter over the curves with its intervals, scatter of "

@@ -38,17 +38,6 @@ def stud_of(row: pd.Series) -> Stud:
     return Stud(**values, **{n: float(v) for n, v in optional.items() if np.isfinite(v)})
 
 
-def predict_rows(table: pd.DataFrame, around: Surroundings) -> pd.DataFrame:
-    """Test and prediction of every undamaged headed stud of a table that the model can answer.
-
-    Columns: campaign, specimen, and for strength (N), stiffness (secant at 40 %, N/m) and slip (m,
-    at the largest load in the test, at rupture in the model) the test, the prediction and their
-    ratio; NaN where a test does not report it.
-    """
-    rows = complete_rows(table)
-    return _compare(rows, _predictions(_studs(rows), around))
-
-
 def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
     """Undamaged headed studs with all values that the model needs. Raises `InputError`."""
     rows = undamaged_headed_studs(table)
@@ -81,6 +70,11 @@ def _observations(rows: pd.DataFrame) -> Array:
 
 
 def _compare(rows: pd.DataFrame, predicted: Array) -> pd.DataFrame:
+    """Names, and test, prediction and ratio of each quantity; NaN where a test does not report it.
+
+    Strength in N, stiffness (secant at 40 %) in N/m, slip (at the largest load in the test, at
+    rupture in the model) in m.
+    """
     observed = _observations(rows)
     columns: dict[str, Any] = {"campaign": rows["campaign"], "specimen": rows["specimen"]}
     for k, name in enumerate(OBSERVED):
@@ -113,13 +107,13 @@ class MechanicalFit:
         return f"mechanical model calibrated on {len(self.rows)} undamaged push-outs of {campaigns}"
 
     def validate(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Test and prediction of tests that the calibration has not seen (see `predict_rows`).
+        """Test and prediction of tests that the calibration has not seen (see `_compare`).
 
         Raises `InputError` when a row was used for the calibration, also under another name.
         """
         rows = complete_rows(table)
         self.identity.refuse_overlap(rows)
-        return predict_rows(rows, self.around)
+        return _compare(rows, _predictions(_studs(rows), self.around))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the rows, ready for JSON (SI)."""
