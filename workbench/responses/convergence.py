@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from workbench.errors import InputError
-from workbench.responses.least_squares import CAUTIOUS, RELIABLE, SAFE, least_squares
+from workbench.responses.least_squares import RELIABLE, best_law
 
 __all__ = ["CAUTIOUS", "SAFE", "Ladder", "ladder"]
 
+SAFE, CAUTIOUS = 1.25, 3.0  # safety factors
 ACCEPTED = (0.7, 1.1)  # observed over expected order that still counts as asymptotic
 CLIPPED = (0.8, 1.0)  # observed over expected order used for extrapolation
 LEAST = 0.5  # share of the expected order that a cautious estimate still relies on
@@ -48,11 +49,12 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
 
     Arguments: `values` from coarse to fine, each level `ratio` times finer than the one before;
     `expected_order` of the method. Four levels or more are fitted by least squares (Eca and
-    Hoekstra 2014, see `least_squares`). With three, within 0.7 to 1.1 of the expected order the
-    safety factor is 1.25 and the order, clipped to 0.8 to 1, extrapolates; outside, or with two
-    levels, the factor is 3 (Roache 1994), with an order of half the expected one to that
-    (Oberkampf and Roy 2010, section 8.6): differences that shrink faster than the method allows
-    are not asymptotic yet. Three levels that oscillate or diverge get three times their spread.
+    Hoekstra 2014, see `best_law`): factor 1.25 for a reliable power law, else 3. With three,
+    within 0.7 to 1.1 of the expected order the safety factor is 1.25 and the order, clipped to
+    0.8 to 1, extrapolates; outside, or with two levels, the factor is 3 (Roache 1994), with an
+    order of half the expected one to that (Oberkampf and Roy 2010, section 8.6): differences that
+    shrink faster than the method allows are not asymptotic yet. Three levels that oscillate or
+    diverge get three times their spread.
     Raises `InputError` for fewer than two finite values or a ratio not above 1.
     """
     levels = [float(value) for value in values]
@@ -102,22 +104,26 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
 
 
 def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
-    found = least_squares(levels, ratio, expected_order)
-    count = f"fit to {len(levels)} levels"
-    if found.reliable:
-        note = f"{count}: order {found.order:.2f}, expected {expected_order:g}"
-    elif found.order is None:
-        note = f"{count}: they follow no power law, safety factor 3"
-    elif found.scatter < 1.0:
-        note = (
-            f"{count}: order {found.order:.2f} is outside {RELIABLE[0]:g} to {RELIABLE[1]:g} of "
+    """The interval from a fit: scatter and what it misses at the finest level are added."""
+    fit, order = best_law(levels, ratio, expected_order)
+    scatter = fit.deviation * (len(levels) - 1) / (max(levels) - min(levels))
+    reliable = fit.order is not None and scatter < 1.0
+    factor = SAFE if reliable else CAUTIOUS
+    error, rest = abs(fit.finest - fit.limit), fit.deviation + abs(levels[-1] - fit.finest)
+    width = factor * error + rest if scatter < 1.0 else CAUTIOUS * scatter * (error + rest)
+    if order is None:
+        said = "they follow no power law, safety factor 3"
+    elif reliable:
+        said = f"order {order:.2f}, expected {expected_order:g}"
+    elif scatter < 1.0:
+        said = (
+            f"order {order:.2f} is outside {RELIABLE[0]:g} to {RELIABLE[1]:g} of "
             f"the expected {expected_order:g}, safety factor 3"
         )
     else:
-        note = f"{count}: they scatter more than they differ, safety factor 3 and more"
-    converging = found.order is not None and found.scatter < 1.0
+        said = "they scatter more than they differ, safety factor 3 and more"
     return Ladder(
-        *(levels[-1], found.fit.limit, found.uncertainty, note, found.order, found.factor),
-        converging=converging,
-        accepted=found.reliable,
+        *(levels[-1], fit.limit, width, f"fit to {len(levels)} levels: {said}", order, factor),
+        converging=order is not None and scatter < 1.0,
+        accepted=reliable,
     )

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 Array = NDArray[np.float64]
-SAFE, CAUTIOUS = 1.25, 3.0  # safety factors
 RELIABLE = (0.5, 1.1)  # order over the expected one; the paper: 0.5 to 2.1 for order two
 SEARCHED = (0.05, 8.0)  # orders among which a power law is sought
 POINTS = 60  # of the search, before the best of them is refined
@@ -34,33 +33,16 @@ class Fit:
     order: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class LeastSquares:
-    """The `fit` that counts, and what it says.
-
-    `order` of the best power law (None: there is none); `uncertainty`, half-width around the
-    value at the finest level; `factor`, the safety factor; `scatter`, the deviation over the mean
-    difference of two levels; `reliable`, whether the order is in the accepted range and the
-    scatter below one.
-    """
-
-    fit: Fit
-    order: float | None
-    uncertainty: float
-    factor: float
-    scatter: float
-    reliable: bool
-
-
-def least_squares(values: Sequence[float], ratio: float, expected_order: float) -> LeastSquares:
-    """Limit and uncertainty from the `values` of four levels or more, coarse to fine.
+def best_law(
+    values: Sequence[float], ratio: float, expected_order: float
+) -> tuple[Fit, float | None]:
+    """The law that counts for the `values` of four levels or more, coarse to fine.
 
     Arguments: each level is `ratio` times finer than the one before; `expected_order` q of the
     method. All laws are fitted with equal weights and with weights that grow as 1/h, and the one
     that scatters least counts: a power law if its order lies within 0.5 to 1.1 of q; above that
-    a h^q; below, or if there is none, the best of a h^q, a h^2q and a h^q + b h^2q. The safety
-    factor is 1.25 for a reliable power law, else 3; scatter and what the fit misses at the finest
-    level are added. The values must not all be equal.
+    a h^q; below, or if there is none, the best of a h^q, a h^2q and a h^q + b h^2q. Result: its
+    fit, and the order of the best power law (None: there is none).
     """
     phi = np.asarray(values, dtype=float)
     sizes = ratio ** np.arange(len(phi) - 1.0, -1.0, -1.0)
@@ -69,27 +51,15 @@ def least_squares(values: Sequence[float], ratio: float, expected_order: float) 
     free = min((law for law in laws if law), key=lambda law: law.deviation, default=None)
     order = free.order if free is not None else None
     share = order / expected_order if order is not None else 0.0
-    accepted = RELIABLE[0] <= share <= RELIABLE[1]
-    if free is not None and accepted:
-        fit = free
-    else:
-        given = ((1.0,),) if share > RELIABLE[1] else ((1.0,), (2.0,), (1.0, 2.0))
-        fits = [
-            _fitted(phi, sizes, weight, expected_order * np.array(exponents))
-            for weight in weights
-            for exponents in given
-        ]
-        fit = min(fits, key=lambda found: found.deviation)
-    between = float(np.ptp(phi)) / (len(phi) - 1)
-    scatter = fit.deviation / between
-    reliable = accepted and scatter < 1.0
-    factor = SAFE if reliable else CAUTIOUS
-    error, missed = abs(fit.finest - fit.limit), abs(float(phi[-1]) - fit.finest)
-    if scatter < 1.0:
-        width = factor * error + fit.deviation + missed
-    else:
-        width = CAUTIOUS * scatter * (error + fit.deviation + missed)
-    return LeastSquares(fit, order, width, factor, scatter, reliable)
+    if free is not None and RELIABLE[0] <= share <= RELIABLE[1]:
+        return free, order
+    given = ((1.0,),) if share > RELIABLE[1] else ((1.0,), (2.0,), (1.0, 2.0))
+    fits = [
+        _fitted(phi, sizes, weight, expected_order * np.array(exponents))
+        for weight in weights
+        for exponents in given
+    ]
+    return min(fits, key=lambda found: found.deviation), order
 
 
 def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
@@ -102,10 +72,8 @@ def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
     best = int(np.argmin([deviation(float(p)) for p in tried]))
     if best in (0, POINTS - 1):
         return None
-    found = minimize_scalar(
-        deviation, bounds=(tried[best - 1], tried[best + 1]), method="bounded",
-        options={"xatol": 1e-10},
-    )  # fmt: skip
+    bounds, fine = (tried[best - 1], tried[best + 1]), {"xatol": 1e-10}
+    found = minimize_scalar(deviation, bounds=bounds, method="bounded", options=fine)
     return _fitted(phi, sizes, weights, np.array([float(found.x)]), free=True)
 
 
