@@ -443,10 +443,10 @@ def test_batch_gives_the_numbers_of_single_runs(thesis_impact) -> None:
     peaks = model.simulate_many(scenarios)
     for row in (0, 1, 3):
         response = model.simulate(scenarios[row])
-        assert peaks.failures[row] == ""
-        for name in peaks._fields[:5]:
-            value = getattr(peaks, name)[row]
+        assert peaks.failure[row] == ""
+        for name in peaks.columns[:5]:
+            value = peaks[name][row]
             assert (float(response[name]) == value) if name in response else np.isnan(value)
-    assert "collapse" in peaks.failures[2]
-    assert "Euler load" in peaks.failures[4]
+    assert "collapse" in peaks.failure[2]
+    assert "Euler load" in peaks.failure[4]
     assert np.isnan(peaks.impulse[2])

@@ -44,18 +44,18 @@ class Hinges(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def capacity(n: float, alpha: float, beta: float) -> float:
+def capacity(n, alpha, beta):
     """Moment capacity m(n) = (1 - n^beta)^(1/alpha) per unit plastic moment, 0 <= n <= 1."""
     if n >= 1.0:
         return 0.0
     if n <= 0.0:
         return 1.0
     # -expm1(beta ln n) is 1 - n^beta without cancellation near n = 1
-    return (-np.expm1(beta * np.log(n))) ** (1.0 / alpha)  # type: ignore[no-any-return]
+    return (-np.expm1(beta * np.log(n))) ** (1.0 / alpha)
 
 
 @njit(cache=True, error_model="numpy")
-def on_curve(z: float) -> tuple[float, float]:
+def on_curve(z):
     """sin^2 t and cos^2 t for z = ln tan t."""
     w = np.exp(-2.0 * abs(z))
     big = 1.0 / (1.0 + w)
@@ -65,16 +65,14 @@ def on_curve(z: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def first_on_curve(n: float, m: float, alpha: float, beta: float) -> float:
+def first_on_curve(n, m, alpha, beta):
     """Where the ray through (n, m) meets the quarter curve, roughly: z to start from."""
-    z: float = 0.5 * (beta * np.log(n) - alpha * np.log(m))
+    z = 0.5 * (beta * np.log(n) - alpha * np.log(m))
     return min(max(z, -300.0), 300.0)
 
 
 @njit(cache=True, error_model="numpy")
-def newton_in_bracket(
-    x: float, value: float, slope: float, low: float, high: float
-) -> tuple[float, float, float, bool]:
+def newton_in_bracket(x, value, slope, low, high):
     """Next x towards the root of a function that rises through zero between `low` and `high`.
 
     Newton's x, or the middle where that leaves the bracket; the bracket that is left; whether x
@@ -92,14 +90,14 @@ def newton_in_bracket(
 
 
 @njit(cache=True, error_model="numpy")
-def _moment(hinges: Hinges, trial: Vector, i: int) -> tuple[float, float]:
+def _moment(hinges, trial, i):
     """Magnitude of the trial moment of hinge i, and the plastic moment of its sign."""
     M = trial[i + 1]
     return abs(M), hinges.plastic_moments[i, 0 if M >= 0.0 else 1]
 
 
 @njit(cache=True, error_model="numpy")
-def project(hinges: Hinges, trial: Vector, stress: Vector, tangent: Matrix) -> int:
+def project(hinges, trial, stress, tangent):
     """Project trial forces onto the yield surface; write forces and consistent tangent.
 
     `trial` (1 + hinges,): elastic trial N and M_i. Writes `stress` (1 + hinges,) and `tangent`
@@ -201,7 +199,7 @@ def project(hinges: Hinges, trial: Vector, stress: Vector, tangent: Matrix) -> i
 
 
 @njit(cache=True, error_model="numpy")
-def _axis_point(hinges: Hinges, Np: float, trial: Vector, stress: Vector, tangent: Matrix) -> int:
+def _axis_point(hinges, Np, trial, stress, tangent):
     """N = 0, full plastic moments: corner of the surface (beta = 1) or smooth axis point."""
     k, beta = hinges.rotational_stiffness, hinges.beta
     stress[0] = 0.0
@@ -224,7 +222,7 @@ def _axis_point(hinges: Hinges, Np: float, trial: Vector, stress: Vector, tangen
 
 
 @njit(cache=True, error_model="numpy")
-def _apex(hinges: Hinges, Np: float, trial: Vector, stress: Vector, tangent: Matrix) -> int:
+def _apex(hinges, Np, trial, stress, tangent):
     """|N| = N_p, no moment: corner of the surface (alpha = 1) or smooth apex."""
     k, alpha = hinges.rotational_stiffness, hinges.alpha
     stress[0] = np.copysign(Np, trial[0])

@@ -61,7 +61,7 @@ class End(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def _end(pair: Pair, h: int, e: Vector) -> End:
+def _end(pair, h, e):
     """Hinge 1 (h = 0) or hinge 4 (h = 1) of the pair."""
     Np, low, high = pair.bounds[h, 0 if e[0] >= 0.0 else 1], -pair.bounds[h, 3], pair.bounds[h, 2]
     alpha, beta = pair.exponents[h]
@@ -69,7 +69,7 @@ def _end(pair: Pair, h: int, e: Vector) -> End:
 
 
 @njit(cache=True, error_model="numpy")
-def _clipped(end: End, share: float) -> tuple[float, float, bool]:
+def _clipped(end, share):
     """Moment, plastic rotation and whether it is at a bound, of one hinge by itself."""
     moment, low, high = end.e / end.f, end.low * share, end.high * share
     if moment > high or moment < low:
@@ -79,9 +79,7 @@ def _clipped(end: End, share: float) -> tuple[float, float, bool]:
 
 
 @njit(cache=True, error_model="numpy")
-def moments_in_box(
-    one: End, four: End, f14: float, share1: float, share4: float
-) -> tuple[float, float, float, float, bool, bool]:
+def moments_in_box(one, four, f14, share1, share4):
     """Moments that minimise (e - f M) f^-1 (e - f M) / 2 between bounds; pinned ends carry none.
 
     The bounds are the `share` of the plastic moments. Result: both moments, the plastic rotations
@@ -130,9 +128,7 @@ def moments_in_box(
 
 
 @njit(cache=True, error_model="numpy")
-def _moment_block(
-    f11: float, f14: float, f44: float, fixed1: bool, fixed4: bool, tangent: Matrix
-) -> None:
+def _moment_block(f11, f14, f44, fixed1, fixed4, tangent):
     """Write the tangent of the moments that are not fixed while N is."""
     if not (fixed1 or fixed4):
         determinant = f11 * f44 - f14 * f14
@@ -146,9 +142,7 @@ def _moment_block(
 
 
 @njit(cache=True, error_model="numpy")
-def _slope(
-    end: End, r: float, N: float, power: float, rest: float, m: float
-) -> tuple[float, float]:
+def _slope(end, r, N, power, rest, m):
     """|d(M_p m)/dN| of a hinge, and the ratio of the second derivative to it, times N.
 
     `power` is n^beta, `rest` is 1 - n^beta, `m` its capacity; the sign of `r` chooses M_p.
@@ -159,7 +153,7 @@ def _slope(
 
 
 @njit(cache=True, error_model="numpy")
-def _push_at_axis(end: End, M: float, r: float) -> tuple[float, float]:
+def _push_at_axis(end, M, r):
     """What a hinge at its plastic moment pushes on N = 0, and its curvature there."""
     slope = abs(M) / (end.alpha * end.Np)
     push = slope * abs(r) if end.beta == 1.0 else 0.0
@@ -169,9 +163,7 @@ def _push_at_axis(end: End, M: float, r: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def _at_axis(
-    pair: Pair, one: End, four: End, e: Vector, forces: Vector, tangent: Matrix, flow: Vector
-) -> bool:
+def _at_axis(pair, one, four, e, forces, tangent, flow):
     """N = 0 with full plastic moments, if the minimiser is there."""
     f_n, f11, f14, f44 = pair.flexibility
     m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, 1.0, 1.0)
@@ -189,7 +181,7 @@ def _at_axis(
 
 
 @njit(cache=True, error_model="numpy")
-def _push_at_apex(end: End, N: float, m: float, r: float, at: bool) -> tuple[bool, float, bool]:
+def _push_at_apex(end, N, m, r, at):
     """At N = N_p of the weaker hinge: whether this one is admitted, what it pushes on N.
 
     Further whether its moment is fixed.
@@ -207,7 +199,7 @@ def _push_at_apex(end: End, N: float, m: float, r: float, at: bool) -> tuple[boo
 
 
 @njit(cache=True, error_model="numpy")
-def _softening(end: End, N: float, total: float) -> float:
+def _softening(end, N, total):
     """Flexibility that the curvature of the surface adds at a smooth apex (inf: M is fixed)."""
     if end.pinned or end.Np > N or end.alpha > 2.0:
         return 0.0
@@ -217,9 +209,7 @@ def _softening(end: End, N: float, total: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _at_apex(
-    pair: Pair, one: End, four: End, e: Vector, forces: Vector, tangent: Matrix, flow: Vector
-) -> bool:
+def _at_apex(pair, one, four, e, forces, tangent, flow):
     """|N| = N_p of the weaker hinge, if the minimiser is there."""
     f_n, f11, f14, f44 = pair.flexibility
     N = min(one.Np, four.Np)
@@ -244,7 +234,7 @@ def _at_apex(
 
 
 @njit(cache=True, error_model="numpy")
-def project_pair(pair: Pair, e: Vector, forces: Vector, tangent: Matrix, flow: Vector) -> int:
+def project_pair(pair, e, forces, tangent, flow):
     """Project elastic trial deformations of two hinges and a bar onto both yield surfaces.
 
     Elastic trial deformations `e` (3,): elongation (m), end rotations. Writes `forces` (3,):

@@ -14,17 +14,7 @@ from workbench.scenarios import Column
 Array = NDArray[np.float64]
 
 
-class Groups(NamedTuple):
-    """A mechanism as the kernels take it; `K`: elastic moment of each group per displacement."""
-
-    s: Array
-    K: Array
-    phi: Array
-    kappa: float
-    Mp: float
-    Np: float
-    N0: float
-    c_ax: float
+Groups = tuple[Array, Array, Array, float, float, float, float, float]
 
 
 class Mechanism(NamedTuple):
@@ -58,14 +48,9 @@ class Mechanism(NamedTuple):
 
     @property
     def kernel(self) -> Groups:
-        """The numbers as the kernels take them."""
-        return Groups(
-            self.rotation_rates,
-            self.moments_per_displacement,
-            self.flexibilities,
-            self.slope_sum,
-            *self[4:],
-        )
+        """What the kernels take: s, K, phi, kappa, M_p, N_p, N_0, c_ax."""
+        moments, kappa = self.moments_per_displacement, self.slope_sum
+        return self.rotation_rates, moments, self.flexibilities, kappa, *self[4:]
 
 
 def mechanism_of(column: Column, rotational_stiffness: float = 6.0) -> Mechanism:

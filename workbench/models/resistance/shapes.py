@@ -154,6 +154,7 @@ def cubic(m: Groups) -> Pieces:
     A reconstruction: the source names it and shows its curve, and of several dozen definitions
     that give the published peaks this is one.
     """
+    s, _, _, kappa, Mp, Np, _, _ = m
     F0, ke, vy, vb, v_nd, v_c = simplified_points(m)
     pieces = np.zeros(4, PIECE)
     put(pieces, 0, events.START, 0.0, (0.0, ke, 0.0))
@@ -161,8 +162,8 @@ def cubic(m: Groups) -> Pieces:
     put(pieces, 2, events.LAST, vb, (F0, 0.0, 0.0))
     if v_c == np.inf:
         return pieces[:3]
-    x1, x2, plateau = v_nd - vb, v_c - vb, m.kappa * m.Np
-    rise1, rise2 = np.sum(m.s) * m.Mp - F0, plateau * v_c - F0
+    x1, x2, plateau = v_nd - vb, v_c - vb, kappa * Np
+    rise1, rise2 = np.sum(s) * Mp - F0, plateau * v_c - F0
     c1, c3 = 0.0, rise2 / x2**3
     if x1 >= 1e-9:
         slope1, slope2 = rise1 / x1, rise2 / x2

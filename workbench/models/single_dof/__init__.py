@@ -1,5 +1,5 @@
 """Single-degree-of-freedom column (Heng 2017, section 5.2; Paper II of the thesis)."""
 
-from workbench.models.single_dof.model import Peaks, SingleDof
+from workbench.models.single_dof.model import SingleDof
 
-__all__ = ["Peaks", "SingleDof"]
+__all__ = ["SingleDof"]

@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
@@ -43,21 +44,7 @@ _LONGEST_STEP = 1e-4  # s
 _FEWEST_STEPS = 200
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
-
-
-class Peaks(NamedTuple):
-    """Results of a batch, one entry per scenario; NaN where a case gives no such number.
-
-    Displacements in m, times in s, forces in N; `failures` says why a case gave no number
-    ("" for a case that did).
-    """
-
-    peak_displacement: Array
-    time_of_peak: Array
-    residual_displacement: Array
-    peak_force: Array
-    impulse: Array
-    failures: tuple[str, ...]
+_BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
 class _Run(NamedTuple):
@@ -130,26 +117,22 @@ class SingleDof(Declared, table="option"):
         """Answer a column pushover or a column impact."""
         return respond(self, scenario, self._solve)
 
-    def simulate_many(self, scenarios: Sequence[ColumnImpact]) -> Peaks:
+    def simulate_many(self, scenarios: Sequence[ColumnImpact]) -> pd.DataFrame:
         """Scalars of many impacts, the same numbers as `simulate` gives, without histories.
 
-        Findings of the domain are not collected; a refusal or failure is told in `failures`.
+        One row per scenario: peak and residual displacement (m), time of the peak (s), peak force
+        (N) and impulse (N s), NaN where a case gives no such number; `failure`, why a case gave
+        none ("" for one that did). Warnings of the domain are not collected.
         """
-        numbers = np.full((len(scenarios), 5), np.nan)
-        failures = []
-        for row, scenario in zip(numbers, scenarios, strict=True):
-            refusals = [f.text for f in self.domain(scenario) if f.refusal]
-            failures.append("; ".join(refusals))
-            if refusals:
-                continue
+        rows: list[dict[str, Any]] = []
+        for scenario in scenarios:
+            refusals = [str(finding) for finding in self.domain(scenario) if finding.refusal]
+            rows.append({"failure": "; ".join(refusals)})
             try:
-                values = _scalars(scenario, self._march(scenario))
+                rows[-1] |= {} if refusals else _scalars(scenario, self._march(scenario))
             except (OutOfDomainError, SolverError) as error:
-                failures[-1] = str(error)
-                continue
-            row[:] = [values.get(name, np.nan) for name in Peaks._fields[:5]]
-        peak, time, residual, force, impulse = numbers.T
-        return Peaks(peak, time, residual, force, impulse, tuple(failures))
+                rows[-1]["failure"] = str(error)
+        return pd.DataFrame(rows, columns=[*_BATCH, "failure"])
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
