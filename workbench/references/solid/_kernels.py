@@ -4,6 +4,8 @@ Tensors are in the components (11, 22, 12), strains with the engineering shear 2
 gradients and their derivatives are ordered (11, 12, 21, 22).
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -11,6 +13,26 @@ RETURN_ITERATIONS = 50
 CLOSED = 2e-15  # of the yield stress: round-off; the iteration comes from below
 SQUEEZED = 0.2  # share of its area below which a point resists being squeezed to nothing
 SQUEEZE_STIFFNESS = 0.002  # over Young's modulus
+
+
+class Tables(NamedTuple):
+    """Elements of a mesh.
+
+    `gradients` (elements, points, nodes, 2); `weights` (elements, points), thickness times area;
+    `dofs` (elements, 2 nodes).
+    """
+
+    gradients: Any
+    weights: Any
+    dofs: Any
+
+
+class State(NamedTuple):
+    """State of all points: `plastic` strain and `stress` (elements, points, 3), `hardened` by."""
+
+    plastic: Any
+    hardened: Any
+    stress: Any
 
 
 @njit(cache=True, error_model="numpy")
@@ -170,18 +192,14 @@ def point(F, plastic0, hardened0, steel, strain, plastic1, stress, P, A, work):
 
 
 @njit(cache=True, error_model="numpy")
-def elements(
-    gradients, weights, dofs, u, steel, plastic0, hardened0,
-    plastic1, hardened1, strain, stress, force, stiffness,
-):  # fmt: skip
+def elements(tables, u, steel, old, new, strain, force, stiffness):
     """Forces and stiffness of all elements.
 
-    Arguments: gradients (elements, points, nodes, 2), weights (elements, points) holding
-    thickness times area, dofs (elements, 2 nodes), displacements u, steel (E, nu, fy, H) and the
-    committed state. Results: new state, Biot strain and stress (elements, points, 3), force
-    (elements, 2 nodes), stiffness (elements, 2 nodes, 2 nodes). Returns False if a point has no
-    answer.
+    Arguments: `tables`, displacements u, steel (E, nu, fy, H) and the committed state `old`.
+    Results: state `new`, Biot strain (elements, points, 3), force (elements, 2 nodes), stiffness
+    (elements, 2 nodes, 2 nodes). Returns False if a point has no answer.
     """
+    gradients, weights, dofs = tables
     count, points, nodes, _ = gradients.shape
     F, P, A = np.empty(4), np.empty(4), np.empty((4, 4))
     work, half = np.empty((3, 8)), np.empty((4, 2))
@@ -198,12 +216,12 @@ def elements(
                 F[2] += uy * g0
                 F[3] += uy * g1
             value = point(
-                F, plastic0[e, g], hardened0[e, g], steel,
-                strain[e, g], plastic1[e, g], stress[e, g], P, A, work,
-            )  # fmt: skip
+                *(F, old.plastic[e, g], old.hardened[e, g], steel),
+                *(strain[e, g], new.plastic[e, g], new.stress[e, g], P, A, work),
+            )
             if not np.isfinite(value):
                 return False
-            hardened1[e, g] = value
+            new.hardened[e, g] = value
             w = weights[e, g]
             for n in range(nodes):
                 g0, g1 = w * gradients[e, g, n, 0], w * gradients[e, g, n, 1]

@@ -44,10 +44,12 @@ class SolidAssembly:
         self.force = np.zeros(mesh.size)
         self.dissipated = 0.0
         tensor = (elements, points, 3)
-        self._plastic, self._hardened = np.zeros(tensor), np.zeros(tensor[:2])
-        self._stress = np.zeros(tensor)
-        self._new_plastic, self._new_hardened = np.zeros(tensor), np.zeros(tensor[:2])
-        self._new_stress, self._strain = np.zeros(tensor), np.zeros(tensor)
+        self._tables = _kernels.Tables(mesh.gradients, mesh.weights, mesh.dofs)
+        self._old, self._new = (
+            _kernels.State(np.zeros(tensor), np.zeros(tensor[:2]), np.zeros(tensor))
+            for _ in range(2)
+        )
+        self._strain = np.zeros(tensor)
         self._element_force = np.zeros((elements, nodal))
         self._element_stiffness = np.zeros((elements, nodal, nodal))
         self._data = np.zeros(0)
@@ -59,10 +61,9 @@ class SolidAssembly:
         """
         mesh, supports = self.mesh, self.supports
         possible = _kernels.elements(
-            mesh.gradients, mesh.weights, mesh.dofs, supports.expand(q), self.steel,
-            self._plastic, self._hardened, self._new_plastic, self._new_hardened,
-            self._strain, self._new_stress, self._element_force, self._element_stiffness,
-        )  # fmt: skip
+            *(self._tables, supports.expand(q), self.steel, self._old, self._new),
+            *(self._strain, self._element_force, self._element_stiffness),
+        )
         if not possible:
             return np.full(supports.unknowns, np.nan)
         self.force = gathered(mesh.dofs.ravel(), self._element_force.ravel(), mesh.size)
@@ -105,22 +106,20 @@ class SolidAssembly:
     @property
     def stress(self) -> Array:
         """Biot stress (elements, points, 3) of the last evaluation, squeeze guard left out."""
-        return self._new_stress
+        return np.asarray(self._new.stress)
 
     def commit(self, q: Array) -> None:
         """Accept the state of the last evaluation, which was at q."""
-        plastic_step = self._new_plastic - self._plastic
-        mean = 0.5 * (self._stress + self._new_stress)
+        plastic_step = self._new.plastic - self._old.plastic
+        mean = 0.5 * (self._old.stress + self._new.stress)
         self.dissipated += self._integrate(np.sum(mean * plastic_step, axis=2))
         self.q = q.copy()
-        self._plastic, self._new_plastic = self._new_plastic, self._plastic
-        self._hardened, self._new_hardened = self._new_hardened, self._hardened
-        self._stress, self._new_stress = self._new_stress, self._stress
+        self._old, self._new = self._new, self._old
 
     def stored(self) -> float:
         """Elastic energy of the committed state, spring and squeeze guard included, in J."""
         modulus = self.steel[0]
-        t1, t2, t3 = np.moveaxis(self._stress, 2, 0)
+        t1, t2, t3 = np.moveaxis(self._old.stress, 2, 0)
         density = 0.5 / modulus * (t1**2 + t2**2 - 2 * POISSON * t1 * t2)
         density += (1.0 + POISSON) / modulus * t3**2
         squeezed = np.maximum(np.log(_kernels.SQUEEZED / self._area_ratio()), 0.0)
