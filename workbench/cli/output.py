@@ -6,7 +6,7 @@ import functools
 import inspect
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
@@ -68,19 +68,6 @@ def print_json(content: Any) -> None:
     """Print one JSON object on the output stream. NaN is refused, not printed."""
     json.dump(content, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write("\n")
-
-
-def print_table(rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> None:
-    """Print rows in aligned columns, two spaces apart."""
-    texts = [[str(cell) for cell in row] for row in ([header, *rows] if header else rows)]
-    if not texts:
-        return
-    widths = [max(len(row[i]) for row in texts) for i in range(len(texts[0]))]
-    for number, row in enumerate(texts):
-        line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        print(line.rstrip())
-        if header and number == 0:
-            print("  ".join("-" * width for width in widths))
 
 
 def quantity(value: float | None, unit: str, width: float | None = 0.0) -> str:
