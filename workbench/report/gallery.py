@@ -17,28 +17,22 @@ from workbench.scenarios import StudTests
 from workbench.study.definition import Case, Figure, Study
 
 # Figures that every report has; a study that names one of the kind draws its own instead.
-_STANDARD = (
-    Figure(
-        "structure",
-        "structure",
+_STANDARD = {
+    "structure": (
         "The structure",
         "To scale, with supports, loads and what hits it; the cross section is enlarged.",
     ),
-    Figure(
-        "convergence",
-        "convergence",
+    "convergence": (
         "Refinement of the reference",
         "Values of the reference at each level of its ladder, the value extrapolated to element "
         "size zero, and the interval that the grid convergence index leaves around the finest.",
     ),
-    Figure(
-        "cost",
-        "cost",
+    "cost": (
         "Cost against error",
         "Wall time of one case on one core, after compilation, against the magnitude of the "
         "deviation from the reference. Further down is more accurate, further left is cheaper.",
     ),
-)
+}
 
 
 @dataclass(frozen=True)
@@ -85,25 +79,20 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
     Raises `InputError` for keys that stand twice or are no file names.
     """
     kinds = {figure.kind for figure in study.figures}
-    added = [
-        figure
-        for figure in _STANDARD
-        if figure.kind not in kinds
-        and (figure.kind != "convergence" or len(study.steps) > 1)
-        and (figure.kind != "structure" or not all(_is_of_studs(case) for case in study.cases))
-    ]
-    first = [figure for figure in added if figure.kind == "structure"]
-    rest = [figure for figure in added if figure.kind != "structure"]
-    whole = (*first, *study.figures, *rest)
+    members = any(not isinstance(case.scenario, StudTests) for case in study.cases)
+    wanted = {"structure": members, "convergence": len(study.steps) > 1, "cost": True}
+    own = {
+        kind: Figure(kind, kind, *words)
+        for kind, words in _STANDARD.items()
+        if wanted[kind] and kind not in kinds
+    }
+    front = [own.pop("structure")] if "structure" in own else []
+    whole = (*front, *study.figures, *own.values())
     keys = [figure.key for figure in whole]
     for key in keys:
         if keys.count(key) > 1 or not key.replace("-", "").replace("_", "").isalnum():
             raise InputError("figure.key", key, "must be unique letters, digits, - and _")
     return whole
-
-
-def _is_of_studs(case: Case) -> bool:
-    return isinstance(case.scenario, StudTests)
 
 
 def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:

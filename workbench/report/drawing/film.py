@@ -64,25 +64,18 @@ class _Panel:
         shapes, curves = self.shapes, self.curves(snapshot)
         circles = []
         if shapes.hinges:
-            places = hinge_places(curves, _GAP)
-            circles = [
-                _circle(*each) for each in zip(places, shapes.used[:, snapshot], strict=True)
-            ]
-        held = {
-            kind: [
-                self.place(complex(node.x, node.y))
-                for node in shapes.frame.nodes
-                if node.support != "free" and (node.support == "clamped") is kind
-            ]
-            for kind in (True, False)
-        }
+            places, used = hinge_places(curves, _GAP), shapes.used[:, snapshot]
+            circles = [_circle(*each) for each in zip(places, used, strict=True)]
         return {
             "label": self.label,
             "words": self.words(snapshot),
             "left": self.pixel.real - 4.0,
             "rest": "".join(_path(curve[[0, -1]]) for curve in self.place(shapes.rest)),
-            "clamped": held[True],
-            "pinned": held[False],
+            "held": [
+                (self.place(complex(node.x, node.y)), node.support == "clamped")
+                for node in shapes.frame.nodes
+                if node.support != "free"
+            ],
             "arrow": self.arrow(),
             "members": [_path(curve) for curve in curves],
             "circles": circles,

@@ -8,26 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import brief
+from workbench.report.drawing import symbols
 from workbench.report.drawing.layout import Layout
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
-from workbench.report.drawing.symbols import (
-    DOWN,
-    LEFT,
-    RIGHT,
-    SMALL,
-    arrow,
-    circle,
-    face,
-    ground,
-    guide,
-    hinge_support,
-    line,
-    note,
-    roller,
-    spiral,
-    spring,
-    turning,
-)
 from workbench.scenarios import Frame, Load, Member, Node
 from workbench.sections import Section
 
@@ -75,39 +58,39 @@ def _member(panel: Axes, layout: Layout, member: Member, color: str) -> None:
     end = layout.edge(member.end, along)
     outline = [start - across, start + across, end + across, end - across]
     # the face hides the outlines of members that pass through it: what is left is the contour
-    face(panel, outline, 1.5, facecolor=INK, linewidth=1.6)
-    face(panel, outline, 1.6, facecolor=color, edgecolor="none")
+    symbols.face(panel, outline, 1.5, facecolor=INK, linewidth=1.6)
+    symbols.face(panel, outline, 1.6, facecolor=color, edgecolor="none")
 
 
 def joint_mark(panel: Axes, at: complex, joint: str) -> None:
     """A white circle for a pinned joint, a diamond for one with properties of its own."""
     if joint == "pinned":
-        circle(panel, at, 0.042, 4)
+        symbols.circle(panel, at, 0.042, 4)
     else:
-        face(panel, at + _DIAMOND * np.array([-1.0, 1j, 1.0, -1j]), 4)
+        symbols.face(panel, at + _DIAMOND * np.array([-1.0, 1j, 1.0, -1j]), 4)
 
 
 def _support(panel: Axes, layout: Layout, node: Node) -> None:
     at, kind, name = layout.at(node.name), node.support, node.name
     if kind == "clamped":
-        ground(panel, at, layout.outward(name), 1.2 * _SUPPORT)
+        symbols.ground(panel, at, layout.outward(name), 1.2 * _SUPPORT)
     elif kind == "pinned":
-        hinge_support(panel, at, layout.outward(name, "y"), _SUPPORT, rolls=False)
+        symbols.hinge_support(panel, at, layout.outward(name, "y"), _SUPPORT, rolls=False)
     elif kind.startswith("roller"):
         out = layout.outward(name, "y" if kind == "roller-x" else "x")
         if out.imag:
-            hinge_support(panel, at, out, _SUPPORT, rolls=True)
+            symbols.hinge_support(panel, at, out, _SUPPORT, rolls=True)
         else:
-            roller(panel, layout.edge(name, out), out, _SUPPORT)
+            symbols.roller(panel, layout.edge(name, out), out, _SUPPORT)
     elif kind.startswith("guide"):
         out = layout.outward(name, kind[-1])
-        guide(panel, at, out, layout.half_depth(name, 1j * out), _SUPPORT)
+        symbols.guide(panel, at, out, layout.half_depth(name, 1j * out), _SUPPORT)
     if node.locked != "none":
         out = layout.outward(name, node.locked)
         end = layout.edge(name, out, 0.03)
-        ground(panel, end, out, 1.2 * _SUPPORT)
+        symbols.ground(panel, end, out, 1.2 * _SUPPORT)
         beside = complex(0.26 - 0.2 * abs(out.real), 0.12 * out.imag)
-        note(panel, end + beside, "held once loaded", MUTED)
+        symbols.note(panel, end + beside, "held once loaded", MUTED)
 
 
 def _springs(panel: Axes, layout: Layout, node: Node) -> None:
@@ -121,19 +104,19 @@ def _springs(panel: Axes, layout: Layout, node: Node) -> None:
         start = layout.edge(node.name, out) + aside
         end = start + 0.6 * out
         if aside:
-            line(panel, [complex(at.real, start.imag), start])
-        spring(panel, start, end, 0.13)
-        ground(panel, end, out, 0.9 * _SUPPORT)
+            symbols.line(panel, [complex(at.real, start.imag), start])
+        symbols.spring(panel, start, end, 0.13)
+        symbols.ground(panel, end, out, 0.9 * _SUPPORT)
         middle, text = 0.5 * (start + end), f"{brief(stiffness / 1e6)} kN/mm"
         if axis == "y":
-            note(panel, middle + 0.12, text, ha="left")
+            symbols.note(panel, middle + 0.12, text, ha="left")
         else:
-            note(panel, middle + 0.16j, text, ha="center")
+            symbols.note(panel, middle + 0.16j, text, ha="center")
     if node.spring_rotation:
-        spiral(panel, at, 0.2)
-        right, low = (layout.half_depth(node.name, side) for side in (RIGHT, DOWN))
+        symbols.spiral(panel, at, 0.2)
+        right, low = (layout.half_depth(node.name, side) for side in (symbols.RIGHT, symbols.DOWN))
         text = f"{brief(node.spring_rotation / 1e3)} kN m/rad"
-        note(panel, at + complex(right + 0.05, -low - 0.23), text)
+        symbols.note(panel, at + complex(right + 0.05, -low - 0.23), text)
 
 
 def _masses(panel: Axes, layout: Layout) -> None:
@@ -141,14 +124,14 @@ def _masses(panel: Axes, layout: Layout) -> None:
     alike = len({(node.mass, node.rotary_inertia) for node in heavy}) == 1 and len(heavy) > _MANY
     for node in heavy:
         dot: Style = {"facecolor": INK, "edgecolor": "white", "linewidth": 0.6}
-        circle(panel, layout.at(node.name), 0.075 * layout.small, 4.5, **dot)
+        symbols.circle(panel, layout.at(node.name), 0.075 * layout.small, 4.5, **dot)
         if alike and node is not heavy[0]:
             continue
         values = ((node.mass, "kg"), (node.rotary_inertia, "kg m²"))
         text = ", ".join(f"{brief(value)} {unit}" for value, unit in values if value)
         # left of and below the node: loads, their values and the node's name stand elsewhere
-        at = layout.edge(node.name, LEFT, 0.05) - 0.21j
-        note(panel, at, f"each {text}" if alike else text, ha="right")
+        at = layout.edge(node.name, symbols.LEFT, 0.05) - 0.21j
+        symbols.note(panel, at, f"each {text}" if alike else text, ha="right")
 
 
 def _dead_loads(panel: Axes, layout: Layout) -> None:
@@ -173,7 +156,7 @@ def load_arrows(
         out = np.sign(value) * axis
         end = layout.edge(load.node, -out, 0.01 + away)
         start = end - ARROW * layout.small * out
-        arrow(panel, start, end, color)
+        symbols.arrow(panel, start, end, color)
         text = words.format(f"{brief(abs(value) / 1e3)} kN")
         if out.imag:
             # the spring stands on the right
@@ -181,20 +164,20 @@ def load_arrows(
             # a value that stands for all arrows has its place above the highest one
             high = 0.1 if words.startswith("each") else 0.07 * out.imag
             at = start + complex(-0.06 if left else 0.06, high)
-            note(panel, at, text, color, ha="right" if left else "left")
+            symbols.note(panel, at, text, color, ha="right" if left else "left")
         else:
-            note(panel, 0.5 * (start + end) - 0.1 * out + 0.1j, text, color, ha="center")
+            symbols.note(panel, 0.5 * (start + end) - 0.1 * out + 0.1j, text, color, ha="center")
     if load.moment:
         at = layout.at(load.node)
-        turning(panel, at, 0.3, color, counterclockwise=load.moment > 0.0)
+        symbols.turning(panel, at, 0.3, color, counterclockwise=load.moment > 0.0)
         text = words.format(f"{brief(abs(load.moment) / 1e3)} kN m")
-        note(panel, at + 0.2 + 0.14j, text, color)
+        symbols.note(panel, at + 0.2 + 0.14j, text, color)
 
 
 def _name(panel: Axes, layout: Layout, node: Node) -> None:
-    right, low = (layout.half_depth(node.name, side) for side in (RIGHT, DOWN))
-    below = node.support == "free" or layout.outward(node.name) != DOWN
-    rolls = node.support == "roller-y" and layout.outward(node.name, "x") == RIGHT
+    right, low = (layout.half_depth(node.name, side) for side in (symbols.RIGHT, symbols.DOWN))
+    below = node.support == "free" or layout.outward(node.name) != symbols.DOWN
+    rolls = node.support == "roller-y" and layout.outward(node.name, "x") == symbols.RIGHT
     beside = 0.26 if rolls or node.support.startswith("guide") else 0.05
     at = layout.at(node.name) + complex(right + beside, -low - 0.08 if below else 0.09)
-    note(panel, at, node.name, MUTED, fontsize=SMALL - 1.0, zorder=3)
+    symbols.note(panel, at, node.name, MUTED, fontsize=symbols.SMALL - 1.0, zorder=3)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import Look, entry, numbered
@@ -44,15 +45,10 @@ def measured(request: Request, case: Case, part: str) -> pd.DataFrame:
     return table_of(None if response is None else content_of(response).get(part))
 
 
-def campaign_looks(names: Iterable[str]) -> dict[str, Look]:
-    """The look of every campaign, in the order in which they appear; open markers."""
+def campaign_looks(names: Iterable[str], *, filled: bool = False) -> dict[str, Look]:
+    """The look of every campaign, in the order in which they appear; markers open or `filled`."""
     looks = {name: numbered(i) for i, name in enumerate(dict.fromkeys(names))}
-    return {name: look._replace(filled=False, size=_SIZE) for name, look in looks.items()}
-
-
-def filled(look: Look) -> Look:
-    """The look of tests that no fit had seen."""
-    return look._replace(filled=True)
+    return {name: look._replace(filled=filled, size=_SIZE) for name, look in looks.items()}
 
 
 def draw_tests(
@@ -73,3 +69,19 @@ def draw_tests(
 def test_entries(looks: Mapping[str, Look], what: str, **style: Any) -> list[Any]:
     """Legend entries of campaigns, such as ``mcgarraugh1971, unseen``."""
     return [entry(f"{name}, {what}", **look.points(**style)) for name, look in looks.items()]
+
+
+def draw_band(panel: Axes, table: pd.DataFrame, x: str, y: str, color: str) -> None:
+    """A curve of a table with the band between its columns `low` and `high`, if it has them."""
+    panel.plot(table[x], table[y], color=color, linewidth=1.8, zorder=4)
+    if "low" in table and table["low"].notna().any():
+        band = panel.fill_between(table[x], table["low"], table["high"], color=color, alpha=0.18)
+        band.set(linewidth=0.0, zorder=1)
+
+
+def band_entries(color: str, line: str, band: str) -> list[Any]:
+    """Legend entries of a curve and of its band."""
+    return [
+        entry(line, color=color, linewidth=1.8),
+        Patch(color=color, alpha=0.18, linewidth=0.0, label=band),
+    ]

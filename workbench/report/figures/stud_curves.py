@@ -9,18 +9,15 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch
 
 from workbench.content.formatting import number, percent
+from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import MILLI, Content, contents, measured, table_of
 from workbench.report.drawing.style import PALETTE, Style, entry, numbered
 from workbench.study.definition import Case
 
 _LARGEST_SLIP = 10.0  # mm
 _LAW = PALETTE[0]
-_MEDIAN: Style = {"color": _LAW, "linewidth": 1.8}
-_BAND: Style = {"color": _LAW, "alpha": 0.18, "linewidth": 0.0}
 # no lines: some curves have nothing between half of the load and the peak
 _FITTED: Style = {
     "color": "#8a8a8a",
@@ -33,7 +30,7 @@ _FEW = 5
 
 def draw(request: Request) -> Drawing:
     """One panel per law: median, band, fitted curves in grey, unseen ones in colour."""
-    found = {label: (case, content) for case, label, content in contents(request, "grid")}
+    found = {label: (case, content) for case, label, content in studs.contents(request, "grid")}
     if not found:
         return nothing("No load-slip law has answered these cases.")
     case = next(iter(found.values()))[0]
@@ -66,8 +63,7 @@ def draw(request: Request) -> Drawing:
             points = {"slip_m": own["slip"], "median": own["load"]}
             sheet.record(label=kind, **own[["campaign", "specimen"]], **points)
     sheet.legend(
-        entry("median of the law", **_MEDIAN),
-        Patch(**_BAND, label="90 % band of a further curve"),
+        *studs.band_entries(_LAW, "median of the law", "90 % band of a further curve"),
         entry(f"{len(fitted)} fitted curves", **_FITTED),
         *(entry(f"{campaign}, unseen", **style) for campaign, style in styles.items()),
     )
@@ -76,10 +72,10 @@ def draw(request: Request) -> Drawing:
 
 def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd.DataFrame]:
     """Points of every specimen that has several, rising in slip, loads over the largest."""
-    points = measured(request, case, part)
+    points = studs.measured(request, case, part)
     if points.empty:
         return {}
-    points = points.assign(slip_mm=MILLI * points["slip"])
+    points = points.assign(slip_mm=studs.MILLI * points["slip"])
     groups = points.groupby(["campaign", "specimen"], sort=False)
     return {
         (str(campaign), str(specimen)): own.assign(load=own["load"] / own["load"].max())
@@ -90,18 +86,15 @@ def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd
     }
 
 
-def _law(panel: Axes, content: Content) -> dict[str, Any]:
+def _law(panel: Axes, content: studs.Content) -> dict[str, Any]:
     """The median of a law with its band; returns what was drawn."""
-    grid = table_of(content["grid"])
-    slip = MILLI * grid["slip"]
-    panel.plot(slip, grid["median"], **_MEDIAN, zorder=4)
-    if "low" in grid:
-        panel.fill_between(slip, grid["low"], grid["high"], **_BAND, zorder=1)
+    grid = studs.table_of(content["grid"])
+    studs.draw_band(panel, grid.assign(slip=studs.MILLI * grid["slip"]), "slip", "median", _LAW)
     shown = [name for name in ("median", "low", "high") if name in grid]
     return {"slip_m": grid["slip"], **grid[shown]}
 
 
-def _sentence(label: str, content: Content) -> str:
+def _sentence(label: str, content: studs.Content) -> str:
     fit, judgement = content["fit"], content.get("judgement")
     text = f"{label}: no fit"
     if fit is not None:

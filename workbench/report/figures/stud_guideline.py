@@ -9,19 +9,10 @@ import textwrap
 from typing import Any
 
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch
 
+from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import (
-    Content,
-    campaign_looks,
-    contents,
-    draw_tests,
-    filled,
-    table_of,
-    test_entries,
-)
-from workbench.report.drawing.style import INK, Style, entry, framed, new_figure
+from workbench.report.drawing.style import INK, framed, new_figure
 
 # validated by tests of several campaigns or not
 _COLORS = {True: "#009e73", False: "#d55e00"}
@@ -36,7 +27,7 @@ AXES = {
 
 def draw(request: Request) -> Drawing:
     """A panel per quantity and measure of damage; every panel carries its grade."""
-    found = [each for each in contents(request, "curve") if "grade" in each[2].get("fit", {})]
+    found = [each for each in studs.contents(request, "curve") if "grade" in each[2].get("fit", {})]
     if not found:
         return nothing("No residual capacity has been answered in these cases.")
     cases = list(dict.fromkeys(case.name for case, _, _ in found))
@@ -44,12 +35,12 @@ def draw(request: Request) -> Drawing:
     canvas = new_figure(2.55 * len(cases) + 0.6)
     axes = canvas.subplots(len(cases), len(labels), sharey="row", squeeze=False)
     sheet = Sheet(canvas, axes.flat)
-    looks = campaign_looks(test["campaign"] for _, _, content in found for test in content["tests"])
-    looks = {name: filled(look) for name, look in looks.items()}
+    tests = [test for _, _, content in found for test in content["tests"]]
+    looks = studs.campaign_looks((test["campaign"] for test in tests), filled=True)
     for case, label, content in found:
         panel, fit = axes[cases.index(case.name), labels.index(label)], content["fit"]
         sheet.record(case=case.name, label=label, **_panel(panel, content))
-        draw_tests(panel, table_of(content["tests"]), "level", "ratio", looks)
+        studs.draw_tests(panel, studs.table_of(content["tests"]), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
         if case.name == cases[0]:
             panel.set_title(label, loc="left")
@@ -61,22 +52,16 @@ def draw(request: Request) -> Drawing:
         if not panel.lines:
             panel.remove()
     for validated in sorted({content["validated"] for _, _, content in found}, reverse=True):
-        color = _COLORS[validated]
-        sheet.legend(
-            entry("what is left", color=color, linewidth=1.8),
-            Patch(color=color, alpha=0.18, linewidth=0.0, label=_BANDS[validated]),
-        )
-    sheet.legend(*test_entries(looks, "tests"))
+        names = "what is left", _BANDS[validated]
+        sheet.legend(*studs.band_entries(_COLORS[validated], *names))
+    sheet.legend(*studs.test_entries(looks, "tests"))
     return sheet.finish(f"residual capacity of a stud against damage: {', '.join(cases)}")
 
 
-def _panel(panel: Axes, content: Content) -> dict[str, Any]:
+def _panel(panel: Axes, content: studs.Content) -> dict[str, Any]:
     """The curve with its band and its grade; returns what was drawn."""
-    curve, color = table_of(content["curve"]), _COLORS[content["validated"]]
-    panel.plot(curve["level"], curve["left"], color=color, linewidth=1.8, zorder=4)
-    if content["curve"]["low"] is not None:
-        band: Style = {"color": color, "alpha": 0.18, "linewidth": 0.0, "zorder": 1}
-        panel.fill_between(curve["level"], curve["low"], curve["high"], **band)
+    curve, color = studs.table_of(content["curve"]), _COLORS[content["validated"]]
+    studs.draw_band(panel, curve, "level", "left", color)
     panel.axhline(1.0, color=INK, linewidth=0.6, zorder=2)
     panel.set(xlim=(0.0, 1.0), ylim=(0.0, 1.25))
     grade = "\n".join(textwrap.wrap(content["fit"]["grade"], 44, break_on_hyphens=False))
@@ -84,7 +69,7 @@ def _panel(panel: Axes, content: Content) -> dict[str, Any]:
     return {name: curve[name] for name in ("level", "left", "low", "high") if name in curve}
 
 
-def _sentence(content: Content) -> str:
+def _sentence(content: studs.Content) -> str:
     fit, curve = content["fit"], content["curve"]
     at, left = [(i, left) for i, left in enumerate(curve["left"]) if left is not None][-1]
     level = curve["level"][at]

@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
+from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import (
-    campaign_looks,
-    contents,
-    draw_tests,
-    filled,
-    table_of,
-    test_entries,
-)
 from workbench.report.drawing.style import INK, WARNING, Style, entry, framed, new_figure
 
 _LINES = {"five-thirds": "-", "linear": "--", "trilinear": "-."}
@@ -21,7 +14,7 @@ def draw(request: Request) -> Drawing:
     laws = {label: getattr(model, "law", None) for label, model in request.study.models.items()}
     found = [
         (label, content)
-        for _, label, content in contents(request, "tension")
+        for _, label, content in studs.contents(request, "tension")
         if laws[label] is not None
     ]
     if not found:
@@ -39,15 +32,15 @@ def draw(request: Request) -> Drawing:
         panel.plot(content["tension"], content["shear"], **style)
         sheet.legend(entry(label, **style))
         sheet.record(label=label, tension_ratio=content["tension"], shear_ratio=content["shear"])
-    tests = table_of(next((content["tests"] for _, content in found if content["tests"]), []))
+    tests = studs.table_of(next((content["tests"] for _, content in found if content["tests"]), []))
     if tests.empty:
         words = "no combined test in the tables:\nnothing here is validated"
         framed(panel, 0.06, 0.06, words, WARNING, fontsize=8.0)
         sheet.said.append("No test combines tension and shear: the curves are not validated.")
     else:
-        looks = {name: filled(look) for name, look in campaign_looks(tests["campaign"]).items()}
-        draw_tests(panel, tests, "tension", "shear", looks)
-        sheet.legend(*test_entries(looks, "tests"))
+        looks = studs.campaign_looks(tests["campaign"], filled=True)
+        studs.draw_tests(panel, tests, "tension", "shear", looks)
+        sheet.legend(*studs.test_entries(looks, "tests"))
         ratios = {"tension_ratio": tests["tension"], "shear_ratio": tests["shear"]}
         sheet.record(label=tests["campaign"], **ratios)
     panel.set(xlim=(0.0, 1.08), ylim=(0.0, 1.08))

@@ -11,17 +11,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import number
+from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import (
-    KILO,
-    Content,
-    campaign_looks,
-    contents,
-    draw_tests,
-    filled,
-    table_of,
-    test_entries,
-)
 from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Look, Style, entry
 
 _SPREAD = 0.2
@@ -32,15 +23,15 @@ _BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 def draw(request: Request) -> Drawing:
     """Measured strength up, predicted strength across; below the line a prediction is unsafe."""
-    found: dict[str, Content] = {}
-    for _, label, content in contents(request, "tests"):
+    found: dict[str, studs.Content] = {}
+    for _, label, content in studs.contents(request, "tests"):
         if content.get("fit", {}).get("parameters"):
             found.setdefault(label, content)
     if not found:
         return nothing("No formula of shear strength has answered these cases.")
     tests = pd.concat([_tests(label, content) for label, content in found.items()])
-    looks = campaign_looks(tests["campaign"])
-    top = 1.06 * KILO * float(np.max(tests[["test", "prediction"]].to_numpy(float)))
+    looks = studs.campaign_looks(tests["campaign"])
+    top = 1.06 * studs.KILO * float(np.max(tests[["test", "prediction"]].to_numpy(float)))
     sheet = Sheet.grid(len(found), height=2.45, sharex=True)
     for panel, (label, content) in zip(sheet.panels, found.items(), strict=True):
         own = tests[tests["label"] == label]
@@ -51,18 +42,19 @@ def draw(request: Request) -> Drawing:
         sheet.said.append(text)
         sheet.record(own.rename(columns={"prediction": "prediction_N", "test": "test_N"}))
     new = set(tests.loc[tests["unseen"], "campaign"])
-    unseen = {name: filled(look) for name, look in looks.items() if name in new}
-    sheet.legend(*test_entries(looks, "fitted"), *test_entries(unseen, "unseen"))
+    unseen = {name: look._replace(filled=True) for name, look in looks.items() if name in new}
+    sheet.legend(*studs.test_entries(looks, "fitted"), *studs.test_entries(unseen, "unseen"))
     sheet.legend(entry("test = prediction", **_LINE), entry("± 20 %", **_BOUND))
     return sheet.finish(f"measured against predicted strength of push-outs for {', '.join(found)}")
 
 
-def _tests(label: str, content: Content) -> pd.DataFrame:
+def _tests(label: str, content: studs.Content) -> pd.DataFrame:
     """Fitted tests and unseen ones (N), whatever model they come from."""
     names = {"strength_test": "test", "strength_model": "prediction"}
-    tests = table_of(content["tests"]).rename(columns=names).assign(label=label, unseen=False)
+    tests = studs.table_of(content["tests"]).rename(columns=names).assign(label=label, unseen=False)
     if "basis" in content:  # a model that is judged where it is calibrated elsewhere
-        tests = pd.concat([tests, table_of(content["judged"]).assign(label=label, unseen=True)])
+        judged = studs.table_of(content["judged"])
+        tests = pd.concat([tests, judged.assign(label=label, unseen=True)])
     return tests[["label", "campaign", "specimen", "unseen", "prediction", "test"]]
 
 
@@ -72,8 +64,8 @@ def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float)
     panel.plot(line, line, **_LINE)
     for factor in (1.0 - _SPREAD, 1.0 + _SPREAD):
         panel.plot(line, factor * line, **_BOUND)
-    shown = tests.assign(test=KILO * tests["test"], prediction=KILO * tests["prediction"])
-    draw_tests(panel, shown, "prediction", "test", looks)
+    shown = tests.assign(**studs.KILO * tests[["test", "prediction"]])
+    studs.draw_tests(panel, shown, "prediction", "test", looks)
     worst = shown.iloc[int((shown["test"] / shown["prediction"]).argmin())]
     if worst["test"] < _NAMED_BELOW * worst["prediction"]:
         at = worst["prediction"], worst["test"]
@@ -84,7 +76,7 @@ def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float)
     panel.set_box_aspect(1.0)
 
 
-def _summary(label: str, content: Content) -> tuple[str, str]:
+def _summary(label: str, content: studs.Content) -> tuple[str, str]:
     """What stands in the panel, and the sentence below the figure."""
     fit = content["fit"]
     bias = fit["parameters"].get("bias")

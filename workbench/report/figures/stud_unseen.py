@@ -12,18 +12,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import number
+from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import (
-    KILO,
-    MILLI,
-    Content,
-    campaign_looks,
-    contents,
-    draw_tests,
-    filled,
-    measured,
-    table_of,
-)
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Look, Style, entry, new_figure
 
 _MOST = 3  # studs with a curve
@@ -34,7 +24,7 @@ _COLLAR: Style = {"color": MUTED, "linewidth": 0.9, "linestyle": "--"}
 
 def draw(request: Request) -> Drawing:
     """Left the ratios of all tests, right one panel per unseen stud."""
-    found = next((each for each in contents(request, "judged") if "basis" in each[2]), None)
+    found = next((each for each in studs.contents(request, "judged") if "basis" in each[2]), None)
     if found is None:
         return nothing("No mechanical prediction has been judged by unseen tests.")
     _, label, content = found
@@ -43,7 +33,7 @@ def draw(request: Request) -> Drawing:
     widths = [1.05, *[1.0] * len(curves)]
     sheet = Sheet(canvas, canvas.subplots(1, len(widths), width_ratios=widths, squeeze=False)[0])
     tests = _tests(content)
-    looks = campaign_looks(tests["campaign"])
+    looks = studs.campaign_looks(tests["campaign"])
     _ratios(sheet.panel, tests, list(looks), looks)
     sheet.record(tests)
     for panel, curve in zip(sheet.panels[1:], curves, strict=True):
@@ -56,7 +46,7 @@ def draw(request: Request) -> Drawing:
     ]
     for i, (name, look) in enumerate(looks.items()):
         known = f"{name}, unseen" if i else f"{name}, calibration"
-        sheet.legend(entry(known, **(filled(look) if i else look).points()))
+        sheet.legend(entry(known, **(look._replace(filled=True) if i else look).points()))
     sheet.legend(entry("predicted", **_PREDICTED))
     sheet.legend(entry("of it through the weld collar", **_COLLAR))
     return sheet.finish(
@@ -64,10 +54,10 @@ def draw(request: Request) -> Drawing:
     )
 
 
-def _tests(content: Content) -> pd.DataFrame:
+def _tests(content: studs.Content) -> pd.DataFrame:
     """Campaign, specimen and test over prediction of fitted and of unseen tests."""
-    fitted = table_of(content["tests"]).rename(columns={"strength_ratio": "ratio"})
-    both = [fitted.assign(unseen=False), table_of(content["judged"]).assign(unseen=True)]
+    fitted = studs.table_of(content["tests"]).rename(columns={"strength_ratio": "ratio"})
+    both = [fitted.assign(unseen=False), studs.table_of(content["judged"]).assign(unseen=True)]
     table = pd.concat(both)[["campaign", "specimen", "ratio", "unseen"]]
     return table.rename(columns={"ratio": "test_over_prediction"})
 
@@ -77,7 +67,7 @@ def _ratios(panel: Axes, tests: pd.DataFrame, names: list[str], looks: Mapping[s
     place = tests.groupby("campaign").cumcount() / (size - 1).clip(lower=1)
     slots = tests["campaign"].map({name: i for i, name in enumerate(names)})
     tests = tests.assign(at=slots + _SPREAD * (2.0 * place - 1.0) * (size > 1))
-    draw_tests(panel, tests, "at", "test_over_prediction", looks)
+    studs.draw_tests(panel, tests, "at", "test_over_prediction", looks)
     for row in tests[tests["unseen"]].itertuples():
         beside: Style = {"xytext": (6, -3), "textcoords": "offset points", "fontsize": 7.0}
         panel.annotate(str(row.specimen), (row.at, row.test_over_prediction), **beside)
@@ -91,10 +81,10 @@ def _ratios(panel: Axes, tests: pd.DataFrame, names: list[str], looks: Mapping[s
     panel.grid(visible=False, axis="x")
 
 
-def _measured(request: Request, curve: Content) -> pd.DataFrame:
+def _measured(request: Request, curve: studs.Content) -> pd.DataFrame:
     """The measured points of a stud, from the first case that has them."""
     for case in request.cases:
-        both = [measured(request, case, part) for part in ("calibration", "validation")]
+        both = [studs.measured(request, case, part) for part in ("calibration", "validation")]
         points = pd.concat([part for part in both if "slip" in part] or both[:1])
         if "slip" in points:
             same = points["specimen"].eq(curve["specimen"])
@@ -105,16 +95,16 @@ def _measured(request: Request, curve: Content) -> pd.DataFrame:
 
 
 def _curve(
-    sheet: Sheet, panel: Axes, curve: Content, points: pd.DataFrame, looks: Mapping[str, Look]
+    sheet: Sheet, panel: Axes, curve: studs.Content, points: pd.DataFrame, looks: Mapping[str, Look]
 ) -> None:
     slip, load = np.array(curve["slip"]), np.array(curve["load"])
-    panel.plot(MILLI * slip, KILO * load, **_PREDICTED)
-    panel.plot(MILLI * slip, KILO * np.array(curve["collar"]), **_COLLAR)
+    panel.plot(studs.MILLI * slip, studs.KILO * load, **_PREDICTED)
+    panel.plot(studs.MILLI * slip, studs.KILO * np.array(curve["collar"]), **_COLLAR)
     head = {"campaign": curve["campaign"], "specimen": curve["specimen"]}
     sheet.record(**head, curve="predicted", slip_m=slip, load_N=load)
     if len(points):
-        look = filled(looks[curve["campaign"]]).points(markersize=3.2)
-        panel.plot(MILLI * points["slip"], KILO * points["load"], **look)
+        look = looks[curve["campaign"]]._replace(filled=True).points(markersize=3.2)
+        panel.plot(studs.MILLI * points["slip"], studs.KILO * points["load"], **look)
         sheet.record(**head, curve="measured", slip_m=points["slip"], load_N=points["load"])
     sheet.name(panel, f"{curve['campaign']} {curve['specimen']}", "", "load (kN per stud)")
     panel.set_xlabel("slip (mm)")

@@ -20,34 +20,18 @@ from matplotlib.ticker import PercentFormatter
 
 from workbench.content.formatting import metric_title, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
-from workbench.report.drawing.style import INK, Style, entry, new_figure
+from workbench.report.drawing.style import INK, Look, Style, entry, new_figure
 from workbench.study.definition import Case
 
 _MOST_FACETS = 6
 _HIGHEST = 8.6  # inches
 _ROW = 16  # letters of values that stand beside each other below a panel
-_MARKS: dict[str, tuple[str, dict[str, Any]]] = {
+_MARKS = {
     "warned": (
         "outside a model assumption (warning)",
-        {
-            "marker": "o",
-            "markersize": 3.2,
-            "markerfacecolor": "none",
-            "markeredgecolor": INK,
-            "markeredgewidth": 0.8,
-            "linestyle": "none",
-        },
+        Look(INK, size=3.2).points(markerfacecolor="none"),
     ),
-    "failed": (
-        "no answer",
-        {
-            "marker": "x",
-            "markersize": 4.5,
-            "markeredgecolor": "#b30000",
-            "markeredgewidth": 1.2,
-            "linestyle": "none",
-        },
-    ),
+    "failed": ("no answer", Look("#b30000", marker="x", size=4.5).points()),
 }
 
 
