@@ -13,13 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
-from workbench.report.drawing.style import (
-    TEXT_WIDTH,
-    Look,
-    legend_below,
-    legend_beside,
-    new_figure,
-)
+from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, legend_beside, new_figure
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.definition import Case, Figure, Study
@@ -247,14 +241,7 @@ class Sheet:
         """All numbers recorded so far, below each other."""
         return pd.concat(self._blocks, ignore_index=True) if self._blocks else pd.DataFrame()
 
-    def finish(
-        self,
-        alt: str,
-        *,
-        empty: str = "",
-        beside: str = "",
-        width: float = 1.0,
-    ) -> Drawing:
+    def finish(self, alt: str, *, empty: str = "", beside: str = "", width: float = 1.0) -> Drawing:
         """The drawing, its legend below the panels, or `beside` them (upper, center).
 
         Without a number that was recorded it only says so, in the sentence `empty`.

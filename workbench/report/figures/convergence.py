@@ -14,7 +14,7 @@ from workbench.report.drawing.style import INK, INTERVAL, MUTED, Style, entry
 from workbench.study.definition import Case
 
 _EXTRAPOLATED: Style = {
-    **{"color": INK, "linestyle": "--", "marker": "o", "markerfacecolor": "white"},
+    **{"color": INK, "linestyle": "--", "marker": "o", "markerfacecolor": "white"}
 }
 
 

@@ -10,15 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import axis_label, title_of, unit_of
-from workbench.report.drawing.sheet import (
-    IN_TIME,
-    Array,
-    Drawing,
-    Request,
-    Sheet,
-    nothing,
-    thinned,
-)
+from workbench.report.drawing.sheet import IN_TIME, Array, Drawing, Request, Sheet, nothing, thinned
 from workbench.report.drawing.style import MUTED, entry
 from workbench.responses import Response
 from workbench.study.definition import Case

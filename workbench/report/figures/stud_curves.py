@@ -19,12 +19,7 @@ from workbench.study.definition import Case
 _LARGEST_SLIP = 10.0  # mm
 _LAW = PALETTE[0]
 # no lines: some curves have nothing between half of the load and the peak
-_FITTED: Style = {
-    "color": "#8a8a8a",
-    "linestyle": "none",
-    "marker": ".",
-    "markersize": 3.0,
-}
+_FITTED: Style = {"color": "#8a8a8a", "linestyle": "none", "marker": ".", "markersize": 3.0}
 _FEW = 5
 
 
