@@ -7,6 +7,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+from builders import SQUARE, portal
 
 from workbench.frames.chains import chains
 from workbench.frames.findings import dead_load_state, frame_findings
@@ -30,9 +31,8 @@ from workbench.scenarios import (
     frame_scenario,
     regular_frame,
 )
-from workbench.sections import find, section_from
+from workbench.sections import find
 
-SQUARE = section_from({"side": 0.2}, "section")
 HEB = find("HEB 220")
 
 
@@ -60,7 +60,7 @@ def test_buckling_of_a_column_is_eulers(thesis_impact, base, head) -> None:
 
 def test_sway_buckling_of_a_portal() -> None:
     """Rigid beam, clamped feet: P = pi^2 EI / h^2 for each column."""
-    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE)
+    frame = portal()
     beam = replace(frame.member("A1-B1"), second_moment=1.0)
     load = 1e6
     frame = replace(
@@ -119,7 +119,7 @@ def test_squash_and_weak_joints_are_refused() -> None:
 
 def test_mechanisms_and_moments_on_pins_are_refused() -> None:
     """A portal on pins whose beam is pinned too falls over; a pin resists no moment."""
-    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE, base="pinned")
+    frame = portal(base="pinned")
     beam = replace(frame.member("A1-B1"), joint_start="pinned", joint_end="pinned")
     loose = replace(frame, members=(*frame.members[:2], beam), loads=(Load("A1", x=1e3, y=-1e3),))
     assert subjects(hit(loose, "A1"))["mechanism"]
@@ -167,7 +167,7 @@ def test_shear_demand_of_a_column_is_that_of_the_column(thesis_impact) -> None:
 
 
 def test_unloaded_nodes_do_not_shorten_members() -> None:
-    frame = regular_frame((6.0,), (4.0,), HEB, HEB)
+    frame = portal(section=HEB)
     whole = shear_demand(hit(frame, "A1"))
     split = frame.split("A0-A1", 0.3, "low").split("A0-A1/2", 0.3, "higher")
     parts = shear_demand(hit(split, "A1"))
@@ -196,7 +196,7 @@ def test_chains_follow_straight_members_through_free_nodes() -> None:
     cut = sorted(chains(frame, {"p"}), key=len, reverse=True)
     assert cut[0] == ["A0-A1/2/1", "A0-A1/2/2"]
     # corners, supports, springs and joints end a chain
-    corner = regular_frame((6.0,), (4.0,), SQUARE, SQUARE)
+    corner = portal()
     assert all(len(chain) == 1 for chain in chains(corner))
     sprung = replace(
         frame, nodes=tuple(replace(n, spring_x=1.0) if n.name == "p" else n for n in frame.nodes)
@@ -227,6 +227,6 @@ def test_time_to_the_peak_of_a_clamped_column(thesis_impact, shear_flexible) -> 
 
 
 def test_a_wave_passes_all_parts_of_a_member() -> None:
-    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE).split("A0-A1", 1.0, "p")
+    frame = portal().split("A0-A1", 1.0, "p")
     speed = sqrt(frame.steel.elastic_modulus / frame.steel.density)
     assert sorted(line_wave_times(frame)) == pytest.approx([4.0 / speed, 4.0 / speed, 6.0 / speed])

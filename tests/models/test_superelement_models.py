@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import SQUARE, portal
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -31,16 +32,8 @@ from workbench.scenarios import (
 from workbench.sections import find, section_from
 from workbench.testing import check_model
 
-SQUARE = section_from({"side": 0.2}, "section")
 MODELS = (RigidSuperelement(), FlexibleSuperelement())
 both = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
-
-
-def portal(base: str = "clamped", loads: tuple[Load, ...] = (), **members: object) -> Frame:
-    """One bay of 6 m, one storey of 4 m, of squares."""
-    frame = regular_frame((6.0,), (4.0,), SQUARE, SQUARE, base=base)
-    parts = tuple(replace(member, **members) for member in frame.members)
-    return replace(frame, members=parts, loads=loads)
 
 
 def hit_portal(velocity: float = 10.0, **options: object) -> FrameImpact:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import SQUARE
 
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
@@ -60,7 +61,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
 def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
     """Segments of 2 m (V / Vpl = 0.72) and the stocky square section (0.22), h = 0.05 m."""
     long = replace(thesis_impact.column, length_below=2.0, length_above=2.0)
-    side = section_from({"side": 0.2}, "section")
+    side = SQUARE
     square = replace(
         thesis_impact.column, section=side, area=None, second_moment=None,
         plastic_moment=None, squash_load=None,

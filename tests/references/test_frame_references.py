@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import SQUARE, portal
 
 from workbench.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
@@ -29,15 +30,12 @@ from workbench.scenarios import (
     Node,
     frame_scenario,
     load_scenario,
-    regular_frame,
 )
 from workbench.scenarios.members import OVERRIDES
-from workbench.sections import section_from
 from workbench.testing import check_model
 
 REFERENCES = {kind.name: kind for kind in (FiberReissner, FiberCorotational, FiberShear)}
 ANY = MeshRule(0.0, 0.0)
-SQUARE = section_from({"side": 0.2}, "section")
 UNIFORM = {  # independent implementation: size in m, elements, peaks in m of both formulations
     0.4: (164, 0.3655, 0.4324),
     0.2: (320, 0.4284, 0.4571),
@@ -249,17 +247,6 @@ def test_both_take_the_same_mesh_and_steps(thesis_impact: ColumnImpact) -> None:
             for own, same in zip(model.lengths(scenario), model.lengths(told), strict=True):
                 np.testing.assert_array_equal(own, same)
         assert model.time_spans(thesis_impact) == model.time_spans(frame_scenario(thesis_impact))
-
-
-def portal(*joints: Joint, height: float = 4.0) -> Frame:
-    """One bay and storey of squares whose beam has the first joint at both ends."""
-    frame = regular_frame((6.0,), (height,), SQUARE, SQUARE)
-    if not joints:
-        return frame
-    name = joints[0].name
-    beam = replace(frame.member("A1-B1"), joint_start=name, joint_end=name)
-    own = tuple(joint for joint in joints if joint.name not in ("rigid", "pinned"))
-    return replace(frame, joints=own, members=(*frame.members[:2], beam))
 
 
 JOINTS = {

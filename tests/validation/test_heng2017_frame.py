@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import SQUARE
 
 from workbench.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
@@ -23,9 +24,7 @@ from workbench.scenarios import (
     load_scenario,
     regular_frame,
 )
-from workbench.sections import find, section_from
-
-SQUARE = section_from({"side": 0.2}, "section")
+from workbench.sections import find
 
 
 @pytest.fixture(scope="module")
