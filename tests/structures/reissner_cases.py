@@ -9,8 +9,7 @@ import numpy as np
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
 from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.shear_beams import ShearYielding
-from workbench.structures.uniaxial import MILD_STEEL, LinearHardening, MenegottoPinto
+from workbench.structures.uniaxial import MILD_STEEL, LinearHardening, MenegottoPinto, ShearYielding
 
 E, FY, SIDE, LAYERS = 210e9, 355e6, 0.2, 20
 G = E / 2.6

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from section_cases import stress_path
 
 from workbench.errors import InputError
-from workbench.structures.shear_beams import ShearYielding
-from workbench.structures.shear_beams._kernels import sheared
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.uniaxial import LinearHardening, ShearYielding
+from workbench.structures.uniaxial._kernels import sheared
 
 E, FY = 210e9, 355e6
 G = E / 2.6

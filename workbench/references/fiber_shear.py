@@ -14,7 +14,7 @@ from workbench.references.fiber_reissner import ExactBeams
 from workbench.references.mesh import MeshRule
 from workbench.scenarios import Frame, FrameScenario, Member
 from workbench.structures.fibers import BeamSection, section_fibers
-from workbench.structures.shear_beams import ShearYielding
+from workbench.structures.uniaxial import ShearYielding
 
 RULE = MeshRule(1.0 / 64.0, 0.05)
 

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import LinearForm
+from skfem import Basis, ElementLineP1, ElementVector, LinearForm, MeshLine
 from skfem.helpers import grad
 
-from workbench.structures.elements import Step
+from workbench.structures.elements import Bars, Step
 from workbench.structures.reissner_beams import ReissnerBeams
 
 Array = NDArray[np.float64]
@@ -54,17 +54,37 @@ def directors(initial: Array, rotation: Array, stretch: Array) -> Directors:
 class ReissnerForms(ReissnerBeams):
     """Geometrically exact beams like those of `ReissnerBeams`, their forces from scikit-fem."""
 
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars)
+        self.basis = line_basis(bars.lengths)
+
     def assemble(self, step: Step) -> None:
         """Add forces, and the kernel's tangent, of a step from the committed state."""
         super().assemble(step._replace(force=np.zeros_like(step.force)))
-        tables, basis = self.tables, self.basis
-        to_line = np.empty(tables.dofs.size, dtype=np.int64)  # frame dof of every line dof
-        to_line[basis.element_dofs.T] = tables.dofs
-        old, new, _ = self.respond(step)
+        basis, bars = self.basis, self.bars
+        to_line = np.empty(bars.dofs.size, dtype=np.int64)  # frame dof of every line dof
+        to_line[basis.element_dofs.T] = bars.dofs
         at = step.start[to_line], step.end[to_line]
-        fields = _fields(basis, tables.director.T, *at, step.dynamic)
+        fields = _fields(basis, (bars.chords / bars.lengths[:, None]).T, *at, step.dynamic)
+        old, new = self._old.stress, self._new.stress
         fields["force"] = ((1.0 - step.weight) * old.T + step.weight * new.T)[:, :, None]
         np.add.at(step.force, to_line, residual.assemble(basis, **fields))
+
+
+def line_basis(lengths: Array) -> Basis:
+    """Linear vector basis (u, v, rotation) with one point each, which leaves no locking.
+
+    Every element owns its two nodes on one parameter line, end to end with gaps, so that members
+    of a frame may meet in any way.
+    """
+    gap = float(np.min(lengths))
+    starts = np.concatenate([[0.0], np.cumsum(lengths + gap)[:-1]])
+    points = np.stack([starts, starts + lengths], axis=1).reshape(1, -1)
+    ends = np.ascontiguousarray(np.arange(2 * len(lengths)).reshape(-1, 2).T)
+    mesh = MeshLine(np.ascontiguousarray(points), ends, sort_t=False)
+    middle = np.array([[0.5]]), np.array([1.0])
+    return Basis(mesh, ElementVector(ElementLineP1(), 3), quadrature=middle)
 
 
 def _fields(

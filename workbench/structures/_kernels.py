@@ -51,16 +51,7 @@ def largest(x: Vector) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def add_inertia(
-    mass: Vector,
-    width: int,
-    moved: Vector,
-    factor: float,
-    start: Vector,
-    force: Vector,
-    held: Indices,
-    result: Vector,
-) -> None:
+def add_inertia(mass, width, moved, factor, start, force, held, result):
     """Residual of a time step: M moved factor - start + force, zero at held dofs."""
     band_product(mass, width, moved, result)
     for i in range(result.shape[0]):

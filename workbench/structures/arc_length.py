@@ -125,7 +125,7 @@ class _Arc:
             error -= assembly.assemble(start + change, None)
             error[held] = 0.0
             if iteration == 1:
-                allowed = assembly.allowed_residual(self.tolerance, error, start + change)
+                allowed = assembly.allowed_residual(self.tolerance, start + change, error)
             residual = float(np.max(np.abs(error))) / allowed
             if residual <= 1.0:
                 return _Found(change, factor, iteration, True, residual)

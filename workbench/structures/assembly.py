@@ -218,7 +218,7 @@ class PlanarAssembly:
         _kernels.add_inertia(self.mass, self.width, moved, factor, start, force, self._held, result)
         return result
 
-    def allowed_residual(self, tolerance: float, residual: Array, start: Array) -> float:
+    def allowed_residual(self, tolerance: float, start: Array, residual: Array) -> float:
         """Largest residual entry (N) with which a step counts as solved.
 
         Arguments: `tolerance` relative to the largest nodal force so far or load; the first

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,12 +32,8 @@ def equilibrium(
         residual[held] = 0.0
         return residual
 
-    def allow(residual: Array) -> float:
-        return assembly.allowed_residual(tolerance, residual, start)
-
-    def solve(right: Array) -> Array | None:
-        return assembly.solve(right, held)
-
+    allow = partial(assembly.allowed_residual, tolerance, start)
+    solve = partial(assembly.solve, held=held)
     return newton(evaluate, allow, solve, start, ITERATIONS), reactions
 
 
@@ -101,12 +99,10 @@ class DisplacementControl:
             residual[held] = 0.0
             return np.append(residual, 0.0)
 
-        def allow(residual: Array) -> float:
-            return self.assembly.allowed_residual(self.tolerance, residual, start)
-
         def solve(right: Array) -> Array | None:
             return self._bordered(right[:-1])
 
+        allow = partial(self.assembly.allowed_residual, self.tolerance, start)
         found = newton(evaluate, allow, solve, np.append(start, factor), ITERATIONS)
         return found._replace(x=found.x[:-1]), float(found.x[-1])
 

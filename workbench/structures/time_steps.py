@@ -84,10 +84,8 @@ def solve_step(
             assembly.add_to_diagonal(d, scale * 2.0 / dt**2 * pull.mass)
         return residual
 
-    def allow(residual: Array) -> float:
-        return assembly.allowed_residual(tolerance, residual, x0)
-
     assembly.begin_step(dt)
+    allow = partial(assembly.allowed_residual, tolerance, x0)
     found = newton(evaluate, allow, assembly.solve, x0, ITERATIONS)
     velocity = 2.0 * (found.x - x0) / dt - v0
     velocity[held] = 0.0

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from numba import njit
 
-from workbench.structures.shear_beams._kernels import sheared
 from workbench.structures.uniaxial._kernels import (
     LINEAR,
     LINEAR_RATE,
@@ -16,6 +15,7 @@ from workbench.structures.uniaxial._kernels import (
     linear,
     linear_rate,
     menegotto_pinto,
+    sheared,
 )
 
 

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.structures.shear_beams import ShearYielding
-from workbench.structures.uniaxial import UniaxialLaw
+from workbench.structures.uniaxial import ShearYielding, UniaxialLaw
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Geometrically exact beams (Reissner, Simo) with fiber sections, on scikit-fem's tables."""
+"""Geometrically exact beams (Reissner, Simo) with fiber sections."""
 
 from workbench.structures.reissner_beams.group import ReissnerBeams
 

@@ -21,45 +21,13 @@ from workbench.structures.fibers._kernels import section_energies, section_respo
 SMALL_TURN = 1e-3  # rad; below it sin(x)/x is taken from its series
 
 
-@njit(cache=True, error_model="numpy")
-def point_state(tables, e, x):
-    """Stretch r' (two components), rotation and curvature of element `e` at displacements `x`."""
-    dofs, gradients, values = tables.dofs[e], tables.gradients[e], tables.values[e]
-    rx = tables.director[e, 0] + gradients[0] * x[dofs[0]] + gradients[1] * x[dofs[3]]
-    ry = tables.director[e, 1] + gradients[0] * x[dofs[1]] + gradients[1] * x[dofs[4]]
-    turn = values[0] * x[dofs[2]] + values[1] * x[dofs[5]]
-    kappa = gradients[0] * x[dofs[2]] + gradients[1] * x[dofs[5]]
-    return rx, ry, turn, kappa
-
-
-@njit(cache=True, error_model="numpy")
-def point_response(tables, sections, e, x, duration, old, new):
-    """Stretch r', rotation and director of element `e` at displacements `x`; its section tangent.
-
-    Writes its strains, section forces and fiber states into `new`.
-    """
-    rx, ry, turn, kappa = point_state(tables, e, x)
-    Dx, Dy = tables.director[e, 0], tables.director[e, 1]
-    c, s = math.cos(turn), math.sin(turn)
-    ax, ay = Dx * c - Dy * s, Dy * c + Dx * s
-    gamma1 = rx * ax + ry * ay - 1.0
-    gamma2 = ry * ax - rx * ay
-    N, V, M, c00, c01, c02, c11, c12, c22 = section_response(
-        sections, sections.of[e], duration, gamma1, gamma2, kappa, old.fibers[e], new.fibers[e]
-    )
-    new.strain[e, 0], new.strain[e, 1], new.strain[e, 2] = gamma1, gamma2, kappa
-    new.stress[e, 0], new.stress[e, 1], new.stress[e, 2] = N, V, M
-    return rx, ry, turn, ax, ay, (c00, c01, c02, c11, c12, c22)
-
-
-@njit(cache=True, error_model="numpy")
-def respond(step, tables, sections, old, new, tangent):
-    """Section forces and tangents (e, 3, 3) of all elements; write the state `new`."""
-    for e in range(tables.measure.shape[0]):
-        _, _, _, _, _, c = point_response(tables, sections, e, step.end, step.duration, old, new)
-        tangent[e, 0, 0], tangent[e, 0, 1], tangent[e, 0, 2] = c[0], c[1], c[2]
-        tangent[e, 1, 0], tangent[e, 1, 1], tangent[e, 1, 2] = c[1], c[3], c[4]
-        tangent[e, 2, 0], tangent[e, 2, 1], tangent[e, 2, 2] = c[2], c[4], c[5]
+@njit(cache=True, error_model="numpy", forceinline=True)
+def point_state(bars, e, x):
+    """Stretch r', rotation, curvature and initial director of element `e` at displacements `x`."""
+    i1, i2, i3, i4, i5, i6 = bars.dofs[e]
+    Dx, Dy, L = bars.chords[e, 0], bars.chords[e, 1], bars.lengths[e]
+    rx, ry = (Dx + (x[i4] - x[i1])) / L, (Dy + (x[i5] - x[i2])) / L
+    return rx, ry, 0.5 * (x[i3] + x[i6]), (x[i6] - x[i3]) / L, Dx / L, Dy / L
 
 
 @njit(cache=True, error_model="numpy")
@@ -73,27 +41,26 @@ def sinc(x):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(step, positions, tables, sections, old, new):
-    """Add forces, and the tangent if asked for, of all elements for a `step`; write `new`.
-
-    Arguments: `positions` (e, 36) of the elements in the band; then the group's tables and its
-    committed and trial states.
-    """
+def assemble(step, bars, sections, old, new):
+    """Add forces, and the tangent if asked for, of all elements for a `step`; write `new`."""
     force, weight = step.force, step.weight
     reduced = np.empty((4, 4))
     right = np.empty((3, 4))
-    for e in range(tables.dofs.shape[0]):
-        dofs, g = tables.dofs[e], tables.gradients[e]
-        h, dx = tables.values[e], tables.measure[e]
-        Dx, Dy = tables.director[e, 0], tables.director[e, 1]
-        r1x, r1y, turn1, a1x, a1y, section_tangent = point_response(
-            tables, sections, e, step.end, step.duration, old, new
+    for e in range(bars.lengths.shape[0]):
+        dofs, dx = bars.dofs[e], bars.lengths[e]
+        r1x, r1y, turn1, kappa, Dx, Dy = point_state(bars, e, step.end)
+        c, s = math.cos(turn1), math.sin(turn1)
+        a1x, a1y = Dx * c - Dy * s, Dy * c + Dx * s
+        gamma1 = r1x * a1x + r1y * a1y - 1.0
+        gamma2 = r1y * a1x - r1x * a1y
+        fibers = old.fibers[e], new.fibers[e]
+        N, V, M, c00, c01, c02, c11, c12, c22 = section_response(
+            sections, sections.of[e], step.duration, gamma1, gamma2, kappa, *fibers
         )
-        gamma1, gamma2 = new.strain[e, 0], new.strain[e, 1]
-        N, V, M = new.stress[e, 0], new.stress[e, 1], new.stress[e, 2]
-        c00, c01, c02, c11, c12, c22 = section_tangent
+        new.stress[e, 0], new.stress[e, 1], new.stress[e, 2] = N, V, M
+        new.strain[e, 0], new.strain[e, 1], new.strain[e, 2] = gamma1, gamma2, kappa
         if step.dynamic:
-            r0x, r0y, turn0, _ = point_state(tables, e, step.start)
+            r0x, r0y, turn0, _, _, _ = point_state(bars, e, step.start)
             half, mid = 0.5 * (turn1 - turn0), 0.5 * (turn1 + turn0)
             c, s = math.cos(mid), math.sin(mid)
             amx, amy = Dx * c - Dy * s, Dy * c + Dx * s
@@ -110,15 +77,15 @@ def assemble(step, positions, tables, sections, old, new):
         else:
             ax, ay = a1x, a1y
             turn_1, turn_2 = gamma2, -(1.0 + gamma1)
-        # with b = (-a_y, a_x): what works on r', on theta and on kappa
-        fx, fy = dx * (N * ax - V * ay), dx * (N * ay + V * ax)
-        moment, M = dx * (N * turn_1 + V * turn_2), dx * M
-        force[dofs[0]] += g[0] * fx
-        force[dofs[1]] += g[0] * fy
-        force[dofs[2]] += h[0] * moment + g[0] * M
-        force[dofs[3]] += g[1] * fx
-        force[dofs[4]] += g[1] * fy
-        force[dofs[5]] += h[1] * moment + g[1] * M
+        # with b = (-a_y, a_x): what works on r' and on theta
+        fx, fy = N * ax - V * ay, N * ay + V * ax
+        moment = 0.5 * dx * (N * turn_1 + V * turn_2)
+        force[dofs[0]] -= fx
+        force[dofs[1]] -= fy
+        force[dofs[2]] += moment - M
+        force[dofs[3]] += fx
+        force[dofs[4]] += fy
+        force[dofs[5]] += moment + M
         if not step.tangent:
             continue
         share = weight * dx
@@ -151,25 +118,27 @@ def assemble(step, positions, tables, sections, old, new):
             reduced[2, 0] += dx * (-N * a1y - V * a1x)
             reduced[2, 1] += dx * (N * a1x - V * a1y)
             reduced[2, 2] -= dx * (N * (1.0 + gamma1) + V * gamma2)
-        spread(step.band, positions[e], reduced, g, h)
+        spread(step.band, bars.positions[e], reduced, dx)
 
 
 @njit(cache=True, error_model="numpy")
-def spread(band, positions, reduced, g, h):
+def spread(band, positions, reduced, length):
     """Add the tangent `reduced` over (r'_x, r'_y, theta, kappa) to the band, for all six dofs.
 
-    Arguments: gradients `g` (2,) and values `h` (2,) of the shape functions; dof k of node i is
-    g[i] in r' (k = 0, 1), and h[i] in theta with g[i] in kappa (k = 2).
+    Dof k of node i counts +-1 / length in r' (k = 0, 1), and 1/2 in theta with +-1 / length in
+    kappa (k = 2).
     """
+    h = 0.5
     for i in range(2):
         for j in range(2):
             at = 18 * i + 3 * j
-            gg = g[i] * g[j]
+            gi, gj = (2 * i - 1) / length, (2 * j - 1) / length
+            gg = gi * gj
             band[positions[at]] += gg * reduced[0, 0]
             band[positions[at + 1]] += gg * reduced[0, 1]
             band[positions[at + 6]] += gg * reduced[1, 0]
             band[positions[at + 7]] += gg * reduced[1, 1]
-            gh, hg, hh = g[i] * h[j], h[i] * g[j], h[i] * h[j]
+            gh, hg, hh = gi * h, h * gj, h * h
             band[positions[at + 2]] += gh * reduced[0, 2] + gg * reduced[0, 3]
             band[positions[at + 8]] += gh * reduced[1, 2] + gg * reduced[1, 3]
             band[positions[at + 12]] += hg * reduced[2, 0] + gg * reduced[3, 0]
@@ -180,20 +149,12 @@ def spread(band, positions, reduced, g, h):
 
 
 @njit(cache=True, error_model="numpy")
-def account(weight, tables, sections, old, new):
+def account(weight, bars, sections, old, new):
     """Energies of a step from the committed to the trial state of a group, see `StepEnergies`."""
     stored = plastic = algorithmic = ideal = 0.0
-    for e in range(tables.measure.shape[0]):
-        parts = section_energies(
-            sections,
-            sections.of[e],
-            weight,
-            tables.measure[e],
-            old.strain[e],
-            new.strain[e],
-            old.fibers[e],
-            new.fibers[e],
-        )
+    for e in range(bars.lengths.shape[0]):
+        states = old.strain[e], new.strain[e], old.fibers[e], new.fibers[e]
+        parts = section_energies(sections, sections.of[e], weight, bars.lengths[e], *states)
         stored += parts[0]
         plastic += parts[1]
         algorithmic += parts[2]

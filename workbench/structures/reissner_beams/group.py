@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.structures.elements import Bars, Step
+from workbench.structures.elements import Step
 from workbench.structures.fibers import FiberElements
 from workbench.structures.ledger import StepEnergies
 from workbench.structures.reissner_beams import _kernels
-from workbench.structures.reissner_beams.tables import LineTables, line_basis, line_tables
 
 Array = NDArray[np.float64]
 
@@ -35,36 +34,14 @@ class ReissnerBeams(FiberElements):
         stress, strain = np.zeros((2, count, 3))
         return BeamState(np.zeros((count, states, fibers)), stress, strain)
 
-    def place(self, bars: Bars) -> None:
-        """Take its place in a structure from the assembly."""
-        super().place(bars)
-        self.basis = line_basis(bars.lengths)
-        self.tables: LineTables = line_tables(self.basis, bars.dofs, bars.chords)
-
     def assemble(self, step: Step) -> None:
         """Add forces, and the tangent where it is wanted, of a step from the committed state."""
-        tables, states = (self.tables, self._sections), (self._old, self._new)
-        _kernels.assemble(step, self.bars.positions, *tables, *states)
-
-    def respond(self, step: Step) -> tuple[Array, Array, Array]:
-        """Section forces at both ends of a step (e, 3) and tangents (e, 3, 3), for other assembly.
-
-        Keeps the trial state as `assemble` does.
-        """
-        tangent = np.empty((len(self.nodes), 3, 3))
-        tables, states = (self.tables, self._sections), (self._old, self._new)
-        _kernels.respond(step, *tables, *states, tangent)
-        return self._old.stress, self._new.stress, tangent
+        _kernels.assemble(step, self.bars, self._sections, self._old, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
-        tables, states = (self.tables, self._sections), (self._old, self._new)
-        return StepEnergies(*_kernels.account(weight, *tables, *states))
-
-    @property
-    def strains(self) -> Array:
-        """Committed axial and shear strain and curvature of the elements (elements, 3)."""
-        return self._old.strain
+        group = self.bars, self._sections
+        return StepEnergies(*_kernels.account(weight, *group, self._old, self._new))
 
     @property
     def section_forces(self) -> Array:

@@ -1,10 +1,11 @@
-"""Uniaxial steel laws of fibers: hardening, rate sensitivity, Menegotto-Pinto."""
+"""Steel laws of fibers: hardening, rate sensitivity, Menegotto-Pinto, yielding with shear."""
 
 from workbench.structures.uniaxial.laws import (
     MILD_STEEL,
     CowperSymonds,
     LinearHardening,
     MenegottoPinto,
+    ShearYielding,
     UniaxialLaw,
 )
 
@@ -13,5 +14,6 @@ __all__ = [
     "CowperSymonds",
     "LinearHardening",
     "MenegottoPinto",
+    "ShearYielding",
     "UniaxialLaw",
 ]
