@@ -439,7 +439,7 @@ def test_a_load_beyond_the_mechanism_is_carried_by_another_shape_and_says_so() -
 
 
 def test_a_mechanism_is_named_before_it_is_pushed() -> None:
-    frame = portal("pinned", joint_start="pinned", joint_end="pinned")
+    frame = portal(base="pinned", joint_start="pinned", joint_end="pinned")
     push = FrameStatic("push", frame, (Load("A1", x=1e3),), "A1", "x", (0.1,))
     findings = RigidSuperelement().domain(push)
     assert [(f.subject, f.refusal) for f in findings if f.subject == "mechanism"] == [
