@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -110,13 +110,8 @@ def _unasked(study: Study) -> tuple[Block, ...]:
     return (Paragraph("Not asked, and no cells:"), Bullets(sentences)) if sentences else ()
 
 
-@dataclass(frozen=True)
-class ShearDemand:
-    """What the cells say about shear.
-
-    A `table` of V/Vpl (None: no model states it), and the `headline` on demand above the plastic
-    resistance (empty: there is none).
-    """
+class ShearDemand(NamedTuple):
+    """A `table` of V/Vpl (None: no model states it), and what to say of demand above one."""
 
     table: Table | None
     headline: str
@@ -182,14 +177,12 @@ def shear_demand(study: Study, stored: Stored) -> ShearDemand:
         "segment; a dash where a model did not answer."
     )
     table = Table.of("shear", caption, columns, entries, _PRINTED)
-    over = {name: max(values.values()) for name, values in known.items() if values}
-    over = {name: value for name, value in over.items() if value > 1.0}
+    over = {name: top for name, values in entries if (top := max(values.values())) > 1.0}
     if not over:
         return ShearDemand(table, "")
     worst = max(over, key=over.__getitem__)
-    also = ", the reference included,"
-    if not any(values.get(study.reference, 0.0) > 1.0 for _, values in entries):
-        also = ""
+    outside = any(values.get(study.reference, 0.0) > 1.0 for _, values in entries)
+    also = ", the reference included," if outside else ""
     headline = (
         f"In {len(over)} of {count(len(entries), 'case')} the shear force exceeds the plastic "
         f"shear resistance, up to V/Vpl = {number(over[worst], 3)} ({worst}). There every "
