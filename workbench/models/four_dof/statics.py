@@ -169,9 +169,10 @@ def solve(A, b):
             b[i], b[pivot] = b[pivot], b[i]
         for r in range(i + 1, 4):
             factor = A[r, i] / A[i, i]
-            for k in range(i, 4):
-                A[r, k] -= factor * A[i, k]
-            b[r] -= factor * b[i]
+            if factor != 0.0:
+                for k in range(i, 4):
+                    A[r, k] -= factor * A[i, k]
+                b[r] -= factor * b[i]
     for i in range(3, -1, -1):
         for k in range(i + 1, 4):
             b[i] -= A[i, k] * b[k]
@@ -212,7 +213,8 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
         while not better and shift < 1e3:
             more = shift * column.stiffness[BELOW, 0]
             J[U1, U1], J[U1, U2], J[U2, U1], J[U2, U2] = k11 + more, k12, k12, k22 + more
-            step[V], step[U1], step[BETA], step[U2] = 0.0, -r1 * free_u1, 0.0, -r2 * free_u2
+            step[V], step[U1] = 0.0, -r1 if free_u1 else 0.0
+            step[BETA], step[U2] = 0.0, -r2 if free_u2 else 0.0
             for i in range(4):
                 if not ((i == U1 and free_u1) or (i == U2 and free_u2)):
                     hold(J, i)
