@@ -20,7 +20,8 @@ from workbench.studs.statistics.problem import Indices, Problem, jacobian, white
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
 TOLERANCES: dict[str, float | None] = {"xtol": 1e-9, "ftol": 1e-11, "gtol": None}
-EVALUATIONS = 400
+EVALUATIONS = 100
+SIMPLEX = 2000  # evaluations per parameter
 ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its root to 1e-8
 NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
 BEYOND = 100.0
@@ -80,8 +81,8 @@ def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> So
     """Best free parameters for a given lambda; others stay as in `start`.
 
     Linear problems without bounds in closed form, others by bounded least squares (dogleg steps in
-    rectangular trust regions, Voglis and Lagaris 2004). Raises `InputError` for a parameter without
-    influence, `SolverError`.
+    rectangular trust regions, Voglis and Lagaris 2004), or a simplex where steps zigzag. Raises
+    `InputError` for a parameter without influence, `SolverError`.
     """
     if given.moments is not None:
         return _solve_linear(given, ratio, start, free)
@@ -132,7 +133,7 @@ def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) 
 
 
 def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:
-    from scipy.optimize import least_squares
+    from scipy.optimize import least_squares, minimize
 
     def at(values: Array) -> Array:
         theta = start.copy()
@@ -152,9 +153,18 @@ def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) ->
     found = least_squares(
         residual, x, slopes, (low, high), "dogbox", **TOLERANCES, max_nfev=EVALUATIONS
     )
-    if found.status <= 0:
-        raise SolverError("the regression", float(found.optimality), f"{found.nfev} steps")
     x, rest, j = np.asarray(found.x), found.fun, found.jac
+    if found.status <= 0:  # steps zigzag where two terms of a formula are equal: without slopes
+        sides, enough = list(zip(low, high, strict=True)), SIMPLEX * len(free)
+        options = {"xatol": 1e-9, "fatol": 2e-12 * float(found.cost), "maxfev": enough}
+        found = minimize(
+            lambda v: float(np.sum(residual(v) ** 2)), x, None, "Nelder-Mead",
+            bounds=sides, options=options,
+        )  # fmt: skip
+        if not found.success:
+            raise SolverError("the regression", float(found.fun), f"{enough} simplex evaluations")
+        x = np.asarray(found.x)
+        rest, j = residual(x), slopes(x)
     downhill = -(j.T @ rest)
     stuck = ((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0))
     own = np.flatnonzero(~stuck)
