@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 LARGEST_SHARE = 1.0 / 40.0  # of the longest member; travelling hinges pass through inner elements
 LARGEST_IN_DYNAMICS = 0.06  # of the longest member
+MIDDLE = 0.5 + 1e-9  # of a member, seen from its start
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
 
 
@@ -109,9 +110,12 @@ class FrameMesh(NamedTuple):
 
     @property
     def upper(self) -> NDArray[np.bool_]:
-        """Which elements (elements,) lie nearer to the end of their member than to its start."""
+        """Which elements (elements,) lie nearer to the end of their member than to its start.
+
+        One in the very middle belongs to the start, whatever the rounding of the lengths.
+        """
         parts = np.split(self.lengths, self.first[1:-1])
-        return np.concatenate([np.cumsum(p) - 0.5 * p > 0.5 * np.sum(p) for p in parts])
+        return np.concatenate([np.cumsum(p) - 0.5 * p > MIDDLE * np.sum(p) for p in parts])
 
 
 def mesh_frame(frame: Frame, lengths: list[Array]) -> FrameMesh:
