@@ -64,7 +64,7 @@ class Number(Rule):
         inside = self.low <= value <= self.high and (self.low_included or value > self.low)
         if not inside or (self.integer and value != int(value)):
             raise self._refusal(path, value)
-        return int(value) if self.integer else float(value) + 0.0  # no negative zero
+        return int(value) if self.integer else float(value)
 
 
 @dataclasses.dataclass(frozen=True)
