@@ -1,49 +1,23 @@
 """What a model answers: the response dataset, its outcome and its provenance."""
 
-from workbench.responses.build import (
-    Response,
-    build_response,
-    check_response,
-    energy_error,
-    failed_response,
-    findings_of,
-    outcome_of,
-    scalars_of,
-    set_findings,
-    warnings_of,
-)
-from workbench.responses.histories import peak_contact_force, peak_of
-from workbench.responses.outcome import Finding, Outcome
-from workbench.responses.provenance import provenance
-from workbench.responses.variables import (
-    COORDINATES,
-    ENERGIES,
-    SCALARS,
-    TIMES,
-    VARIABLES,
-    VOLATILE,
-)
-
-__all__ = [
-    "COORDINATES",
-    "ENERGIES",
-    "SCALARS",
-    "TIMES",
-    "VARIABLES",
-    "VOLATILE",
-    "Finding",
-    "Outcome",
-    "Response",
-    "build_response",
-    "check_response",
-    "energy_error",
-    "failed_response",
-    "findings_of",
-    "outcome_of",
-    "peak_contact_force",
-    "peak_of",
-    "provenance",
-    "scalars_of",
-    "set_findings",
-    "warnings_of",
-]
+from workbench.responses.build import Response as Response
+from workbench.responses.build import build_response as build_response
+from workbench.responses.build import check_response as check_response
+from workbench.responses.build import energy_error as energy_error
+from workbench.responses.build import failed_response as failed_response
+from workbench.responses.build import findings_of as findings_of
+from workbench.responses.build import outcome_of as outcome_of
+from workbench.responses.build import scalars_of as scalars_of
+from workbench.responses.build import set_findings as set_findings
+from workbench.responses.build import warnings_of as warnings_of
+from workbench.responses.histories import peak_contact_force as peak_contact_force
+from workbench.responses.histories import peak_of as peak_of
+from workbench.responses.outcome import Finding as Finding
+from workbench.responses.outcome import Outcome as Outcome
+from workbench.responses.provenance import provenance as provenance
+from workbench.responses.variables import COORDINATES as COORDINATES
+from workbench.responses.variables import ENERGIES as ENERGIES
+from workbench.responses.variables import SCALARS as SCALARS
+from workbench.responses.variables import TIMES as TIMES
+from workbench.responses.variables import VARIABLES as VARIABLES
+from workbench.responses.variables import VOLATILE as VOLATILE

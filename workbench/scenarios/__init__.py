@@ -1,60 +1,31 @@
 """What happens, independent of any model: frozen value objects, TOML in and out."""
 
-from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.scenarios.column_as_frame import frame_of, frame_scenario
-from workbench.scenarios.files import (
-    ColumnScenario,
-    FrameScenario,
-    Scenario,
-    canonical,
-    load_scenario,
-    parse_value,
-    scenario_from,
-    scenario_hash,
-    to_tables,
-    to_toml,
-)
-from workbench.scenarios.frame import Frame
-from workbench.scenarios.frame_events import (
-    FrameGroundMotion,
-    FrameImpact,
-    FrameStatic,
-    FrameStriker,
-    cyclic_path,
-)
-from workbench.scenarios.frame_forms import regular_frame
-from workbench.scenarios.frame_parts import Joint, Load, Member, Node
-from workbench.scenarios.members import MemberProperties
-from workbench.scenarios.stud import StudTests
-
-__all__ = [
-    "Column",
-    "ColumnImpact",
-    "ColumnPushover",
-    "ColumnScenario",
-    "Frame",
-    "FrameGroundMotion",
-    "FrameImpact",
-    "FrameScenario",
-    "FrameStatic",
-    "FrameStriker",
-    "Joint",
-    "Load",
-    "Member",
-    "MemberProperties",
-    "Node",
-    "Scenario",
-    "Striker",
-    "StudTests",
-    "canonical",
-    "cyclic_path",
-    "frame_of",
-    "frame_scenario",
-    "load_scenario",
-    "parse_value",
-    "regular_frame",
-    "scenario_from",
-    "scenario_hash",
-    "to_tables",
-    "to_toml",
-]
+from workbench.scenarios.column import Column as Column
+from workbench.scenarios.column import ColumnImpact as ColumnImpact
+from workbench.scenarios.column import ColumnPushover as ColumnPushover
+from workbench.scenarios.column import Striker as Striker
+from workbench.scenarios.column_as_frame import frame_of as frame_of
+from workbench.scenarios.column_as_frame import frame_scenario as frame_scenario
+from workbench.scenarios.files import ColumnScenario as ColumnScenario
+from workbench.scenarios.files import FrameScenario as FrameScenario
+from workbench.scenarios.files import Scenario as Scenario
+from workbench.scenarios.files import canonical as canonical
+from workbench.scenarios.files import load_scenario as load_scenario
+from workbench.scenarios.files import parse_value as parse_value
+from workbench.scenarios.files import scenario_from as scenario_from
+from workbench.scenarios.files import scenario_hash as scenario_hash
+from workbench.scenarios.files import to_tables as to_tables
+from workbench.scenarios.files import to_toml as to_toml
+from workbench.scenarios.frame import Frame as Frame
+from workbench.scenarios.frame_events import FrameGroundMotion as FrameGroundMotion
+from workbench.scenarios.frame_events import FrameImpact as FrameImpact
+from workbench.scenarios.frame_events import FrameStatic as FrameStatic
+from workbench.scenarios.frame_events import FrameStriker as FrameStriker
+from workbench.scenarios.frame_events import cyclic_path as cyclic_path
+from workbench.scenarios.frame_forms import regular_frame as regular_frame
+from workbench.scenarios.frame_parts import Joint as Joint
+from workbench.scenarios.frame_parts import Load as Load
+from workbench.scenarios.frame_parts import Member as Member
+from workbench.scenarios.frame_parts import Node as Node
+from workbench.scenarios.members import MemberProperties as MemberProperties
+from workbench.scenarios.stud import StudTests as StudTests

@@ -3,53 +3,35 @@
 The mechanical model is in `workbench.studs.mechanical`, which needs the compiled kernels.
 """
 
-from workbench.studs.factors import fit_factors
-from workbench.studs.load_slip import LAWS, BilinearLaw, OllgaardLaw, RationalLaw
-from workbench.studs.load_slip_fit import fit_load_slip
-from workbench.studs.quantities import summarise
-from workbench.studs.reading import examine, read_points, read_tests
-from workbench.studs.relations import RELATIONS, MechanicalCurve
-from workbench.studs.residual import Grade, ResidualFit, fit_residual
-from workbench.studs.schema import POINTS, TESTS
-from workbench.studs.series import evaluate_groups, evaluate_series, evaluate_table
-from workbench.studs.shear import SHEAR_MODELS, Deck, design_resistance, shear_model
-from workbench.studs.statistics.annex_d import evaluate_d8
-from workbench.studs.stiffness import UnloadingLaw, unloadings
-from workbench.studs.strength import StrengthFit, fit_strength
-from workbench.studs.tables import check_tables, shipped
-from workbench.studs.tension import INTERACTIONS
-
-__all__ = [
-    "INTERACTIONS",
-    "LAWS",
-    "POINTS",
-    "RELATIONS",
-    "SHEAR_MODELS",
-    "TESTS",
-    "BilinearLaw",
-    "Deck",
-    "Grade",
-    "MechanicalCurve",
-    "OllgaardLaw",
-    "RationalLaw",
-    "ResidualFit",
-    "StrengthFit",
-    "UnloadingLaw",
-    "check_tables",
-    "design_resistance",
-    "evaluate_d8",
-    "evaluate_groups",
-    "evaluate_series",
-    "evaluate_table",
-    "examine",
-    "fit_factors",
-    "fit_load_slip",
-    "fit_residual",
-    "fit_strength",
-    "read_points",
-    "read_tests",
-    "shear_model",
-    "shipped",
-    "summarise",
-    "unloadings",
-]
+from workbench.studs.factors import fit_factors as fit_factors
+from workbench.studs.load_slip import LAWS as LAWS
+from workbench.studs.load_slip import BilinearLaw as BilinearLaw
+from workbench.studs.load_slip import OllgaardLaw as OllgaardLaw
+from workbench.studs.load_slip import RationalLaw as RationalLaw
+from workbench.studs.load_slip_fit import fit_load_slip as fit_load_slip
+from workbench.studs.quantities import summarise as summarise
+from workbench.studs.reading import examine as examine
+from workbench.studs.reading import read_points as read_points
+from workbench.studs.reading import read_tests as read_tests
+from workbench.studs.relations import RELATIONS as RELATIONS
+from workbench.studs.relations import MechanicalCurve as MechanicalCurve
+from workbench.studs.residual import Grade as Grade
+from workbench.studs.residual import ResidualFit as ResidualFit
+from workbench.studs.residual import fit_residual as fit_residual
+from workbench.studs.schema import POINTS as POINTS
+from workbench.studs.schema import TESTS as TESTS
+from workbench.studs.series import evaluate_groups as evaluate_groups
+from workbench.studs.series import evaluate_series as evaluate_series
+from workbench.studs.series import evaluate_table as evaluate_table
+from workbench.studs.shear import SHEAR_MODELS as SHEAR_MODELS
+from workbench.studs.shear import Deck as Deck
+from workbench.studs.shear import design_resistance as design_resistance
+from workbench.studs.shear import shear_model as shear_model
+from workbench.studs.statistics.annex_d import evaluate_d8 as evaluate_d8
+from workbench.studs.stiffness import UnloadingLaw as UnloadingLaw
+from workbench.studs.stiffness import unloadings as unloadings
+from workbench.studs.strength import StrengthFit as StrengthFit
+from workbench.studs.strength import fit_strength as fit_strength
+from workbench.studs.tables import check_tables as check_tables
+from workbench.studs.tables import shipped as shipped
+from workbench.studs.tension import INTERACTIONS as INTERACTIONS

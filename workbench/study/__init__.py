@@ -1,32 +1,20 @@
 """Studies: cases answered by models, the runner, the result store, the assessment of it."""
 
-from workbench.assessment.gates import Gate
-from workbench.study.assess import Assessment, assess
-from workbench.study.cells import Cell, cells_of
-from workbench.study.definition import Case, Figure, Study
-from workbench.study.gather import gather
-from workbench.study.loading import LoadedStudy, load_study, study_files
-from workbench.study.manifest import CellStatus, State, survey
-from workbench.study.runner import RunSummary, run_study
-from workbench.study.store import Store
-
-__all__ = [
-    "Assessment",
-    "Case",
-    "Cell",
-    "CellStatus",
-    "Figure",
-    "Gate",
-    "LoadedStudy",
-    "RunSummary",
-    "State",
-    "Store",
-    "Study",
-    "assess",
-    "cells_of",
-    "gather",
-    "load_study",
-    "run_study",
-    "study_files",
-    "survey",
-]
+from workbench.assessment.gates import Gate as Gate
+from workbench.study.assess import Assessment as Assessment
+from workbench.study.assess import assess as assess
+from workbench.study.cells import Cell as Cell
+from workbench.study.cells import cells_of as cells_of
+from workbench.study.definition import Case as Case
+from workbench.study.definition import Figure as Figure
+from workbench.study.definition import Study as Study
+from workbench.study.gather import gather as gather
+from workbench.study.loading import LoadedStudy as LoadedStudy
+from workbench.study.loading import load_study as load_study
+from workbench.study.loading import study_files as study_files
+from workbench.study.manifest import CellStatus as CellStatus
+from workbench.study.manifest import State as State
+from workbench.study.manifest import survey as survey
+from workbench.study.runner import RunSummary as RunSummary
+from workbench.study.runner import run_study as run_study
+from workbench.study.store import Store as Store

@@ -1,14 +1,8 @@
 """Resistance of the column at its hit point: analytic curve and its two simplifications."""
 
-from workbench.models.resistance.curve import Event, ResistanceCurve
-from workbench.models.resistance.mechanism import Mechanism, mechanism_of
-from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
-
-__all__ = [
-    "RESISTANCES",
-    "Event",
-    "Mechanism",
-    "ResistanceCurve",
-    "mechanism_of",
-    "resistance_curve",
-]
+from workbench.models.resistance.curve import Event as Event
+from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
+from workbench.models.resistance.mechanism import Mechanism as Mechanism
+from workbench.models.resistance.mechanism import mechanism_of as mechanism_of
+from workbench.models.resistance.shapes import RESISTANCES as RESISTANCES
+from workbench.models.resistance.shapes import resistance_curve as resistance_curve

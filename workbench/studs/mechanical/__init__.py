@@ -1,18 +1,11 @@
 """Mechanical model of a stud: fiber beam on bearing concrete, with anchorage."""
 
-from workbench.studs.mechanical.calibration import MechanicalFit, calibrate
-from workbench.studs.mechanical.driving import pull_out, pull_then_push, push_out
-from workbench.studs.mechanical.parameters import Stud, Surroundings
-from workbench.studs.mechanical.residual import interaction_points, residual_curve
-
-__all__ = [
-    "MechanicalFit",
-    "Stud",
-    "Surroundings",
-    "calibrate",
-    "interaction_points",
-    "pull_out",
-    "pull_then_push",
-    "push_out",
-    "residual_curve",
-]
+from workbench.studs.mechanical.calibration import MechanicalFit as MechanicalFit
+from workbench.studs.mechanical.calibration import calibrate as calibrate
+from workbench.studs.mechanical.driving import pull_out as pull_out
+from workbench.studs.mechanical.driving import pull_then_push as pull_then_push
+from workbench.studs.mechanical.driving import push_out as push_out
+from workbench.studs.mechanical.parameters import Stud as Stud
+from workbench.studs.mechanical.parameters import Surroundings as Surroundings
+from workbench.studs.mechanical.residual import interaction_points as interaction_points
+from workbench.studs.mechanical.residual import residual_curve as residual_curve
