@@ -253,9 +253,14 @@ def best_ratio(
     if linear:
         ratio, value = _valley(given, low, high, start, free)
     else:
-        if hint is not None and k == 2:
-            few, bracket = {"maxiter": STEPS}, tuple(np.log(grid[1:]))
-            found = minimize_scalar(lambda x: at(float(np.exp(x))), bracket, options=few)
+        if hint is not None and k == 2 and values[2] < min(values[1], values[3]):
+            # three points are known: a criterion with kinks need not repeat to the last digit
+            few, known = {"maxiter": STEPS}, dict(zip(np.log(grid[1:]), values[1:], strict=True))
+            found = minimize_scalar(
+                lambda x: known[x] if x in known else at(float(np.exp(x))),
+                tuple(known),
+                options=few,
+            )
             ratio = float(np.exp(found.x))
         else:
             wide, enough = np.log1p([low, high]), {"xatol": 1e-4 if hint is None else 2e-2}
