@@ -14,11 +14,11 @@ from scipy.linalg import expm
 from workbench.errors import InputError, SolverError
 from workbench.structures.ground_motion import (
     Accelerogram,
-    GroundStep,
     ground_motion,
     rigid_displacement,
 )
 from workbench.structures.statics import apply_loads
+from workbench.structures.time_steps import TimeStep
 
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m
 
@@ -44,7 +44,7 @@ def follow(rod, dof, samples, interval, duration, step, damping=0.0):
     return np.array(time), np.array(at), steps
 
 
-def balance(steps: list[GroundStep], start: float = 0.0, kinetic: float = 0.0) -> float:
+def balance(steps: list[TimeStep], start: float = 0.0, kinetic: float = 0.0) -> float:
     """Largest error of the ledger over the largest input energy so far."""
     given = np.cumsum([s.input_energy + s.external_work for s in steps])
     gone = np.cumsum([s.energies.plastic + s.energies.algorithmic + s.damped for s in steps])

@@ -14,9 +14,10 @@ from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, lumped_mass
-from workbench.structures.ground_motion import GroundStep, ground_motion, rigid_displacement
-from workbench.structures.impact import MIDPOINT, PointMass, TimeStep, impact
+from workbench.structures.ground_motion import ground_motion, rigid_displacement
+from workbench.structures.impact import MIDPOINT, impact
 from workbench.structures.paths import PathStep, follow_displacement, follow_load
+from workbench.structures.time_steps import PointMass, TimeStep
 
 Array = NDArray[np.float64]
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
@@ -73,7 +74,7 @@ def ground_steps(
     time_step: float | None,
     weight: float,
     halvings: int = 0,
-) -> Iterator[GroundStep]:
+) -> Iterator[TimeStep]:
     """Implicit time steps of a motion of the ground.
 
     Arguments: `time_step` in s (None: 1/100 of the fundamental period, at most the step of the

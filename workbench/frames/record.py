@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 from workbench.frames.collapse import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
-from workbench.structures.ground_motion import GroundStep
-from workbench.structures.impact import TimeStep
 from workbench.structures.ledger import Tally
 from workbench.structures.paths import PathStep
+from workbench.structures.time_steps import TimeStep
 
 Array = NDArray[np.float64]
-Step = TimeStep | PathStep | GroundStep
 
 
 class Record:
@@ -54,7 +52,7 @@ class Record:
     def _moved(self) -> Array:
         return self.structure.assembly.displacement - self.structure.start
 
-    def take(self, step: Step, at: float, *, turns: bool = False) -> None:
+    def take(self, step: TimeStep | PathStep, at: float, *, turns: bool = False) -> None:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
 
         `turns`, whether a static path ends or turns back here. Raises `OutOfDomainError` when the

@@ -16,9 +16,8 @@ from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
-from workbench.structures.ground_motion import GroundStep
-from workbench.structures.impact import TimeStep
 from workbench.structures.paths import PathStep
+from workbench.structures.time_steps import TimeStep
 
 Array = NDArray[np.float64]
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
@@ -89,7 +88,7 @@ def run_static(
 def run_ground_motion(
     scenario: FrameGroundMotion,
     structure: FrameStructure,
-    steps: Iterator[GroundStep],
+    steps: Iterator[TimeStep],
     least_yield_ratio: float,
 ) -> Response:
     """Follow `steps` of the driver of ground motion on a frame under its dead loads.
@@ -114,7 +113,7 @@ def run_ground_motion(
     return response
 
 
-def _follow(record: Record, steps: Iterator[TimeStep] | Iterator[GroundStep]) -> float:
+def _follow(record: Record, steps: Iterator[TimeStep]) -> float:
     """Take all time steps; the length of the first one, in s."""
     length = 0.0
     for taken in steps:

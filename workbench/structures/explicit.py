@@ -23,8 +23,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from workbench.errors import SolverError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.impact import PointMass, TimeStep
 from workbench.structures.ledger import StepEnergies
+from workbench.structures.time_steps import PointMass, TimeStep
 
 Array = NDArray[np.float64]
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
@@ -148,7 +148,6 @@ def explicit_impact(
             external_work=external,
             kinetic=kinetic,
             evaluations=record - done,
-            cuts=0,
         )
         done = record
 

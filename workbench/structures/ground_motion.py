@@ -10,39 +10,16 @@ of the step, so that the ledger closes with the input energy -r . M (x1 - x0) a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.ledger import StepEnergies
-from workbench.structures.time_steps import Advance, march, settle, solve_step
+from workbench.structures.time_steps import TimeStep, march, settle, solve_step
 
 Array = NDArray[np.float64]
 AXES = {"x": "u", "y": "v"}
-
-
-class GroundStep(NamedTuple):
-    """A committed time step of a ground motion; energies are relative to the ground.
-
-    `time` at its end and `length` of it in s; mean `acceleration` of the ground in m/s2; `energies`
-    of the structure; in J and for the step, `input_energy` of the ground, `external_work` of the
-    dead loads and `damped` energy; `kinetic` energy at its end in J; `evaluations` of the residual,
-    and `cuts`, how often the step was halved.
-    """
-
-    length: float
-    acceleration: float
-    energies: StepEnergies
-    input_energy: float
-    external_work: float
-    damped: float
-    kinetic: float
-    time: float = 0.0
-    evaluations: int = 0
-    cuts: int = 0
 
 
 class Accelerogram:
@@ -95,7 +72,7 @@ def ground_motion(
     damping: float = 0.0,
     tolerance: float = 1e-8,
     most_cuts: int = 12,
-) -> Iterator[GroundStep]:
+) -> Iterator[TimeStep]:
     """Follow a structure on moving ground; displacements and velocities are relative to it.
 
     Arguments: `assembly` at rest under its dead loads; `direction` (dofs,), see
@@ -104,7 +81,7 @@ def ground_motion(
     `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy exactly); mass-proportional
     `damping` in 1/s; `tolerance` of the residual over the largest force; `most_cuts`, how often a
     step may be halved when Newton's method fails.
-    Yields a `GroundStep` after each commit. Raises `SolverError` and `InputError`.
+    Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
     """
     ground = Accelerogram(acceleration, sample_step)
     if not (np.isfinite(damping) and damping >= 0.0):
@@ -113,26 +90,18 @@ def ground_motion(
         raise InputError("direction", None, f"must be a number for each of {assembly.size} dofs")
     driven = assembly.mass_times(np.asarray(direction, dtype=float))
 
-    def advance(begin: float, dt: float) -> tuple[GroundStep | None, Advance]:
+    def advance(begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
         mean = ground.mean(begin, dt)
         load = assembly.load - mean * driven
         trial = solve_step(assembly, dt, weight, load, tolerance, damping=damping)
         found = trial.solution
-        spent = Advance(found.evaluations, found.residual)
         if not found.converged:
-            return None, spent
+            return None, found.evaluations, found.residual
         change = found.x - assembly.displacement
         damped = damping * float(change @ assembly.mass_times(change)) / dt
-        energies, work = settle(assembly, found.x, trial.velocity, weight)
-        step = GroundStep(
-            length=dt,
-            acceleration=mean,
-            energies=energies,
-            input_energy=-mean * float(driven @ change),
-            external_work=work,
-            damped=damped,
-            kinetic=assembly.kinetic_energy(),
-        )
-        return step, spent
+        given = -mean * float(driven @ change)
+        step = settle(assembly, dt, found.x, trial.velocity, weight)
+        step = step._replace(acceleration=mean, input_energy=given, damped=damped)
+        return step, found.evaluations, found.residual
 
     yield from march(spans, advance, most_cuts, "line search")

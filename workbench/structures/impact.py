@@ -19,7 +19,7 @@ Jean 1999; Acary 2013 for the two constraints.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,52 +28,19 @@ from numpy.typing import NDArray
 from workbench.errors import InputError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.ledger import StepEnergies
-from workbench.structures.time_steps import Advance, Pull, Trial, march, settle, solve_step
+from workbench.structures.time_steps import (
+    PointMass,
+    Pull,
+    TimeStep,
+    Trial,
+    march,
+    settle,
+    solve_step,
+)
 
 Array = NDArray[np.float64]
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
 INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
-
-
-@dataclass(frozen=True)
-class PointMass:
-    """A rigid striker at one dof: `mass` (kg), `velocity` (m/s), `position` (m), `restitution`.
-
-    Velocity and position are along the strike, the position from where the struck dof is when the
-    record starts: 0 is first contact, and less is farther away.
-    """
-
-    mass: float
-    velocity: float
-    restitution: float = 0.0
-    position: float = 0.0
-
-    @property
-    def kinetic_energy(self) -> float:
-        """Kinetic energy, in J."""
-        return 0.5 * self.mass * self.velocity**2
-
-
-class TimeStep(NamedTuple):
-    """A committed time step.
-
-    `time` at its end and `length` of it in s; the `striker` at its end; `percussion` of the step
-    in N s and the energy `contact_loss` of the step in J; `energies` of the structure;
-    `external_work` of the dead loads in the step in J; `kinetic` energy of the structure at its
-    end in J; `evaluations` of the residual, and `cuts`, how often the step was halved.
-    """
-
-    length: float
-    striker: PointMass
-    percussion: float
-    contact_loss: float
-    energies: StepEnergies
-    external_work: float
-    kinetic: float
-    time: float = 0.0
-    evaluations: int = 0
-    cuts: int = 0
 
 
 def impact(
@@ -154,7 +121,7 @@ class _Stepper:
         """Velocity of the gap, in m/s."""
         return self._along(self.assembly.velocity) - self.striker.velocity
 
-    def advance(self, _begin: float, dt: float) -> tuple[TimeStep | None, Advance]:
+    def advance(self, _begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
         """Take a step with the right contact state and commit it, if it can be solved."""
         gap, gamma0 = self.gap, self.gap_velocity
         if gap + dt * min(gamma0, 0.0) > 0.0:
@@ -175,9 +142,9 @@ class _Stepper:
                 continue
             # a closed contact that pulls must open, whatever the open solution says of velocities
             if tried.admissible or len(orders) == 1 or (refused and not closed):
-                return self._commit(tried, dt), Advance(evaluations, residual)
+                return self._commit(tried, dt), evaluations, residual
             refused = True
-        return None, Advance(evaluations, residual)
+        return None, evaluations, residual
 
     def _attempt(self, dt: float, closed: bool, gap: float, gamma0: float) -> _Attempt:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
@@ -220,27 +187,23 @@ class _Stepper:
     def _commit(self, found: _Attempt, dt: float) -> TimeStep:
         """Commit a solved step and account for its energies."""
         assembly, striker = self.assembly, self.striker
-        end = found.trial.solution.x
         approach = self.gap_velocity
-        energies, work = settle(assembly, end, found.velocity, self.weight)
+        step = settle(assembly, dt, found.trial.solution.x, found.velocity, self.weight)
         if self._before is not None:
             self._before = found.trial.force
         if found.apart > 0.0:
-            spent = self._spent_moving_apart(found)
-            energies = energies._replace(algorithmic=energies.algorithmic + spent)
+            spent = step.energies.algorithmic + self._spent_moving_apart(found)
+            energies = step.energies._replace(algorithmic=spent)
+            step = step._replace(energies=energies, kinetic=assembly.kinetic_energy())
         velocity = striker.velocity - found.percussion / striker.mass
         departure = self._along(found.velocity) - velocity
         position = striker.position + 0.5 * dt * (striker.velocity + velocity)
         position -= found.apart / striker.mass
         self.striker = replace(striker, velocity=velocity, position=position)
-        return TimeStep(
-            length=dt,
+        return step._replace(
             striker=self.striker,
             percussion=found.percussion,
             contact_loss=contact.contact_loss(found.percussion, approach, departure),
-            energies=energies,
-            external_work=work,
-            kinetic=assembly.kinetic_energy(),
         )
 
     def _spent_moving_apart(self, found: _Attempt) -> float:

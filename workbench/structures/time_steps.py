@@ -9,9 +9,10 @@ no penalty, no extra unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from math import ceil
-from typing import NamedTuple, Protocol, Self, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,51 @@ from workbench.structures.newton import Solution, newton, pieces
 
 Array = NDArray[np.float64]
 ITERATIONS = 25
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A rigid striker at one dof: `mass` (kg), `velocity` (m/s), `position` (m), `restitution`.
+
+    Velocity and position are along the strike, the position from where the struck dof is when the
+    record starts: 0 is first contact, and less is farther away.
+    """
+
+    mass: float
+    velocity: float
+    restitution: float = 0.0
+    position: float = 0.0
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Kinetic energy, in J."""
+        return 0.5 * self.mass * self.velocity**2
+
+
+class TimeStep(NamedTuple):
+    """A committed time step.
+
+    `length` of it in s; `energies` of the structure; `external_work` of the dead loads in the step
+    and `kinetic` energy of the structure at its end, in J; end `time` in s; `evaluations` of the
+    residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
+    `percussion` of the step in N s and the energy `contact_loss` in J. Of a ground motion, all
+    relative to the ground, its mean `acceleration` in m/s2 and the `input_energy` and `damped`
+    energy of the step in J.
+    """
+
+    length: float
+    energies: StepEnergies
+    external_work: float
+    kinetic: float
+    time: float = 0.0
+    evaluations: int = 0
+    cuts: int = 0
+    striker: PointMass | None = None
+    percussion: float = 0.0
+    contact_loss: float = 0.0
+    acceleration: float = 0.0
+    input_energy: float = 0.0
+    damped: float = 0.0
 
 
 class Pull(NamedTuple):
@@ -92,47 +138,32 @@ def solve_step(
     return Trial(found, velocity, internal)
 
 
-class Advance(NamedTuple):
-    """How a step went: residual `evaluations`, and the scaled `residual` if it was not solved."""
-
-    evaluations: int
-    residual: float
-
-
-class Record(Protocol):
-    """A record of a committed step, a NamedTuple with these entries."""
-
-    def _replace(self, *, time: float, evaluations: int, cuts: int) -> Self: ...
-
-
-Taken = TypeVar("Taken", bound=Record)
-
-
 def march(
     spans: Sequence[tuple[float, float]],
-    advance: Callable[[float, float], tuple[Taken | None, Advance]],
+    advance: Callable[[float, float], tuple[TimeStep | None, int, float]],
     most_cuts: int,
     remedies: str,
-) -> Iterator[Taken]:
+) -> Iterator[TimeStep]:
     """Go through a record; steps are halved where they fail and doubled back afterwards.
 
     Arguments: `spans`, end times and nominal steps of successive parts of the record, both in s;
     `advance`, takes the start and the length of a step, commits it and gives it, or None if it is
-    not solved; `most_cuts`, how often a step may be halved; what else `advance` tries, for errors.
+    not solved, with the residual evaluations and the scaled residual; `most_cuts`, how often a step
+    may be halved; what else `advance` tries, for errors.
     Yields the steps with their end `time`, `evaluations` and `cuts`. Raises `SolverError`.
     """
     evaluations = 0
 
     def attempt(
         begin: float, step: float, number: int, done: float, share: float
-    ) -> Taken | SolverError:
+    ) -> TimeStep | SolverError:
         nonlocal evaluations
         start, length = begin + (number + done) * step, share * step
-        taken, spent = advance(start, length)
-        evaluations += spent.evaluations
+        taken, spent, residual = advance(start, length)
+        evaluations += spent
         if taken is None:
             tried = f"{remedies}, steps down to {length:.3g} s"
-            return SolverError(f"time {start:.6g} s", spent.residual, tried)
+            return SolverError(f"time {start:.6g} s", residual, tried)
         return taken
 
     begin = 0.0
@@ -150,9 +181,9 @@ def march(
 
 
 def settle(
-    assembly: PlanarAssembly, end: Array, velocity: Array, weight: float
-) -> tuple[StepEnergies, float]:
-    """Commit a solved step that ends at `end`; its energies and the work of the dead loads, in J.
+    assembly: PlanarAssembly, dt: float, end: Array, velocity: Array, weight: float
+) -> TimeStep:
+    """Commit a solved step of `dt` (s) that ends at `end`, with its energies.
 
     Arguments: displacements `end` and `velocity` (dofs,); `weight` of the end stresses.
     """
@@ -160,4 +191,4 @@ def settle(
     work = float(assembly.load @ (end - assembly.displacement))
     assembly.commit(end, velocity)
     assembly.stored = energies.stored
-    return energies, work
+    return TimeStep(dt, energies, work, assembly.kinetic_energy())
