@@ -32,10 +32,7 @@ _ELSEWHERE = ("convergence", "cost")
 
 
 def build_report(
-    directory: Path,
-    study: Study,
-    formats: Sequence[str] = ("html", "pdf"),
-    out: Path | None = None,
+    directory: Path, study: Study, formats: Sequence[str] = ("html", "pdf"), out: Path | None = None
 ) -> dict[str, Path]:
     """Write the report of a stored and assessed study; nothing is simulated or assessed.
 

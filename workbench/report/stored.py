@@ -118,6 +118,10 @@ class Stored:
         cell = self.cells.get((case, label))
         return None if cell is None else cell.numbers.get(name)
 
+    def values(self, name: str) -> dict[tuple[str, str], float]:
+        """A scalar by (case, label), of all cells that know it, in the order of the study."""
+        return {key: cell.numbers[name] for key, cell in self.cells.items() if name in cell.numbers}
+
     def response(self, case: str, label: str) -> Response | None:
         """The response of a cell that answered, else None."""
         cell = self.cells.get((case, label))

@@ -7,7 +7,7 @@ from statistics import median
 from typing import NamedTuple
 
 from workbench.content.formatting import count, duration, valued
-from workbench.content.tree import Block, Cell, Column, Paragraph, Section, Table
+from workbench.content.tree import Block, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
@@ -21,17 +21,18 @@ class _Times(NamedTuple):
     solving: list[float]
 
 
+def _median(seconds: list[float]) -> float | None:
+    return median(seconds) if seconds else None
+
+
 _COLUMNS = (
     Column("model", width=2.0, of="label"),
     Column("scenario", width=1.6, of="kind"),
     Column("cases", True, 0.7, lambda times: len(times.whole)),
-    Column("fastest", True, 1.0, lambda times: _cell(min(times.whole))),
-    Column("median", True, 1.0, lambda times: _cell(median(times.whole))),
-    Column("slowest", True, 1.0, lambda times: _cell(max(times.whole))),
-    Column(
-        *("solving alone", True, 1.2),
-        lambda times: _cell(median(times.solving)) if times.solving else None,
-    ),
+    Column("fastest", True, 1.0, lambda times: valued(min(times.whole), duration)),
+    Column("median", True, 1.0, lambda times: valued(median(times.whole), duration)),
+    Column("slowest", True, 1.0, lambda times: valued(max(times.whole), duration)),
+    Column("solving alone", True, 1.2, lambda times: valued(_median(times.solving), duration)),
 )
 
 
@@ -54,20 +55,14 @@ def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section:
 
 
 def _times(study: Study, stored: Stored) -> Iterator[_Times]:
+    times = stored.values("wall_time"), stored.values("solve_time")
     for label, model in study.models.items():
         for kind in dict.fromkeys(case.scenario.KIND for case in study.cases):
-            whole, solving = (
-                [
-                    seconds
-                    for case in study.cases
-                    if kind == case.scenario.KIND and stored.ok(case.name, label)
-                    if (seconds := stored.number(case.name, label, name)) is not None
-                ]
-                for name in ("wall_time", "solve_time")
-            )
+            own = [
+                (case.name, label)
+                for case in study.cases
+                if kind == case.scenario.KIND and stored.ok(case.name, label)
+            ]
+            whole, solving = ([known[key] for key in own if key in known] for known in times)
             if whole and model.name != "published":
                 yield _Times(label, kind, whole, solving)
-
-
-def _cell(seconds: float) -> Cell:
-    return valued(seconds, duration)

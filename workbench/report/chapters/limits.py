@@ -8,16 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from workbench.content.formatting import count, number, valued
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Callout,
-    Cell,
-    Column,
-    Paragraph,
-    Section,
-    Table,
-)
+from workbench.content.tree import Block, Bullets, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import NOT_RUN, CellState, Stored
 from workbench.responses import Finding, Outcome
 from workbench.study.definition import Study
@@ -154,15 +145,10 @@ def _warnings(stored: Stored) -> Iterator[Table]:
 
 def shear_demand(study: Study, stored: Stored) -> ShearDemand:
     """Largest shear force over the plastic resistance, by case and label."""
-    known = {
-        case.name: {
-            label: value
-            for label in study.models
-            if (value := stored.number(case.name, label, "shear_utilisation")) is not None
-        }
-        for case in study.cases
-    }
-    entries = [(name, values) for name, values in known.items() if values]
+    known: dict[str, dict[str, float]] = {}
+    for (case, label), value in stored.values("shear_utilisation").items():
+        known.setdefault(case, {})[label] = value
+    entries = list(known.items())
     labels = [label for label in study.models if any(values.get(label) for _, values in entries)]
     if not labels:
         return ShearDemand(None, "")

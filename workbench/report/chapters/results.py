@@ -45,17 +45,11 @@ def numbers(study: Study, stored: Stored) -> Section:
 
 
 def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
-    names = [case.name for case in study.cases]
-    values = {
-        (case, label): value
-        for case in names
-        for label in study.models
-        if (value := stored.number(case, label, quantity)) is not None
-    }
+    values = stored.values(quantity)
     if not values:
         return None
-    cases = [case for case in names if any(case == key[0] for key in values)]
-    labels = [label for label in study.models if any(label == key[1] for key in values)]
+    cases = list(dict.fromkeys(case for case, _ in values))
+    labels = [label for label in study.models if any(label == own for _, own in values)]
     errors = {
         (row["case"], row["model"]): float(row["error"])
         for row in stored.errors(quantity, "relative_error", study.reference).to_dict("records")
@@ -72,15 +66,14 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
             text += f"{gap}{percent(errors[case, label])}"
         return Cell(text, values[case, label])
 
-    caption = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
-    caption += f", and deviation from {study.reference}."
+    shown = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
+    caption = f"{shown}, and deviation from {study.reference}."
+    rows, columns = labels, [Column("model", width=2.0, of=str)]
     if few:
-        columns = [Column("model", width=2.0, of=str)]
         columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)
     else:
-        columns = [Column("case", width=2.4, of=str)]
+        rows, columns = cases, [Column("case", width=2.4, of=str)]
         columns += (Column(label, True, 1.3, partial(cell, label=label)) for label in labels)
-    rows = labels if few else cases
     return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
 
 

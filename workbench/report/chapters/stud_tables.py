@@ -55,6 +55,18 @@ def _span(path: str) -> Finder:
 _NAME = Column("formula", width=2.2, of="name")
 
 
+def _table(
+    key: str,
+    caption: str,
+    columns: Iterable[Column],
+    rows: list[Content],
+    printed: int | None = None,
+) -> Iterator[Block]:
+    """A table of some rows, nothing without any."""
+    if rows:
+        yield Table.of(key, caption, columns, rows, printed)
+
+
 def _rows(named: Named, of: Callable[[Content], Iterable[Content]]) -> list[Content]:
     return [{"name": name, **row} for name, each in named.items() for row in of(each)]
 
@@ -80,15 +92,13 @@ def exponents(named: Named) -> Iterator[Block]:
         ("factors", "Fitted factors of the formulas:", "factor", _factors),
     )
     for key, caption, title, of in kinds:
-        rows = _rows(named, of)
         columns = (
             _NAME,
             Column("variable", of="variable"),
             Column(title, True, of=_value("value")),
             Column("interval", True, of=_span("profile")),
         )
-        if rows:
-            yield Table.of(key, caption, columns, rows)
+        yield from _table(key, caption, columns, _rows(named, of))
 
 
 def _trends(content: Content) -> Iterator[Content]:
@@ -117,8 +127,7 @@ def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Blo
         Column("least", True, of=_value("least_test_over_prediction")),
         Column("which", of="worst"),
     )
-    if rows:
-        yield Table.of("unseen", caption, columns, rows)
+    return _table("unseen", caption, columns, rows)
 
 
 def design_values(named: Named) -> Iterator[Block]:
@@ -130,14 +139,8 @@ def design_values(named: Named) -> Iterator[Block]:
             d8 |= dict.fromkeys(("r_d", "gamma_m", "gamma_m_star"))
         return d8
 
-    plain = {
-        "b": "b",
-        "V_δ": "V_delta",
-        "V_rt": "V_rt",
-        "V_r": "V_r",
-        "k_n": "k_n",
-        "k_d,n": "k_dn",
-    }
+    plain = {"b": "b", "V_δ": "V_delta", "V_rt": "V_rt", "V_r": "V_r", "k_n": "k_n"}
+    plain["k_d,n"] = "k_dn"
     loads = {"g_rt(X_m)": "r_m", "r_k": "r_k", "r_d": "r_d"}
     columns = (
         _NAME,
@@ -175,8 +178,7 @@ def left_out(named: Named) -> Iterator[Block]:
         "bore less than predicted."
     )
     rows = _rows(named, lambda c: c["fit"]["left_out"])
-    if rows:
-        yield Table.of("design-left-out", caption, columns, rows)
+    return _table("design-left-out", caption, columns, rows)
 
 
 def series(groups: list[Content]) -> Iterator[Block]:
@@ -207,9 +209,8 @@ def series(groups: list[Content]) -> Iterator[Block]:
         Column("class, or why there is none", width=3.2, of=class_of),
     )
     rows = [group for group in groups if group["tests"] >= _LEAST_IN_SERIES]
-    if rows:
-        caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
-        yield Table.of("design-series", caption, columns, rows, 12)
+    caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
+    yield from _table("design-series", caption, columns, rows, 12)
 
 
 def load_slip(named: Named) -> Iterator[Block]:
@@ -236,9 +237,7 @@ def load_slip(named: Named) -> Iterator[Block]:
         "its logarithm within (σ, the error of each curve's fit included) and between (τ) "
         "campaigns, median misfit of the load over the largest load."
     )
-    rows = _rows(named, parameters)
-    if rows:
-        yield Table.of("design-load-slip", caption, columns, rows)
+    return _table("design-load-slip", caption, columns, _rows(named, parameters))
 
 
 def unseen_curves(named: Named) -> Iterator[Block]:
@@ -252,8 +251,7 @@ def unseen_curves(named: Named) -> Iterator[Block]:
         Column("interval", True, of=_span("stiffness.interval")),
     )
     rows = _rows(named, lambda c: [c["judgement"]] if c["judgement"] else [])
-    if rows:
-        yield Table.of("unseen-curves", "Unseen curves:", columns, rows)
+    return _table("unseen-curves", "Unseen curves:", columns, rows)
 
 
 def residual(contents: Iterable[Content]) -> Iterator[Block]:
@@ -289,9 +287,7 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
         "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
         "bears."
     )
-    contents = list(contents)
-    if contents:
-        yield Table.of("design-residual", caption, columns, contents)
+    return _table("design-residual", caption, columns, list(contents))
 
 
 def relations(contents: Iterable[Content]) -> Iterator[Block]:

@@ -7,22 +7,8 @@ from typing import Any
 
 from workbench.assessment import Verdict
 from workbench.content.bibliography import cited
-from workbench.content.formatting import (
-    count,
-    interval,
-    metric_title,
-    metric_value,
-    title_of,
-)
-from workbench.content.tree import (
-    Block,
-    Callout,
-    Cell,
-    Column,
-    Paragraph,
-    Section,
-    Table,
-)
+from workbench.content.formatting import count, interval, metric_title, metric_value, title_of
+from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
@@ -77,16 +63,14 @@ def verdicts(stored: Stored, warning: str = "") -> Section:
 def _doubts(stored: Stored) -> Iterator[str]:
     """What a reader must know before the table: how well the reference itself is known."""
     reference = stored.study.reference
-    coarse = []
+    peaks, coarse = stored.values("peak_displacement"), []
     for row in stored.rows["ladder"]:
-        if row["quantity"] != "peak_displacement":
+        case, relative = row["case"], row["relative"]
+        if row["quantity"] != "peak_displacement" or (case, reference) not in peaks:
             continue
-        relative = row["relative"]
-        if relative is not None:
-            if relative > _WELL_KNOWN:
-                coarse.append(f"{row['case']}: {100.0 * relative:.1f} %")
-        elif stored.number(row["case"], reference, "peak_displacement") is not None:
-            coarse.append(f"{row['case']}: unknown")
+        if relative is None or relative > _WELL_KNOWN:
+            known = "unknown" if relative is None else f"{100.0 * relative:.1f} %"
+            coarse.append(f"{case}: {known}")
     if coarse:
         shown = "; ".join(coarse[:_LISTED]) + ("; …" if len(coarse) > _LISTED else "")
         yield (
@@ -100,11 +84,10 @@ def headline(rows: list[dict[str, Any]]) -> Callout:
     if not rows:
         return Callout("note", "The study sets no acceptance gates: it reports, it does not judge.")
     found = [row["verdict"] for row in rows]
-    numbers = {name: found.count(name) for name in ("pass", "fail", "inconclusive")}
-    tone = "bad" if numbers["fail"] else "doubt" if numbers["inconclusive"] else "good"
-    parts = [f"{numbers['pass']} passed", f"{numbers['fail']} failed"]
-    parts.append(f"{numbers['inconclusive']} inconclusive")
-    text = f"Of {count(len(rows), 'gate')}, {', '.join(parts)}."
+    passed, failed, open_ = map(found.count, ("pass", "fail", "inconclusive"))
+    tone = "bad" if failed else "doubt" if open_ else "good"
+    gates = count(len(rows), "gate")
+    text = f"Of {gates}, {passed} passed, {failed} failed, {open_} inconclusive."
     missing = [row for row in rows if row["refused"] + row["unanswered"]]
     if missing:
         lost = {reason: None for row in missing for reason in row["reasons"].splitlines()[:1]}
@@ -127,19 +110,8 @@ def summary_table(rows: list[dict[str, Any]], *, reasons: bool = True) -> Table:
         _VERDICT,
         Column("what is judged", width=2.6, of=question_of),
         Column("critical value ± uncertainty", True, 2.0, _critical),
-        Column(
-            *("bound", True, 1.0),
-            lambda row: Cell(
-                "±" + metric_value(row["metric"], row["quantity"], row["bound"], bound=True),
-                row["bound"],
-            ),
-        ),
-        Column(
-            *("cases passed", True, 0.85),
-            lambda row: Cell(
-                f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1)
-            ),
-        ),
+        Column("bound", True, 1.0, _bound),
+        Column("cases passed", True, 0.85, _passed),
         Column("why this bound", width=3.0, of=_why),
     )
     caption = "Verdicts of the acceptance gates."
@@ -149,12 +121,25 @@ def summary_table(rows: list[dict[str, Any]], *, reasons: bool = True) -> Table:
 def _critical(row: dict[str, Any]) -> Cell:
     if row["value"] is None:
         return Cell("not judged")
-    text = interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
+    text = _interval(row)
     return Cell(f"{text}\n({row['case']})" if row["asked"] > 1 else text, abs(row["value"]))
+
+
+def _interval(row: dict[str, Any]) -> str:
+    return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
+
+
+def _bound(row: dict[str, Any]) -> Cell:
+    bound = metric_value(row["metric"], row["quantity"], row["bound"], bound=True)
+    return Cell(f"±{bound}", row["bound"])
 
 
 def _passed(row: dict[str, Any]) -> Cell:
     return Cell(f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1))
+
+
+def _note(row: dict[str, Any]) -> Cell:
+    return Cell(row["note"], tone="muted")
 
 
 def _why(row: dict[str, Any]) -> str:
@@ -171,16 +156,7 @@ def _every_case(rows: list[dict[str, Any]]) -> Table:
         _VERDICT,
         Column("what is judged", width=2.8, of=question_of),
         Column("case", width=1.6, of="case"),
-        Column(
-            *("value ± uncertainty", True, 1.8),
-            lambda row: Cell(
-                interval(row["metric"], row["quantity"], row["value"], row["uncertainty"]),
-                row["value"],
-            ),
-        ),
-        Column(
-            *("where the uncertainty comes from", False, 3.0),
-            lambda row: Cell(row["note"], tone="muted"),
-        ),
+        Column("value ± uncertainty", True, 1.8, lambda row: Cell(_interval(row), row["value"])),
+        Column("where the uncertainty comes from", width=3.0, of=_note),
     )
     return Table.of("gate-cases", "Every case of every gate.", columns, rows, _PRINTED)
