@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import erf, exp, inf, log, sqrt
+from math import erf, inf, log, sqrt
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,6 @@ from workbench.studs.statistics.annex_d import (
     LIMIT_DESIGN,
     TABLE_DESIGN,
     fractile_factor,
-    from_prior_knowledge,
     sensitivities_of,
 )
 
@@ -162,17 +161,6 @@ def test_d8_is_unsafe_for_tests_of_few_campaigns() -> None:
         r_k = evaluate_d8(tests, np.ones(campaigns * each)).r_k
         below[i] = 0.5 * (1.0 + erf(log(r_k) / sqrt(0.1**2 + 0.08**2) / sqrt(2.0)))
     assert below.mean() > 0.09
-
-
-def test_one_to_three_tests_with_prior_knowledge() -> None:
-    r_k, factor = from_prior_knowledge([100.0], 0.1)
-    assert factor == pytest.approx(0.9 * exp(-0.231 - 0.005))
-    assert r_k == pytest.approx(100.0 * factor)
-    assert from_prior_knowledge([100.0, 110.0], 0.1)[0] == pytest.approx(105.0 * exp(-0.205))
-    with pytest.raises(InputError, match="within 10 %"):
-        from_prior_knowledge([100.0, 130.0], 0.1)
-    with pytest.raises(InputError, match="one to three"):
-        from_prior_knowledge([1.0] * 4, 0.1)
 
 
 # -- EN 1994-1-1 Annex B ------------------------------------------------------------------------

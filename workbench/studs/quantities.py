@@ -1,4 +1,4 @@
-"""Columns of a table of tests as arrays in SI units, the rows that a fit may use, and summaries."""
+"""Columns of a table of tests as arrays in SI units, and the rows that a fit may use."""
 
 from __future__ import annotations
 
@@ -125,35 +125,3 @@ def undamaged_headed_studs(table: pd.DataFrame) -> pd.DataFrame:
         lost = "; ".join(f"{name}: {int((~np.asarray(c)).sum())}" for name, c in conditions.items())
         raise InputError("table", f"{len(table)} rows", f"holds no undamaged headed stud ({lost})")
     return table[kept].reset_index(drop=True)
-
-
-def summarise(table: pd.DataFrame, by: str | None = None) -> pd.DataFrame:
-    """Mean, scatter and ratios to simple formulas, one row per value of the column `by` (or one).
-
-    Columns: `count`; `mean` load per stud (N) and its coefficient of `variation`; means of
-    P / (0.5 A_s sqrt(f_c E_c)) as `over_concrete`, P / (A_s f_u) as `over_steel` and
-    P / (0.8 A_s f_u) as `over_reduced_steel`; NaN where values for it were not reported. Raises
-    `InputError` for an unknown column or a table without shear.
-    """
-    if by is not None and by not in table.columns:
-        raise InputError("by", by, "must be a column of the table")
-    rows = table[np.isfinite(table["shear_kN"].to_numpy(float))]
-    if rows.empty:
-        raise InputError("table", len(table), "holds no test with shear_kN")
-    groups = [("all", rows)] if by is None else list(rows.groupby(by, sort=False))
-    return pd.DataFrame({str(name): _summary(group) for name, group in groups}).T
-
-
-def _summary(rows: pd.DataFrame) -> dict[str, float]:
-    tests = specimens(rows)
-    stiff: Array = np.sqrt(tests.concrete_strength * tests.concrete_modulus)
-    steel = tests.shear / (tests.area * tests.ultimate_strength)
-    mean = float(np.mean(tests.shear))
-    return {
-        "count": len(tests),
-        "mean": mean,
-        "variation": float(np.std(tests.shear, ddof=1) / mean) if len(tests) > 1 else np.nan,
-        "over_concrete": float(np.mean(tests.shear / (0.5 * tests.area * stiff))),
-        "over_steel": float(np.mean(steel)),
-        "over_reduced_steel": float(np.mean(steel)) / 0.8,
-    }

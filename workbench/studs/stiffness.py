@@ -169,56 +169,31 @@ class UnloadingLaw(Declared, table="law"):
         return self.strength * float(self.envelope.ratio(slip))
 
 
-class Unloading(NamedTuple):
-    """One observed unloading: where it started, a reading on its way, and what follows from both.
-
-    Slips in m, loads in N; `slope` in N/m; `permanent_slip` by extending the line to zero load,
-    `ratio` of it to the slip of unloading.
-    """
-
-    campaign: str
-    specimen: str
-    start_slip: float
-    start_load: float
-    reading_slip: float
-    reading_load: float
-    slope: float
-    permanent_slip: float
-    ratio: float
-
-
-def unloadings(points: pd.DataFrame) -> list[Unloading]:
+def unloadings(points: pd.DataFrame) -> pd.DataFrame:
     """The unloadings among the points of a table (schema `POINTS`) with inferred starts.
 
-    Where several readings belong to one start, the one with the lowest load counts: the others
-    may lie on the way of reloading. Raises `InputError` when there is none.
+    Columns: campaign, specimen; slips in m and loads in N of the start (`start_slip`,
+    `start_load`) and of a reading on the way down (`slip`, `load`); `slope` in N/m; and the line
+    extended to zero load, `permanent_slip` in m and its `ratio` to the start. Of several readings
+    of one start the lowest load counts: others may lie on the way of reloading. Raises
+    `InputError` when there is none.
     """
-    needed = ("probable_unloading_slip_mm", "probable_unloading_load_kN")
-    known = points[np.isfinite(points[list(needed)].to_numpy(float)).all(axis=1)]
-    result = []
-    groups = known.groupby(["campaign", "specimen", needed[0]], sort=False)
-    for (campaign, specimen, _), group in groups:
-        row = group.loc[group["load_kN"].astype(float).idxmin()]
-        start, top = 1e-3 * row[needed[0]], 1e3 * row[needed[1]]
-        slip, load = 1e-3 * row["slip_mm"], 1e3 * row["load_kN"]
-        if slip >= start or load >= top:
-            continue  # no way down: the inferred start does not belong to this reading
-        slope = (top - load) / (start - slip)
-        permanent = start - top / slope
-        result.append(
-            Unloading(
-                str(campaign), str(specimen), start, top, slip, load, slope, permanent,
-                permanent / start,
-            )
-        )  # fmt: skip
-    if not result:
+    needed = ["probable_unloading_slip_mm", "probable_unloading_load_kN"]
+    known = points[np.isfinite(points[needed].to_numpy(float)).all(axis=1)]
+    equal = ["campaign", "specimen", needed[0]]
+    lowest = known.sort_values("load_kN", kind="stable").drop_duplicates(equal).sort_index()
+    rows = lowest[["campaign", "specimen"]].assign(
+        start_slip=1e-3 * lowest[needed[0]],
+        start_load=1e3 * lowest[needed[1]],
+        slip=1e-3 * lowest["slip_mm"],
+        load=1e3 * lowest["load_kN"],
+    )
+    # otherwise there is no way down: the inferred start does not belong to the reading
+    rows = rows[(rows["slip"] < rows["start_slip"]) & (rows["load"] < rows["start_load"])]
+    if rows.empty:
         raise InputError("points", len(points), "hold no unloading with a known start")
-    return result
-
-
-def unloading_ratio(law: LoadSlipLaw, strength: float, observed: list[Unloading]) -> Array:
-    """Ratios (n,) of observed unloading slopes to the chord stiffness of an envelope.
-
-    Arguments: `law` and its `strength` in N; `observed` unloadings of the same stud.
-    """
-    return np.array([each.slope for each in observed]) / law_stiffness(law, strength)
+    slope = (rows["start_load"] - rows["load"]) / (rows["start_slip"] - rows["slip"])
+    left = rows["start_slip"] - rows["start_load"] / slope
+    ratio = left / rows["start_slip"]
+    found: pd.DataFrame = rows.assign(slope=slope, permanent_slip=left, ratio=ratio)
+    return found

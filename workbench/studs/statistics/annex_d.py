@@ -3,7 +3,7 @@
 A normal quantity with mean m and standard deviation s estimated from n values (V unknown) lies
 below m - k s in a new test with the wanted probability for k = t_(n-1)(p) sqrt(1 + 1/n); with a
 known standard deviation t is replaced by the normal quantile. This reproduces tables D.1 and D.2.
-Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again).
+Source: EN 1990:2002, D.8.2 and D.8.3 (recalled, not read again).
 """
 
 from __future__ import annotations
@@ -110,7 +110,6 @@ def evaluate_d8(
     sensitivities: Mapping[str, float] | None = None,
     resistance: float | None = None,
     nominal: float | None = None,
-    scatter_count: int | None = None,
 ) -> D8:
     """Characteristic and design resistance by EN 1990 D.8.
 
@@ -119,23 +118,21 @@ def evaluate_d8(
     in structures to come; `sensitivities`, exponents of the variables in the resistance function,
     (x / g) dg/dx at mean values (default 1: a product); `resistance`, g_rt at the mean values of
     the design in N (default: mean of `theoretical`); `nominal` design-function value in N, for
-    gamma_M*; `scatter_count`, tests behind the scatter where sub-sets were formed (D.8.2.2.5).
-    Raises `InputError` for fewer than two tests.
+    gamma_M*. Raises `InputError` for fewer than two tests.
     """
     b, delta = errors_of(experimental, theoretical)
     n = len(delta)
     if n < 2:
-        raise InputError("tests", n, "must be two or more", "see `from_prior_knowledge` (D.8.4)")
+        raise InputError("tests", n, "must be two or more", "one test has no scatter")
     s_delta = float(np.std(delta, ddof=1))
     v_delta = sqrt(exp(s_delta**2) - 1.0)
     v_rt = _variation(dict(variations or {}), dict(sensitivities or {}))
     v_r = sqrt((1.0 + v_delta**2) * (1.0 + v_rt**2) - 1.0)
     q, q_rt, q_delta = (sqrt(log(v**2 + 1.0)) for v in (v_r, v_rt, v_delta))
     alpha_rt, alpha_delta = (0.0, 0.0) if q == 0.0 else (q_rt / q, q_delta / q)
-    counted = scatter_count or n
-    many = counted >= MANY_TESTS
-    k_n = K_INFINITE if many else fractile_factor(counted)
-    k_dn = KD_INFINITE if many else fractile_factor(counted, TABLE_DESIGN)
+    many = n >= MANY_TESTS
+    k_n = K_INFINITE if many else fractile_factor(n)
+    k_dn = KD_INFINITE if many else fractile_factor(n, TABLE_DESIGN)
     r_m = float(np.mean(np.asarray(theoretical, float))) if resistance is None else resistance
 
     def value(k_infinite: float, k_limited: float) -> float:
@@ -175,25 +172,3 @@ def sensitivities_of(
         high, low = resistance({**base, name: mean + step}), resistance({**base, name: mean - step})
         result[name] = (high - low) / (2.0 * step) * mean / centre
     return result
-
-
-def from_prior_knowledge(resistances: ArrayLike, variation: float) -> tuple[float, float]:
-    """Characteristic resistance from one to three tests with V_r known beforehand (D.8.4).
-
-    Arguments: `resistances` (1..3,) of tests of one kind, `variation` V_r from earlier tests.
-    Result: r_k in the unit of the tests, and the factor eta_k on the test (one) or the mean (two
-    or three). Raises `InputError` for more tests, or when a test is off the mean by over 10 %.
-    """
-    r = np.atleast_1d(np.asarray(resistances, float))
-    if not 1 <= len(r) <= 3 or not np.all(r > 0.0):
-        raise InputError("resistances", len(r), "must be one to three positive values")
-    mean = float(np.mean(r))
-    if len(r) == 1:
-        factor = 0.9 * exp(-2.31 * variation - 0.5 * variation**2)
-    else:
-        if np.max(np.abs(r / mean - 1.0)) > 0.1:
-            reason = "must lie within 10 % of their mean for D.8.4"
-            advice = "make more tests and use `evaluate_d8`"
-            raise InputError("resistances", r.tolist(), reason, advice)
-        factor = exp(-2.0 * variation - 0.5 * variation**2)
-    return factor * mean, factor

@@ -65,15 +65,29 @@ def _mixture(estimate: Estimate) -> _Mixture:
     return _Mixture(weight / weight.sum(), *found, given.count - len(free))
 
 
+def _quantile(mixture: _Mixture, share: float, near: float, centre: Array, scale: Array) -> float:
+    """Value `near` which a `share` of the mixture lies below; `centre` and `scale` (points,)."""
+    from scipy.optimize import brentq
+    from scipy.special import stdtr
+
+    def below(y: float) -> float:
+        return float(mixture.weight @ stdtr(mixture.nu, (y - centre) / scale)) - share
+
+    low = high = near
+    width = 10.0 * float(np.max(scale[mixture.weight > 1e-12]))
+    while below(low) > 0.0:
+        low -= width
+    while below(high) < 0.0:
+        high += width
+    return float(brentq(below, low, high, xtol=1e-9 * width))
+
+
 def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
     """Value (n,) below which a `share` of new tests in a new campaign lies, in the unit of y.
 
     Arguments: `held`, a problem whose rows describe the new tests (its y is not used). Raises
     `InputError` for fewer than three campaigns behind the estimate.
     """
-    from scipy.optimize import brentq
-    from scipy.special import stdtr
-
     _need_campaigns(estimate)
     if estimate.is_exact:
         return held.predict(estimate.theta)
@@ -82,24 +96,13 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
     x = jacobian(held, estimate.theta, free)
     middle = held.predict(estimate.theta)
     rows, index = np.unique(np.column_stack([x, middle]), axis=0, return_inverse=True)
-    result = np.empty(len(rows))
-    for i, row in enumerate(rows):
-        slope = row[:-1]
+    result = []
+    for *slope, own in rows:
         spread = np.einsum("j,kjl,l->k", slope, mixture.inverse, slope)
         scale = np.sqrt(mixture.variance * (1.0 + mixture.ratio**2 + spread))
-        centre = row[-1] + (mixture.theta[:, free] - estimate.theta[free]) @ slope
-
-        def below(y: float, centre: Array = centre, scale: Array = scale) -> float:
-            return float(mixture.weight @ stdtr(mixture.nu, (y - centre) / scale)) - share
-
-        width = 10.0 * float(np.max(scale[mixture.weight > 1e-12]))
-        low = high = float(row[-1])
-        while below(low) > 0.0:
-            low -= width
-        while below(high) < 0.0:
-            high += width
-        result[i] = brentq(below, low, high, xtol=1e-9 * width)
-    return np.asarray(result[index.ravel()])
+        centre = own + (mixture.theta[:, free] - estimate.theta[free]) @ slope
+        result.append(_quantile(mixture, share, float(own), centre, scale))
+    return np.array(result)[index.ravel()]
 
 
 def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> Interval:
@@ -108,9 +111,6 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
     Exact for linear predictions, otherwise with the prediction linear around each best fit.
     Raises `InputError` for an unknown parameter or fewer than three campaigns.
     """
-    from scipy.optimize import brentq
-    from scipy.special import stdtr
-
     k = estimate.problem.index(name)
     _need_campaigns(estimate)
     if estimate.is_exact:
@@ -118,20 +118,10 @@ def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -
         return Interval(exact, exact, confidence, _POSTERIOR)
     mixture = _mixture(estimate)
     centre, scale = mixture.theta[:, k], np.sqrt(mixture.variance * mixture.inverse[:, k, k])
-    width = 20.0 * float(np.max(scale[mixture.weight > 1e-12]))
-    ends = [
-        float(
-            brentq(
-                lambda y, share=share: (
-                    mixture.weight @ stdtr(mixture.nu, (y - centre) / scale) - share
-                ),
-                float(estimate.theta[k]) - width,
-                float(estimate.theta[k]) + width,
-            )
-        )
-        for share in (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-    ]
-    return Interval(ends[0], ends[1], confidence, _POSTERIOR)
+    shares = (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+    near = estimate.parameter(name)
+    low, high = (_quantile(mixture, share, near, centre, scale) for share in shares)
+    return Interval(low, high, confidence, _POSTERIOR)
 
 
 def _need_campaigns(estimate: Estimate) -> None:
