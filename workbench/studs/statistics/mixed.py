@@ -158,7 +158,7 @@ def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) ->
         sides, enough = list(zip(low, high, strict=True)), SIMPLEX * len(free)
         options = {"xatol": 1e-9, "fatol": 2e-12 * float(found.cost), "maxfev": enough}
         found = minimize(
-            lambda v: float(np.sum(residual(v) ** 2)), x, None, "Nelder-Mead",
+            lambda v: float(np.sum(residual(v) ** 2)), x, method="Nelder-Mead",
             bounds=sides, options=options,
         )  # fmt: skip
         if not found.success:
