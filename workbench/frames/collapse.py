@@ -24,7 +24,7 @@ class CollapseWatch:
         self._lengths: Array = np.array([frame.length(member) for member in frame.members])
         self._across = _across(structure) / self._lengths[:, None]
         place = {member.name: i for i, member in enumerate(frame.members)}
-        self._chains = chains(frame)
+        self._chains = [chain.members for chain in chains(frame)]
         chained = np.zeros((len(self._chains), len(place)))
         for row, names in zip(chained, self._chains, strict=True):
             row[[place[name] for name in names]] = 1.0

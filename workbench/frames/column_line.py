@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,14 +68,13 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     the lower one. Raises `OutOfDomainError` where what is hit is no column between two joints.
     """
     frame, struck = scenario.frame, scenario.striker.node
-    chain = next((c for c in chains(frame) if struck in _inner(frame, c)), None)
+    chain = next((found for found in chains(frame) if struck in found.nodes[1:-1]), None)
     if chain is None:
         raise OutOfDomainError(
             f"the striker hits node {struck}, which is not between the two ends of a straight "
             "member: a column is hit between its joints"
         )
-    members = [frame.member(name) for name in chain]
-    line = _nodes(members)
+    members, line = [frame.member(name) for name in chain.members], chain.nodes
     _check_alike(frame, members)
     _check_inside(frame, line[1:-1], struck)
     at = line.index(struck)
@@ -83,50 +83,25 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     chord = np.array([ends[1].x - ends[0].x, ends[1].y - ends[0].y])
     axis = chord / np.hypot(*chord)
     _check_across(scenario, axis)
-    joints = _joints(members)
+    joints = chain.joints(frame)
     stiffness = frame.steel.elastic_modulus * frame.properties(members[0]).second_moment
+    unit = stiffness / sum(lengths)
     found = ColumnLine(
         frame,
-        tuple(chain),
+        chain.members,
         line[0],
         line[-1],
         (float(axis[0]), float(axis[1])),
         sum(lengths[:at]),
         sum(lengths[at:]),
         (
-            _is_fixed(frame, ends[0], chain, joints[0], stiffness / sum(lengths)),
-            _is_fixed(frame, ends[1], chain, joints[1], stiffness / sum(lengths)),
+            _is_fixed(frame, ends[0], chain.members, joints[0], unit),
+            _is_fixed(frame, ends[1], chain.members, joints[1], unit),
         ),
         sum(1.0 / k for name in joints if (k := frame.joint(name).axial_stiffness) is not None),
     )
     _check_joints(frame, members, joints)
     return found if _rank(ends[0]) <= _rank(ends[1]) else found.turned()
-
-
-def _nodes(members: list[Member]) -> list[str]:
-    """Names of the nodes along a chain of members."""
-    if len(members) == 1:
-        return [members[0].start, members[0].end]
-    second = {members[1].start, members[1].end}
-    first = members[0].start if members[0].end in second else members[0].end
-    line = [first]
-    for member in members:
-        line.append(member.end if member.start == line[-1] else member.start)
-    return line
-
-
-def _inner(frame: Frame, chain: list[str]) -> list[str]:
-    return _nodes([frame.member(name) for name in chain])[1:-1]
-
-
-def _joints(members: list[Member]) -> tuple[str, str]:
-    """Names of the joints at both ends of a chain."""
-    line = _nodes(members)
-    first, last = members[0], members[-1]
-    return (
-        first.joint_start if first.start == line[0] else first.joint_end,
-        last.joint_end if last.end == line[-1] else last.joint_start,
-    )
 
 
 def _rank(node: Node) -> tuple[bool, float, float]:
@@ -143,7 +118,7 @@ def _check_alike(frame: Frame, members: list[Member]) -> None:
         )
 
 
-def _check_inside(frame: Frame, nodes: list[str], struck: str) -> None:
+def _check_inside(frame: Frame, nodes: Sequence[str], struck: str) -> None:
     for name in nodes:
         node = frame.node(name)
         loaded = any(load.node == name for load in frame.loads)
@@ -179,7 +154,7 @@ def _check_joints(frame: Frame, members: list[Member], joints: tuple[str, str]) 
             )
 
 
-def _is_fixed(frame: Frame, node: Node, chain: list[str], joint: str, unit: float) -> bool:
+def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: float) -> bool:
     """Whether the rotation at an end is held; `unit` is EI/L in N m/rad.
 
     Raises `OutOfDomainError` for free ends, and for joints neither stiff nor soft.

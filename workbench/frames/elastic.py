@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh
 
 from workbench.frames.structure import hinge_names
@@ -167,29 +167,30 @@ def _axes(direction: Array) -> Array:
     return turn
 
 
+def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:
+    """Matrix (6, 6) in local axes, of axial displacements (2, 2) and of deflections (4, 4)."""
+    matrix = np.zeros((6, 6))
+    matrix[np.ix_([0, 3], [0, 3])] = lengthwise
+    matrix[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = across
+    return matrix
+
+
 def _stiffness(axial: float, bending: float, length: float) -> Array:
     """Stiffness of a beam in local axes (6, 6): `axial` in N/m, `bending` EI in N m2."""
-    k = np.zeros((6, 6))
-    k[np.ix_([0, 3], [0, 3])] = axial * np.array([[1.0, -1.0], [-1.0, 1.0]])
     a, b, c = 12.0 / length**2, 6.0 / length, 4.0
     rows = [[a, b, -a, b], [b, c, -b, 0.5 * c], [-a, -b, a, -b], [b, 0.5 * c, -b, c]]
-    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / length * np.array(rows)
-    return k
+    return _local([[axial, -axial], [-axial, axial]], bending / length * np.array(rows))
 
 
 def _geometric(length: float) -> Array:
     """Geometric stiffness of a beam under unit tension in local axes (6, 6)."""
-    k = np.zeros((6, 6))
     a, b, c, d = 36.0, 3.0 * length, 4.0 * length**2, -(length**2)
     rows = [[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]]
-    k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = np.array(rows) / (30.0 * length)
-    return k
+    return _local(np.zeros((2, 2)), np.array(rows) / (30.0 * length))
 
 
 def _mass(mass: float, length: float) -> Array:
     """Consistent mass of a beam in local axes (6, 6)."""
-    m = np.zeros((6, 6))
-    m[np.ix_([0, 3], [0, 3])] = mass / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
     a, b, c = 22.0 * length, 13.0 * length, length**2
     rows = [
         [156.0, a, 54.0, -b],
@@ -197,5 +198,5 @@ def _mass(mass: float, length: float) -> Array:
         [54.0, b, 156.0, -a],
         [-b, -3 * c, -a, 4 * c],
     ]
-    m[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = mass / 420.0 * np.array(rows)
-    return m
+    lengthwise = mass / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
+    return _local(lengthwise, mass / 420.0 * np.array(rows))

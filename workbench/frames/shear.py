@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import sqrt
 
 from workbench.frames.chains import chains, named
@@ -59,24 +58,12 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     elif isinstance(scenario, FrameImpact):
         kept.add(scenario.striker.node)
     demand = {}
-    for names in chains(frame, kept):
-        members = [frame.member(name) for name in names]
-        length = sum(frame.length(member) for member in members)
-        outer = [*_outer(frame, members)]
-        moment = sum(_end_moment(frame, member, at_start) for member, at_start in outer)
-        for member in members:
-            demand[member.name] = moment / length / frame.properties(member).shear_resistance
+    for chain in chains(frame, kept):
+        length = sum(frame.length(name) for name in chain.members)
+        moment = sum(_end_moment(frame, frame.member(name), start) for name, start in chain.ends)
+        for name in chain.members:
+            demand[name] = moment / length / frame.properties(name).shear_resistance
     return demand
-
-
-def _outer(frame: Frame, members: list[Member]) -> Iterable[tuple[Member, bool]]:
-    """The two ends of a chain: member, and whether it is its start."""
-    first, last = members[0], members[-1]
-    if first is last:
-        return ((first, True), (first, False))
-    inner = {members[1].start, members[1].end}
-    before = {members[-2].start, members[-2].end}
-    return ((first, first.start not in inner), (last, last.start not in before))
 
 
 def _end_moment(frame: Frame, member: Member, at_start: bool) -> float:

@@ -197,11 +197,8 @@ def stand_frame(
     if np.any(assembly.load):
         apply_loads(assembly)
     for number, node in enumerate(frame.nodes):
-        for component, stiffness in (
-            ("u", node.spring_x),
-            ("v", node.spring_y),
-            ("rotation", node.spring_rotation),
-        ):
+        for direction, component in COMPONENT.items():
+            stiffness = getattr(node, f"spring_{direction}")
             if stiffness > 0.0:
                 assembly.add_spring(assembly.dof(number, component), stiffness)
         if node.locked != "none":

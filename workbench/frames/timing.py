@@ -83,4 +83,4 @@ def line_wave_times(frame: Frame) -> list[float]:
     """Times (s) of an axial wave along every line of members that continue each other."""
     names = [member.name for member in frame.members]
     times = dict(zip(names, wave_times(frame), strict=True))
-    return [sum(times[name] for name in line) for line in chains(frame)]
+    return [sum(times[name] for name in line.members) for line in chains(frame)]

@@ -76,7 +76,7 @@ def member_lengths(
 
 def _longest(frame: Frame) -> float:
     """Length of the longest member, all its parts, in m."""
-    return max(sum(frame.length(name) for name in names) for names in chains(frame))
+    return max(sum(frame.length(name) for name in line.members) for line in chains(frame))
 
 
 def _shorter(scenario: FrameScenario) -> float:
@@ -163,7 +163,7 @@ def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float)
     frame, findings = scenario.frame, []
     parts = {m.name: p for m, p in zip(frame.members, lengths, strict=True)}
     excess = {}
-    for names in chains(frame, _kept(scenario)):
+    for names, _, _ in chains(frame, _kept(scenario)):
         whole = sum(float(np.sum(parts[name])) for name in names)
         excess[names[0]] = sampled * (parts[names[0]][0] + parts[names[-1]][-1]) / whole
     above = [name for name in excess if excess[name] > LARGEST_EXCESS]

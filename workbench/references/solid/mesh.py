@@ -32,10 +32,11 @@ class SolidMesh:
     """Tables of the discretised column, all in SI units.
 
     `area` of the section, `lengths` below and above the hit section, `smallest` length of an
-    element along the axis; `gradients` (elements, points, nodes, 2) of the shape functions;
-    `weights` (elements, points), thickness times area; `dofs` (elements, 2 nodes), x and y in
-    turn; `size`, number of dofs; `places` (2, size), where the node of each dof is, in m; `base`,
-    `hit` and `head`: x dofs and y dofs of these sections, both from left to right.
+    element along the axis; `gradients` (elements, points, 4, dofs of one), by which the dofs of an
+    element give du (11, 12, 21, 22); `weights` (elements, points), thickness times area; `dofs`
+    (elements, dofs of one), x and y in turn; `size`, number of dofs; `places` (2, size), where the
+    node of each dof is, in m; `base`, `hit` and `head`: x dofs and y dofs of these sections, both
+    from left to right.
     """
 
     area: float
@@ -93,8 +94,7 @@ def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 
     along = axial_positions(column, smallest, refinement)
     mesh = MeshQuad.init_tensor(row_edges(section, refinement), along)
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=_ORDER)
-    # shape function 2 n + i belongs to node n and direction i
-    gradients = np.stack([basis.basis[i][0].grad[0] for i in range(0, basis.Nbfun, 2)])
+    gradients = np.stack([shape[0].grad for shape in basis.basis])  # (dofs, 2, 2, elements, points)
     horizontal = np.zeros(basis.N, dtype=bool)
     horizontal[basis.element_dofs[0::2]] = True
     hit = along[np.argmin(np.abs(along - column.length_below))]
@@ -102,9 +102,9 @@ def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 
         area=section.area,
         lengths=(column.length_below, column.length_above),
         smallest=float(np.diff(along).min()),
-        gradients=np.ascontiguousarray(gradients.transpose(2, 3, 0, 1)),
+        gradients=gradients.reshape(basis.Nbfun, 4, *basis.dx.shape).transpose(2, 3, 1, 0).copy(),
         weights=basis.dx * _thickness(section, mesh, basis),
-        dofs=np.ascontiguousarray(basis.element_dofs.T.astype(np.int64)),
+        dofs=basis.element_dofs.T.astype(np.int64),
         size=int(basis.N),
         places=basis.doflocs,
         base=_section_dofs(basis.doflocs, horizontal, along[0]),

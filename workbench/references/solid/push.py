@@ -44,9 +44,7 @@ def equilibrium(assembly: SolidAssembly, start: Array, held: Indices) -> tuple[S
         scale = max(float(np.max(np.abs(assembly.force))), abs(assembly.load), 1e-6)
         return max(TOLERANCE * min(scale, assembly.squash_load), assembly.round_off)
 
-    def solve(right: Array) -> Array | None:
-        return assembly.solve(right, held)
-
+    solve = partial(assembly.solve, held=held)
     return newton(evaluate, allow, solve, start, iterations=ITERATIONS), reactions
 
 
@@ -103,5 +101,5 @@ def _predict(assembly: SolidAssembly, increment: float, previous: Array, held: I
     assembly.residual(assembly.q)
     unit = np.zeros(len(assembly.q))
     unit[hit] = increment
-    follow = assembly.solve(-assembly.tangent_times(unit), held)
+    follow = assembly.solve(-assembly.tangent @ unit, held)
     return assembly.q + unit + (0.0 if follow is None else follow)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
-from workbench.references.solid._kernels import SQUEEZED
 from workbench.references.solid.assembly import SolidAssembly
+from workbench.references.solid.material import SQUEEZED
 from workbench.references.solid.push import push
 from workbench.responses import Finding, Response, build_response, findings_of, set_findings
 from workbench.scenarios import Column
@@ -32,30 +33,28 @@ def run_pushover(column: Column, assembly: SolidAssembly, path: Array) -> Respon
     if not fixed:
         assembly.spring = (column.restraint_stiffness, float(assembly.q[supports.head]))
     plastic_before = assembly.dissipated
-    rows = [(0.0, float(assembly.q[supports.head]), assembly.stored(), 0.0, 0.0, 0.0)]
-    evaluations = cuts = 0
-    strains, areas = [0.0], [1.0]
-    for step in push(assembly, path[1:], held):
-        below, above = segment_shear(assembly)
-        rows.append(
-            (
-                step.force,
-                float(assembly.q[supports.head]),
-                assembly.stored(),
-                assembly.dissipated - plastic_before,
-                below,
-                above,
-            )
+
+    def seen(force: float) -> tuple[float, ...]:
+        return (
+            force,
+            float(assembly.q[supports.head]),
+            assembly.stored(),
+            assembly.dissipated - plastic_before,
+            *segment_shear(assembly),
+            assembly.largest_strain(),
+            assembly.least_area_ratio(),
         )
+
+    rows = [seen(0.0)]
+    evaluations = cuts = 0
+    for step in push(assembly, path[1:], held):
+        rows.append(seen(step.force))
         evaluations += step.evaluations
         cuts += step.cuts
-        strains.append(assembly.largest_strain())
-        areas.append(assembly.least_area_ratio())
-    force, head, stored, dissipated, below_all, above_all = np.array(rows).T
-    pushed = np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(path))
-    pushed = np.concatenate([[0.0], pushed])
+    force, head, stored, dissipated, below, above, strains, areas = np.array(rows).T
+    pushed = cumulative_trapezoid(force, path, initial=0.0)
     work = pushed - column.axial_load * (head - head[0])
-    shear = np.array([np.max(np.abs(below_all)), np.max(np.abs(above_all))])
+    shear = np.max(np.abs([below, above]), axis=1)
     response = build_response(
         {
             "displacement": path,
@@ -69,18 +68,21 @@ def run_pushover(column: Column, assembly: SolidAssembly, path: Array) -> Respon
         },
         steps=len(path),
         segments=SEGMENTS,
-        warnings=_localisation(path, np.array(strains), np.array(areas), assembly.hardening_ratio),
+        warnings=_localisation(path, strains, areas, assembly.hardening_ratio),
     )
     open_by = float(np.max(np.abs(response["balance_error"])) / np.max(np.abs(pushed)))
-    set_findings(response, [*findings_of(response), *_balance(open_by)])
+    if open_by > LARGEST_IMBALANCE:
+        text = f"the energy ledger is open by {open_by:.2g} of the work of the push"
+        finding = Finding("energy-balance", text, remedy="take a smaller step", number=open_by)
+        set_findings(response, [*findings_of(response), finding])
     response.attrs.update(
         elements=len(assembly.mesh.dofs),
         dofs=assembly.mesh.size,
         smallest_element=assembly.mesh.smallest,
         newton_iterations=evaluations,
         cut_steps=cuts,
-        largest_strain=max(strains),
-        least_area_ratio=min(areas),
+        largest_strain=float(strains.max()),
+        least_area_ratio=float(areas.min()),
     )
     return response
 
@@ -125,10 +127,3 @@ def _localisation(
         )
         findings.append(Finding("localisation", text))
     return findings
-
-
-def _balance(share: float) -> list[Finding]:
-    if share <= LARGEST_IMBALANCE:
-        return []
-    text = f"the energy ledger is open by {share:.2g} of the work of the push"
-    return [Finding("energy-balance", text, remedy="take a smaller step", number=share)]

@@ -1,4 +1,4 @@
-"""Point kernels of the solid: tangents, objectivity, yield surface, hardening, squeeze guard."""
+"""Points of the solid: tangents, objectivity, yield surface, hardening, squeeze guard."""
 
 from __future__ import annotations
 
@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import polar
 
-from workbench.references.solid import _kernels
+from workbench.references.solid.material import (
+    SQUEEZED,
+    SolidSteel,
+    State,
+    plane_stress_return,
+    respond_to,
+)
 
 Array = NDArray[np.float64]
 E, NU, FY = 210e9, 0.3, 355e6
@@ -22,18 +28,14 @@ class Point(NamedTuple):
     tangent: Array
     strain: Array
     stress: Array
-    plastic: Array
-    hardened: float
 
 
 def point(F: Array, plastic: Array | None = None, hardened: float = 0.0, H: float = 0.0) -> Point:
-    P, A, strain, new, stress = (np.zeros(n) for n in (4, (4, 4), 3, 3, 3))
     committed = np.zeros(3) if plastic is None else plastic
-    steel = np.array([E, NU, FY, H])
-    value = _kernels.point(
-        F, committed, hardened, steel, strain, new, stress, P, A, np.zeros((3, 8))
-    )
-    return Point(P, A, strain, stress, new, value)
+    old = State(committed, np.float64(hardened), np.zeros(3))
+    found = respond_to(F, old, SolidSteel(E, NU, FY, H))
+    assert found is not None
+    return Point(found.nominal, found.tangent, found.strain, found.state.stress)
 
 
 def differences(F: Array, step: float, **state) -> Array:
@@ -113,10 +115,9 @@ def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3), st.floats(0.0, 0.05))
 def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H: float) -> None:
-    plastic, T, C = np.zeros(3), np.zeros(3), np.zeros((3, 3))
-    hardened = _kernels.plane_stress_return(
-        np.array(strain), np.zeros(3), 0.0, E, NU, FY, H * E, plastic, T, C
-    )
+    old, steel = State(np.zeros(3), np.float64(0.0), np.zeros(3)), SolidSteel(E, NU, FY, H * E)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        (plastic, hardened, T), C = plane_stress_return(np.array(strain), old, steel)
     compliance = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
     np.testing.assert_allclose(compliance @ T + plastic, strain, atol=1e-15)
     strength = FY + H * E * hardened
@@ -150,7 +151,7 @@ def test_uniaxial_hardening_has_the_slope_of_the_bar() -> None:
 
 def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
     tall = 1.4
-    short = np.array([0.08, 0.02, 0.1 * _kernels.SQUEEZED])
+    short = np.array([0.08, 0.02, 0.1 * SQUEEZED])
     normal = []
     for c in short:
         F = turned(0.7, np.array([c, 0.01, 0.0, tall]))
@@ -160,7 +161,7 @@ def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
         assert np.max(np.abs(measured - exact)) < 1e-7 * np.max(np.abs(exact))
         normal.append(point(np.array([c, 0.0, 0.0, tall]), plastic=plastic).nominal[0])
     assert normal[1] < normal[2] < normal[0] < 0.0
-    limit = _kernels.SQUEEZED / tall
+    limit = SQUEEZED / tall
     just = [np.array([limit * (1.0 + d), 0.0, 0.0, tall]) for d in (1e-9, -1e-9)]
     before, after = (point(F, plastic=point(just[0]).strain).nominal for F in just)
     np.testing.assert_allclose(after, before, atol=1e-3 * FY)
@@ -168,4 +169,5 @@ def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
 
 @pytest.mark.parametrize("F", [[-1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 1.0, 0.0], [np.nan, 0, 0, 1]])
 def test_material_turned_inside_out_has_no_answer(F: list[float]) -> None:
-    assert np.isnan(point(np.array(F)).hardened)
+    unstressed = State(np.zeros(3), np.float64(0.0), np.zeros(3))
+    assert respond_to(np.array(F), unstressed, SolidSteel(E, NU, FY, 0.0)) is None
