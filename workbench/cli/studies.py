@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from workbench.content.tree import Block
     from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
 
+# columns of the table of verdicts
+_SHOWN = ("number", "gate", "verdict", "value", "uncertainty", "case", "bound", "reasons")
 StudyName = Annotated[
     str, typer.Argument(metavar="STUDY", help="Name of a study in ./studies, or a study file.")
 ]
@@ -215,10 +217,8 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
     return [
         {
-            **{name: row[name] for name in ("number", "gate", "verdict", "value", "uncertainty")},
-            **{name: row[name] for name in ("case", "bound")},
+            **{name: row[name] for name in _SHOWN},
             "counts": found.counts,
-            "reasons": list(found.reasons),
         }
         for row, found in zip(result.tables["verdicts"], result.verdicts, strict=True)
     ]

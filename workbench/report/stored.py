@@ -23,7 +23,7 @@ _TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "b
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
-        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source", "reasons"),
+        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
     ),
     str,
@@ -81,7 +81,7 @@ class Stored:
             if not path.is_file():
                 problem = f"has no table {name} in its store"
                 raise InputError("study", self.study.name, problem, "run it first")
-            table = pd.read_csv(path, dtype=_TEXTS)
+            table = pd.read_csv(path, dtype=_TEXTS, converters={"reasons": json.loads})
             found[name] = table.fillna({name: "" for name in table.columns if name in _TEXTS})
         return found
 

@@ -37,7 +37,7 @@ class StudTests(Declared, table="tests"):
     digests: tuple[str, ...] | None = checked(Many(Text()), optional=True)
 
     KIND: ClassVar[str] = "stud-tests"
-    STATIC: ClassVar[bool] = False
+    STATIC: ClassVar[bool | None] = None  # neither pushed nor moving in time
 
     def check(self) -> None:
         """Refuse campaigns that do both and files that have changed; take the digests."""

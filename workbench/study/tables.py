@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ Row = Mapping[str, Any]
 
 
 def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
-    """Rows as CSV with a header; None is an empty field, floats keep all their digits."""
+    """Rows as CSV with a header; None is an empty field, floats keep all digits, lists are JSON."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(columns)
@@ -35,4 +36,4 @@ def _text(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         return repr(float(value))  # a NumPy float would print its type
-    return str(value)
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, list) else str(value)

@@ -5,15 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
-from workbench.assessment import (
-    METRICS,
-    CaseVerdict,
-    Gate,
-    GateVerdict,
-    Scope,
-    Verdict,
-    judge,
-)
+from workbench.assessment import METRICS, CaseVerdict, Gate, GateVerdict, Scope, Verdict, judge
 from workbench.errors import InputError
 from workbench.responses import Outcome, outcome_of
 from workbench.study.answers import Answers
@@ -72,7 +64,7 @@ def verdict_row(found: GateVerdict) -> Row:
         "case": None if top is None else top.case,
         "value": None if top is None else top.value,
         "uncertainty": None if top is None else top.uncertainty,
-        "reasons": "\n".join(found.reasons),
+        "reasons": list(found.reasons),
     }
 
 

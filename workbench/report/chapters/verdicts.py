@@ -24,7 +24,7 @@ _RULE = (
     "was asked passes: one without an answer may be the worst."
 )
 _VERDICT = Column(
-    *("verdict", False, 1.25), lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
+    "verdict", width=1.25, of=lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
 )
 
 
@@ -90,7 +90,7 @@ def headline(rows: list[dict[str, Any]]) -> Callout:
     text = f"Of {gates}, {passed} passed, {failed} failed, {open_} inconclusive."
     missing = [row for row in rows if row["refused"] + row["unanswered"]]
     if missing:
-        lost = {reason: None for row in missing for reason in row["reasons"].splitlines()[:1]}
+        lost = {reason: None for row in missing for reason in row["reasons"][:1]}
         shown = "; ".join(list(lost)[:_NOTES]) + ("; more below" if len(lost) > _NOTES else "")
         text += f" Answers are missing in {count(len(missing), 'gate')}: {shown}."
     return Callout(tone, text)
@@ -144,7 +144,7 @@ def _note(row: dict[str, Any]) -> Cell:
 
 def _why(row: dict[str, Any]) -> str:
     why = f"{row['rationale']} {cited(row['source'])}".strip()
-    return "\n".join([why, *row["reasons"].splitlines()])
+    return "\n".join([why, *row["reasons"]])
 
 
 def _every_case(rows: list[dict[str, Any]]) -> Table:

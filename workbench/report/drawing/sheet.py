@@ -21,7 +21,6 @@ from workbench.study.definition import Case, Figure, Study
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-STATIC, IN_TIME = ("pushover", "static"), ("impact", "motion")
 MOST_PANELS = 6
 
 
@@ -76,13 +75,13 @@ class Request:
         """The labels that are to answer a case, in order."""
         return [label for label in self.labels if self.stored.expects(case.name, label)]
 
-    def chosen(self, said: list[str], kinds: str | tuple[str, ...] = "") -> list[Case]:
+    def chosen(self, said: list[str], static: bool | None = None) -> list[Case]:
         """The cases that get a panel: the option `cases`, else the first six.
 
-        Arguments: `said` gets a statement if some do not; `kinds` keeps scenarios whose kind ends
-        so (empty: all).
+        Arguments: `said` gets a statement if some do not; `static` keeps scenarios of that kind,
+        what is pushed or what moves in time (None: all).
         """
-        cases = [case for case in self.cases if case.scenario.KIND.endswith(kinds)]
+        cases = [case for case in self.cases if static in (None, case.scenario.STATIC)]
         named = self.option("cases", ())
         if named:
             return [case for case in cases if case.name in named]

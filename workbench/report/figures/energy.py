@@ -11,6 +11,7 @@ from workbench.content.formatting import axis_label, number, unit_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
 from workbench.report.drawing.style import INK, Style, entry
 from workbench.responses import Response
+from workbench.scenarios import ColumnImpact, FrameImpact
 
 # bottom to top; fixed colours that no label uses as a fill
 PARTS = (
@@ -32,7 +33,8 @@ def draw(request: Request) -> Drawing:
         return nothing("No model keeps an energy ledger of these cases.")
     said.insert(0, f"Case: {case.name}. Energies in J in the data file.")
     sheet = Sheet.grid(len(ledgers), said)
-    unit, struck = unit_of("kinetic").factor, case.scenario.KIND.endswith("impact")
+    unit = unit_of("kinetic").factor
+    struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
     stacked: set[str] = set()
     for (label, response), panel in zip(ledgers.items(), sheet.panels, strict=True):
         history = "time" if "time" in response.dims else "step"

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from workbench.content.formatting import Unit, title_of, unit_of
 from workbench.fields import Choice
 from workbench.report.drawing.cases import displacement_unit, frame_scenario_of
-from workbench.report.drawing.sheet import STATIC, Drawing, Request, Sheet, nothing, thinned
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing, thinned
 from workbench.report.drawing.style import MUTED, entry
 from workbench.study.definition import Case
 
@@ -25,7 +25,7 @@ def draw(request: Request) -> Drawing:
     quantity = request.option("quantity", "force")
     quantity = _QUANTITY.check("figure.options.quantity", quantity)
     said: list[str] = []
-    cases = request.chosen(said, STATIC)
+    cases = request.chosen(said, static=True)
     if not cases:
         return nothing("Force-displacement curves need static loading; no case is static.")
     sheet = Sheet.grid(len(cases), said, height=2.6, sharey=False)

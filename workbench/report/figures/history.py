@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.content.formatting import axis_label, title_of, unit_of
-from workbench.report.drawing.sheet import IN_TIME, Array, Drawing, Request, Sheet, nothing, thinned
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing, thinned
 from workbench.report.drawing.style import MUTED, entry
 from workbench.responses import Response
 from workbench.study.definition import Case
@@ -23,7 +23,7 @@ def draw(request: Request) -> Drawing:
     """Overlaid histories, one panel per case; models without a history show their peak."""
     quantity, hinge = str(request.option("quantity", "displacement")), request.option("hinge", "")
     said: list[str] = []
-    cases = request.chosen(said, IN_TIME)
+    cases = request.chosen(said, static=False)
     if not cases:
         return nothing("Histories in time need an impact or a ground motion; no case is one.")
     if hinge:
