@@ -25,6 +25,12 @@ class InputError(WorkbenchError, ValueError):
         return type(self), (self.field, self.value, self.allowed, self.advice)
 
 
+def told(error: BaseException) -> str:
+    """What an error says; an error that is not of this package with its type."""
+    own = isinstance(error, WorkbenchError)
+    return str(error) if own else f"{type(error).__name__}: {error}"
+
+
 def one_line(text: str, longest: int = 4000) -> str:
     """A text that fits into a line of a message: characters without a picture as their codes."""
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[:longest])

@@ -8,7 +8,7 @@ from workbench.hinges import YieldSurface
 from workbench.materials import Steel
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.statics import apply_loads
+from workbench.structures.paths import apply_loads
 from workbench.structures.superelements import (
     HingeEnd,
     Superelement,

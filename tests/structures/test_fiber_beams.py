@@ -10,7 +10,7 @@ from section_cases import response
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fiber_beams import FiberBeams, gauss_rule, radau_rule
 from workbench.structures.fibers import BeamSection
-from workbench.structures.statics import apply_loads, push
+from workbench.structures.paths import apply_loads, push
 from workbench.structures.uniaxial import LinearHardening
 
 SCALE = np.array([1e-3, 1e-3, 6e-3])  # displacements (m) and rotations that make fibers yield
@@ -141,7 +141,7 @@ def test_return_mapping_starts_from_the_committed_state():
 @pytest.mark.parametrize("rule", [gauss_rule(3), radau_rule([False, True, False])])
 def test_rules_integrate_the_elastic_stiffness(rule):
     for power, exact in enumerate((1.0, 1.0 / 2.0, 1.0 / 3.0)):
-        assert np.sum(rule.weights * rule.abscissae**power, axis=1) == pytest.approx(exact)
+        assert np.sum(rule.weights * rule.xi**power, axis=1) == pytest.approx(exact)
 
 
 def test_balanced_elements_have_one_axial_force():

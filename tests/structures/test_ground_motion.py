@@ -17,7 +17,7 @@ from workbench.structures.ground_motion import (
     ground_motion,
     rigid_displacement,
 )
-from workbench.structures.statics import apply_loads
+from workbench.structures.paths import apply_loads
 from workbench.structures.time_steps import TimeStep
 
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m

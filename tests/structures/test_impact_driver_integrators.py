@@ -18,8 +18,8 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection
 from workbench.structures.impact import INTEGRATORS, PointMass, TimeStep, impact
+from workbench.structures.paths import apply_loads
 from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.statics import apply_loads
 from workbench.structures.uniaxial import LinearHardening
 
 GGL = "gear-gupta-leimkuhler"

@@ -9,7 +9,7 @@ from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fiber_beams import FiberBeams
 from workbench.structures.joints import JointSpring, JointSprings
-from workbench.structures.statics import apply_loads, push
+from workbench.structures.paths import apply_loads, push
 
 SLIM = rectangle(yield_stress=1e12)
 BENDING = E_STEEL * float(np.sum(SLIM.y**2 * SLIM.area))

@@ -7,7 +7,7 @@ from beam_cases import chain, clamp, rectangle
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fiber_beams import FiberBeams
-from workbench.structures.statics import apply_loads
+from workbench.structures.paths import apply_loads
 
 
 def dense(assembly, band):

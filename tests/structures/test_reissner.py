@@ -22,8 +22,8 @@ from reissner_cases import (
 )
 
 from workbench.structures.impact import PointMass, impact
+from workbench.structures.paths import apply_loads, push
 from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.statics import apply_loads, push
 
 KNEE = [[0.0, 0.0], [0.1, 0.03], [0.25, 0.02]]
 PLASTIC_MOMENT = FY * SIDE**3 / 4.0

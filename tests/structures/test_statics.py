@@ -8,7 +8,7 @@ from beam_cases import E_STEEL, KINDS, YIELD, chain, clamp, of_kind, plates, rec
 
 from workbench.errors import SolverError
 from workbench.structures.meshing import graded_lengths
-from workbench.structures.statics import apply_loads, push
+from workbench.structures.paths import apply_loads, push
 
 ELASTIC = 1e12  # yield stress that is never reached, Pa
 INERTIA = 2 * np.sum(rectangle(layers=20).y[10:] ** 2 * rectangle(layers=20).area[10:])

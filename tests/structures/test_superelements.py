@@ -21,7 +21,7 @@ from superelement_cases import (
 from workbench.errors import InputError
 from workbench.hinges import GeneralizedHinge, YieldSurface
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.statics import apply_loads
+from workbench.structures.paths import apply_loads
 from workbench.structures.superelements import (
     HingeEnd,
     Superelement,

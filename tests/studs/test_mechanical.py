@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.structures.statics import push
+from workbench.structures.paths import push
 from workbench.studs import Grade, fit_residual
 from workbench.studs.mechanical import (
     MechanicalFit,

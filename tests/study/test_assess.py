@@ -17,7 +17,7 @@ from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study
-from workbench.study.tables import csv_bytes
+from workbench.study.files import csv_bytes
 
 V15_PEAK = 15.0 / (5e6 / 1500.0) ** 0.5  # of the exact spring, v0 / omega
 

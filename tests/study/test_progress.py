@@ -1,23 +1,25 @@
 from __future__ import annotations
 
 import io
+from types import SimpleNamespace
 
 import pytest
 
 from workbench.responses import Outcome
 from workbench.study import Study, cells_of
-from workbench.study.progress import Bar, Estimate, Lines, duration, progress_for
+from workbench.study.progress import Bar, Lines, Progress, duration, progress_for
 
 
 def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
-    estimate = Estimate(jobs=2)
-    estimate.left.update({"dear": 3, "cheap": 5})
-    assert estimate.seconds() is None
-    estimate.add("dear", 10.0, False)
-    assert estimate.seconds() == pytest.approx((2 * 10.0 + 5 * 10.0) / 2)  # cheap not yet known
-    estimate.add("cheap", 1.0, True)
-    assert estimate.seconds() == pytest.approx((2 * 10.0 + 4 * 1.0) / 2)
-    assert estimate.failed == 1
+    dear, cheap = SimpleNamespace(label="dear"), SimpleNamespace(label="cheap")
+    progress = Progress()
+    progress.begin("toy", [dear] * 3 + [cheap] * 5, 0, 2)
+    assert progress.seconds_left() is None
+    progress.advance(dear, Outcome.OK, 10.0)
+    assert progress.seconds_left() == pytest.approx((2 * 10.0 + 5 * 10.0) / 2)  # cheap not known
+    progress.advance(cheap, Outcome.CRASHED, 1.0)
+    assert progress.seconds_left() == pytest.approx((2 * 10.0 + 4 * 1.0) / 2)
+    assert progress.failed == 1
 
 
 def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:

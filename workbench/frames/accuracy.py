@@ -16,7 +16,7 @@ LARGEST_SHEAR_STRAIN = 0.3  # mean of a member
 def impact_accuracy(record: Record, brought: float) -> list[Finding]:
     """Findings on the time steps up to the peak and their damping; energy `brought` in (J)."""
     findings = []
-    displacement, algorithmic = record.column("displacement"), record.column("algorithmic")
+    displacement, algorithmic = record.column("displacement"), record.spent("algorithmic")
     top = int(np.argmax(displacement))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
         text = f"the peak comes after {top} time steps only"

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from workbench.frames.collapse import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
-from workbench.structures.ledger import Tally
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
 Array = NDArray[np.float64]
+LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
 
 
 class Record:
@@ -40,7 +40,6 @@ class Record:
         self._shear = np.zeros(len(structure.frame.members))
         self._strains: Array | None = None
         self._snapshots = Snapshots(structure, end)
-        self._tally = Tally()
         self._see(0.0, False)
 
     @property
@@ -59,7 +58,6 @@ class Record:
         frame has collapsed; on a static path, when an element crumples.
         """
         self._steps.append(step)
-        self._tally.add(step.energies, step.evaluations, step.cuts)
         self._see(at, turns)
         self.watch.check(f"{at:.4g} s" if self._timed else f"step {at:.0f}", standing=self._timed)
 
@@ -72,8 +70,6 @@ class Record:
                 "displacement": self.displacement,
                 "velocity": self._sign * float(assembly.velocity[self._dof]),
                 "elastic": assembly.stored,
-                "dissipated": self._tally.dissipated,
-                "algorithmic": self._tally.algorithmic,
                 "dead_work": float(assembly.load @ self._moved),
                 **{name: sign * float(assembly.displacement[dof]) for name, (dof, sign) in watched},
             }
@@ -124,16 +120,31 @@ class Record:
         """Largest mean shear strain of each member (members,); None unless shear yields."""
         return self._strains
 
+    def spent(self, name: str) -> Array:
+        """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""
+        return self.total(lambda step: getattr(step.energies, name))
+
+    @property
+    def dissipated(self) -> Array:
+        """History (steps,) of the plastic and algorithmic dissipation, in J."""
+        return self.spent("plastic") + self.spent("algorithmic")
+
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""
-        return self._tally.yield_ratio(self.column("elastic").max())
+        plastic, ideal = self.spent("plastic")[-1], self.spent("ideal")[-1]
+        if ideal <= LEAST_FLOW * max(self.column("elastic").max(), 1e-300):
+            return None
+        return float(plastic / ideal)
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
-        strain = {} if self._strains is None else {"largest_shear_strain": self._strains.max()}
-        return {
+        numbers = {
             "elements": self.structure.elements,
             "smallest_element": self.structure.smallest,
-            **strain,
-            **self._tally.diagnostics(self.column("elastic").max()),
+            "newton_iterations": sum(step.evaluations for step in self._steps),
+            "cut_steps": sum(step.cuts for step in self._steps),
+            "algorithmic_dissipation": float(self.spent("algorithmic")[-1]),
+            "largest_shear_strain": None if self._strains is None else self._strains.max(),
+            "yield_ratio": self.yield_ratio(),
         }
+        return {name: value for name, value in numbers.items() if value is not None}

@@ -41,7 +41,8 @@ def run_impact(
     record = Record(structure, striker.node, striker.direction, scenario.duration)
     length = _follow(record, steps)
     values = {
-        **record.columns("displacement", "velocity", "elastic", "dissipated"),
+        **record.columns("displacement", "velocity", "elastic"),
+        "dissipated": record.dissipated,
         "striker_velocity": record.told(striker.velocity, lambda s: s.striker.velocity),
         "percussion": record.told(0.0, lambda s: s.percussion),
         "kinetic": record.told(brought, lambda s: s.kinetic + s.striker.kinetic_energy),
@@ -73,7 +74,8 @@ def run_static(
     factor, work = record.told(0.0, lambda s: s.factor), record.total(lambda s: s.external_work)
     force = factor * scenario.magnitude
     values = {
-        **record.columns("displacement", "elastic", "dissipated"),
+        **record.columns("displacement", "elastic"),
+        "dissipated": record.dissipated,
         "load_factor": factor,
         "external_work": work,
         "force": force,
@@ -103,7 +105,7 @@ def run_ground_motion(
     values = {
         **record.columns("displacement", "velocity", "elastic"),
         "kinetic": record.told(0.0, lambda s: s.kinetic),
-        "dissipated": record.column("dissipated") + damped,
+        "dissipated": record.dissipated + damped,
         "external_work": ground + record.total(lambda s: s.external_work),
         "input_energy": np.max(np.abs(ground)),
     }

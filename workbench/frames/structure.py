@@ -18,7 +18,7 @@ from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import ElementGroup
-from workbench.structures.statics import apply_loads
+from workbench.structures.paths import apply_loads
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

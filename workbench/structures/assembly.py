@@ -13,8 +13,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from workbench.errors import InputError
 from workbench.structures import _kernels
-from workbench.structures.elements import Bars, ElementGroup, Step
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

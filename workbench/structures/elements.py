@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.structures.ledger import StepEnergies
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
@@ -47,6 +45,26 @@ class Step(NamedTuple):
     dynamic: bool
     duration: float
     tangent: bool
+
+
+class StepEnergies(NamedTuple):
+    """Energies of one step of a group or a whole structure, in J.
+
+    `stored` at the end of the step; `plastic` and `algorithmic` dissipation of the step; `ideal`,
+    the plastic work of stresses that stay at yield: `plastic / ideal` is the yield ratio, which
+    falls below 1 where averaged stresses soften the material artificially.
+    """
+
+    stored: float
+    plastic: float
+    algorithmic: float
+    ideal: float
+
+    def __add__(self, other: object) -> StepEnergies:
+        """Sum of two groups, entry by entry."""
+        if not isinstance(other, StepEnergies):
+            return NotImplemented
+        return StepEnergies(*(a + b for a, b in zip(self, other, strict=True)))
 
 
 class ElementGroup(ABC):

@@ -23,7 +23,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from workbench.errors import SolverError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import StepEnergies
 from workbench.structures.time_steps import PointMass, TimeStep
 
 Array = NDArray[np.float64]

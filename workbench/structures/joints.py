@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
-from workbench.structures.elements import Bars, ElementGroup, Step
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 
 Array = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
+from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import (
     DisplacementControl,
     equilibrium,
     free_pattern,
     present_factor,
 )
-from workbench.structures.ledger import StepEnergies
 from workbench.structures.newton import pieces
 
 Array = NDArray[np.float64]
@@ -70,7 +70,7 @@ def follow_displacement(
         raise InputError("dof", dof, "is held by a support", "lead a dof that can move")
     points = sign * np.array(_points(0.0, targets, increment))
     course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
-    yield from lead(course, points, tolerance, most_cuts, LARGEST_GAP)
+    yield from _lead(course, points, tolerance, most_cuts, LARGEST_GAP)
 
 
 def follow_load(
@@ -90,7 +90,40 @@ def follow_load(
     """
     course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
     points = _points(course.factor, factors, increment)
-    yield from load(course, points, tolerance, most_cuts, LARGEST_GAP, "load factor")
+    yield from _load(course, points, tolerance, most_cuts, LARGEST_GAP, "load factor")
+
+
+def apply_loads(
+    assembly: PlanarAssembly, steps: int = 5, tolerance: float = 1e-10, most_cuts: int = 10
+) -> None:
+    """Bring the dead loads of the assembly on in equal steps, halved where needed, and commit.
+
+    Raises `SolverError` when an equilibrium is not found.
+    """
+    if not np.any(assembly.load):
+        return
+    course = Course(assembly, assembly.load, 0, 1.0, np.zeros(assembly.size))
+    course.factor = 0.0
+    shares = np.arange(1, steps + 1) / steps
+    for _ in _load(course, shares, tolerance, most_cuts, inf, "dead load, share"):
+        pass
+
+
+def push(
+    assembly: PlanarAssembly,
+    dof: int,
+    path: Array,
+    tolerance: float = 1e-8,
+    most_cuts: int = 10,
+) -> Iterator[PathStep]:
+    """Displacement control by a force: lead `dof` along `path` (m, relative to now).
+
+    Yields a `PathStep` for every point of the path; its factor is the force in N. Arguments and
+    errors otherwise as for `follow_displacement`, without its limit to jumps.
+    """
+    pattern = np.zeros(assembly.size)
+    pattern[dof] = 1.0
+    return _lead(Course(assembly, pattern, dof, 1.0), path, tolerance, most_cuts, inf)
 
 
 def _points(begin: float, targets: ArrayLike, increment: float) -> list[float]:
@@ -175,7 +208,7 @@ class Course:
         return point
 
 
-def lead(
+def _lead(
     course: Course, points: ArrayLike, tolerance: float, most_cuts: int, largest_gap: float
 ) -> Iterator[PathStep]:
     """Lead the dof of a course through displacements `points` from its origin, one record each."""
@@ -216,7 +249,7 @@ def lead(
         yield course.record(sum(cuts for _, _, cuts in taken))
 
 
-def load(
+def _load(
     course: Course,
     points: ArrayLike,
     tolerance: float,

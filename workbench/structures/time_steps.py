@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import StepEnergies
 from workbench.structures.newton import Solution, newton, pieces
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import LADDER_COLUMNS, comparison_rows, ladder_row
 from workbench.study.definition import Study
+from workbench.study.files import Row, csv_bytes, write_atomically
 from workbench.study.store import Presence, Store
-from workbench.study.tables import Row, write_table
 from workbench.study.verdicts import CASE_COLUMNS, case_rows, verdict_row, verdicts_of
 from workbench.study.verdicts import COLUMNS as VERDICT_COLUMNS
 
@@ -96,7 +96,7 @@ def assess(study: Study, root: Path) -> Assessment:
     }
     store.prepare()
     for name, table in rows.items():
-        write_table(store.tables / f"{name}.csv", table, columns[name])
+        write_atomically(store.tables / f"{name}.csv", csv_bytes(table, columns[name]))
     return Assessment(store.directory, rows, verdicts)
 
 

@@ -31,8 +31,8 @@ from workbench.responses import Response
 from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
 from workbench.study.answers import Answers
 from workbench.study.definition import Case, Study
+from workbench.study.files import Row
 from workbench.study.sides import by_metric, joined, of_side, own_note, quantity_ladder
-from workbench.study.tables import Row
 
 LADDER_COLUMNS = (
     *("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note"),

@@ -1,13 +1,27 @@
-"""Writing files so that a reader sees the old content or the new one, never a half."""
+"""Files of a store: written so that a reader sees the old content or the new one, never a half.
+
+Equal content gives equal bytes, in JSON, CSV and netCDF-4 alike.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
+import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
+from workbench.responses import Response
+
 TEMPORARY = ".partial"
+_COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compression saves
+
+Row = Mapping[str, Any]
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -39,3 +53,40 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "item"):
         return value.item()  # a NumPy scalar, as sweeps often carry
     raise TypeError(f"{type(value).__name__} cannot be stored as JSON")
+
+
+def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
+    """Rows as CSV with a header; None is an empty field, floats keep all digits, lists are JSON."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: _field(value) for name, value in row.items()})
+    return stream.getvalue().encode()
+
+
+def _field(value: Any) -> Any:
+    """What a CSV file holds of a value; numbers and None as the writer has them."""
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, (bool, list)) else value
+
+
+def to_netcdf_bytes(response: Response) -> bytes:
+    """A response as the bytes of a netCDF-4 file, without time stamps or fill values."""
+    encoding: dict[Any, dict[str, Any]] = {}
+    for name, variable in response.variables.items():
+        encoding[name] = {"_FillValue": None}
+        if variable.dtype.kind == "f" and variable.size >= _COMPRESSED_FROM:
+            encoding[name].update(zlib=True, complevel=4, shuffle=True)
+    with tempfile.TemporaryDirectory(prefix="workbench-") as directory:
+        path = Path(directory) / "response.nc"
+        response.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        return path.read_bytes()
+
+
+def read_netcdf(path: Path) -> Response:
+    """Read a stored response into memory (times stay in seconds)."""
+    response: Response = xr.load_dataset(path, engine="netcdf4", decode_times=False)
+    for variable in response.variables.values():
+        variable.encoding = {}
+    response.encoding = {}
+    return response

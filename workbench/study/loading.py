@@ -7,8 +7,9 @@ import importlib.util
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from traceback import extract_tb
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.errors import InputError, told
 from workbench.fields import did_you_mean
 from workbench.study.definition import Study
 
@@ -75,25 +76,12 @@ def study_in(path: Path) -> Study:
             raise
         except (Exception, SystemExit) as error:
             del sys.modules[name]
-            raise InputError(
-                "study", path.name, f"cannot be loaded: {_where(error, path)}{_said(error)}"
-            ) from error
+            trace = extract_tb(error.__traceback__)
+            lines = [frame.lineno for frame in trace if frame.filename == str(path)]
+            where = f"line {lines[-1]}: " if lines else ""
+            said = f"cannot be loaded: {where}{told(error)}"
+            raise InputError("study", path.name, said) from error
     study = getattr(sys.modules[name], "study", None)
     if not isinstance(study, Study):
         raise InputError("study", path.name, "must define study = Study(...)")
     return study
-
-
-def _said(error: BaseException) -> str:
-    if isinstance(error, WorkbenchError):
-        return str(error)
-    return f"{type(error).__name__}: {error}"
-
-
-def _where(error: BaseException, path: Path) -> str:
-    line, trace = 0, error.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == str(path):
-            line = trace.tb_lineno
-        trace = trace.tb_next
-    return f"line {line}: " if line else ""

@@ -6,7 +6,8 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from itertools import chain
+from statistics import fmean
 from typing import Any, TextIO
 
 from workbench.responses import Outcome
@@ -14,13 +15,24 @@ from workbench.study.cells import Cell
 
 
 class Progress:
-    """Told by the runner what happens; says nothing itself."""
+    """Told by the runner what happens; counts it and says nothing itself."""
+
+    total = done = failed = 0
+    began = 0.0
 
     def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """A run begins with `waiting` cells to answer and `stored` ones already there."""
+        """A run of `jobs` begins with `waiting` cells to answer and `stored` ones there."""
+        self.total, self.done, self.failed = len(waiting), 0, 0
+        self.began, self._jobs = time.monotonic(), jobs
+        self._left = Counter(cell.label for cell in waiting)
+        self._costs: dict[str, list[float]] = {}
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """A cell has been answered, in `seconds` of its worker's time."""
+        self.done += 1
+        self.failed += outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
+        self._left[cell.label] -= 1
+        self._costs.setdefault(cell.label, []).append(seconds)
 
     def note(self, text: str) -> None:
         """Something that the user should know."""
@@ -28,69 +40,31 @@ class Progress:
     def end(self) -> None:
         """The run is over, or was interrupted."""
 
-
-@dataclass
-class Estimate:
-    """Time left, from the mean cost of each label's cells so far."""
-
-    jobs: int = 1
-    left: Counter[str] = field(default_factory=Counter)
-    cost: dict[str, list[float]] = field(default_factory=dict)
-    failed: int = 0
-
-    def add(self, label: str, seconds: float, failed: bool) -> None:
-        """Count a cell that has been answered."""
-        self.left[label] -= 1
-        self.failed += failed
-        self.cost.setdefault(label, []).append(seconds)
-
-    def seconds(self) -> float | None:
-        """Expected time left in s; None before the first cell."""
-        every = [seconds for label in self.cost.values() for seconds in label]
-        if not every:
+    def seconds_left(self) -> float | None:
+        """Expected time left in s, from the mean cost of each label; None before the first cell."""
+        if not self._costs:
             return None
-        means = {label: sum(costs) / len(costs) for label, costs in self.cost.items()}
-        overall = sum(every) / len(every)
-        work = sum(count * means.get(label, overall) for label, count in self.left.items())
-        return work / self.jobs
-
-
-@dataclass
-class Estimating(Progress):
-    """Progress that knows what is left."""
-
-    estimate: Estimate = field(default_factory=Estimate)
-    total: int = 0
-    done: int = 0
-    began: float = 0.0
-
-    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """Count what there is to do."""
-        self.total, self.done, self.began = len(waiting), 0, time.monotonic()
-        self.estimate = Estimate(jobs, Counter(cell.label for cell in waiting))
-
-    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
-        """Count what has been answered."""
-        self.done += 1
-        failed = outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
-        self.estimate.add(cell.label, seconds, failed)
+        means = {label: fmean(costs) for label, costs in self._costs.items()}
+        overall = fmean(chain.from_iterable(self._costs.values()))
+        work = sum(count * means.get(label, overall) for label, count in self._left.items())
+        return work / self._jobs
 
     @property
     def failures(self) -> str:
         """How many cells have failed, in words."""
-        return f"{self.estimate.failed} failed, " if self.estimate.failed else ""
+        return f"{self.failed} failed, " if self.failed else ""
 
     @property
     def left(self) -> str:
         """The time left, in words."""
-        return f"about {duration(self.estimate.seconds() or 0.0)} left"
+        return f"about {duration(self.seconds_left() or 0.0)} left"
 
 
-@dataclass
-class Lines(Estimating):
+class Lines(Progress):
     """One plain line about every tenth of the run, for logs."""
 
-    stream: TextIO = field(default_factory=lambda: sys.stderr)
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self.stream = stream or sys.stderr
 
     def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
         """Say how much there is to do."""
@@ -115,8 +89,7 @@ class Lines(Estimating):
             self.note(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
 
 
-@dataclass
-class Bar(Estimating):
+class Bar(Progress):
     """A progress bar with the cell that was answered last and the time left."""
 
     display: Any = None

@@ -16,8 +16,7 @@ from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Response
-from workbench.study.files import TEMPORARY, canonical_json, write_atomically
-from workbench.study.netcdf import read_netcdf
+from workbench.study.files import TEMPORARY, canonical_json, read_netcdf, write_atomically
 
 Record = dict[str, Any]
 

@@ -11,7 +11,7 @@ from workbench.responses import Outcome, outcome_of
 from workbench.study.answers import Answers
 from workbench.study.comparisons import compare
 from workbench.study.definition import Study
-from workbench.study.tables import Row
+from workbench.study.files import Row
 
 _GATE = ("number", "gate", "model", "against", "quantity", "metric")
 CASE_COLUMNS = (*_GATE, "case", "value", "uncertainty", "bound", "verdict", "note")

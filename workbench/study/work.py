@@ -11,10 +11,11 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.errors import InputError, told
 from workbench.models.base import Model, signature
 from workbench.responses import (
     TIMES,
+    VOLATILE,
     Outcome,
     Response,
     check_response,
@@ -24,7 +25,7 @@ from workbench.responses import (
 )
 from workbench.scenarios import Scenario
 from workbench.study.cells import Cell
-from workbench.study.netcdf import to_netcdf_bytes, without_volatile
+from workbench.study.files import to_netcdf_bytes
 
 # A first call may compile kernels; cells that end sooner than this are timed by a second call.
 TIMED_AGAIN_BELOW = 180.0  # s
@@ -123,7 +124,9 @@ def _result(task: Task, response: Response, record: dict[str, Any], started: dat
         "started": started.isoformat(timespec="milliseconds"),
         "finished": datetime.now(UTC).isoformat(timespec="milliseconds"),
     }
-    return Result(task.key, to_netcdf_bytes(without_volatile(response)), record)
+    lasting = {name: value for name, value in response.attrs.items() if name not in VOLATILE}
+    content = to_netcdf_bytes(response.drop_attrs(deep=False).assign_attrs(lasting))
+    return Result(task.key, content, record)
 
 
 def _unpacked(task: Task) -> tuple[Model, Scenario]:
@@ -149,10 +152,7 @@ def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))
     except Exception as error:
-        said = (
-            str(error) if isinstance(error, WorkbenchError) else f"{type(error).__name__}: {error}"
-        )
-        response = failed_response(Outcome.CRASHED, f"{model.name} raised {said}")
+        response = failed_response(Outcome.CRASHED, f"{model.name} raised {told(error)}")
         # file names without directories: records are compared between machines
         trace = [
             f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"

@@ -1,5 +1,5 @@
 """Co-rotational Bernoulli beams with fiber sections: all elements of a structure in one group."""
 
-from workbench.structures.fiber_beams.group import FiberBeams, Rule, gauss_rule, radau_rule
+from workbench.structures.fiber_beams.group import FiberBeams, gauss_rule, radau_rule
 
-__all__ = ["FiberBeams", "Rule", "gauss_rule", "radau_rule"]
+__all__ = ["FiberBeams", "gauss_rule", "radau_rule"]

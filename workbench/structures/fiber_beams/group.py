@@ -8,29 +8,32 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.structures.elements import Step
+from workbench.structures.elements import Step, StepEnergies
 from workbench.structures.fiber_beams import _kernels
 from workbench.structures.fibers import BeamSection, FiberElements
-from workbench.structures.ledger import StepEnergies
 
 Array = NDArray[np.float64]
 
 
-class Rule(NamedTuple):
-    """Quadrature along the elements: `abscissae` in 0..1 and `weights`, (elements, points)."""
+class Points(NamedTuple):
+    """Quadrature along the elements, (elements, points): `xi` in 0..1 and `weights`.
 
-    abscissae: Array
+    `spread` of the axial strain over the points of balanced elements, else zero.
+    """
+
+    xi: Array
     weights: Array
+    spread: Array | float = 0.0
 
 
-def gauss_rule(elements: int, points: int = 2) -> Rule:
+def gauss_rule(elements: int, points: int = 2) -> Points:
     """The same Gauss-Legendre points in every element."""
     abscissae, weights = np.polynomial.legendre.leggauss(points)
     tile = (elements, 1)
-    return Rule(np.tile(0.5 * (1.0 + abscissae), tile), np.tile(0.5 * weights, tile))
+    return Points(np.tile(0.5 * (1.0 + abscissae), tile), np.tile(0.5 * weights, tile))
 
 
-def radau_rule(hinge_at_end: ArrayLike) -> Rule:
+def radau_rule(hinge_at_end: ArrayLike) -> Points:
     """Two Gauss-Radau points: one at the end where a hinge is expected, one a third from the other.
 
     Argument: `hinge_at_end` (elements,), True for end 2, False for end 1. Elastic stiffness is
@@ -40,7 +43,7 @@ def radau_rule(hinge_at_end: ArrayLike) -> Rule:
     at_end = np.asarray(hinge_at_end, dtype=bool)[:, None]
     abscissae = np.where(at_end, [[1.0 / 3.0, 1.0]], [[0.0, 2.0 / 3.0]])
     weights = np.where(at_end, [[0.75, 0.25]], [[0.25, 0.75]])
-    return Rule(abscissae, weights)
+    return Points(abscissae, weights)
 
 
 class FiberState(NamedTuple):
@@ -53,14 +56,6 @@ class FiberState(NamedTuple):
     fibers: Array
     local: Array
     inner: Array
-
-
-class Points(NamedTuple):
-    """A rule with the `spread` (elements, points) of the axial strain of balanced elements."""
-
-    xi: Array
-    weights: Array
-    spread: Array
 
 
 class FiberBeams(FiberElements):
@@ -81,7 +76,7 @@ class FiberBeams(FiberElements):
         nodes: ArrayLike,
         section_of: ArrayLike,
         sections: Sequence[BeamSection],
-        rule: Rule | None = None,
+        rule: Points | None = None,
         balanced: bool = False,
     ) -> None:
         rule = gauss_rule(len(np.atleast_1d(section_of))) if rule is None else rule
@@ -91,7 +86,7 @@ class FiberBeams(FiberElements):
                 raise ValueError("the axial force can be balanced between two points only")
             # no mean: sum(w spread) = 0
             spread = rule.weights[:, ::-1] * np.array([1.0, -1.0])
-        self._points = Points(rule.abscissae, rule.weights, spread)
+        self._points = rule._replace(spread=spread)
         super().__init__(nodes, section_of, sections)
 
     def _rest(self, count: int, states: int, fibers: int) -> FiberState:

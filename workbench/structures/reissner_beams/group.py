@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.structures.elements import Step
+from workbench.structures.elements import Step, StepEnergies
 from workbench.structures.fibers import FiberElements
-from workbench.structures.ledger import StepEnergies
 from workbench.structures.reissner_beams import _kernels
 
 Array = NDArray[np.float64]

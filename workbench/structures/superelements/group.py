@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.structures.elements import Bars, ElementGroup, Step
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.structures.superelements import _kernels
 from workbench.structures.superelements.element import Superelement
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from workbench.errors import OutOfDomainError, SolverError
-from workbench.structures.statics import apply_loads, push
+from workbench.structures.paths import apply_loads, push
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.mechanical.structure import StudStructure
 from workbench.studs.quantities import Array

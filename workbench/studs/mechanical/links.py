@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError
-from workbench.structures.elements import Bars, ElementGroup, Step
-from workbench.structures.ledger import StepEnergies
+from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.studs.mechanical import _kernels
 from workbench.studs.quantities import Array
 
