@@ -57,8 +57,17 @@ def test_no_floor_imports_from_above(path: Path) -> None:
 
 def test_modules_are_small() -> None:
     lengths = sorted(len(path.read_text(encoding="utf-8").splitlines()) for path in MODULES)
-    assert lengths[-1] <= 500
-    assert lengths[len(lengths) // 2] <= 170
+    assert lengths[-1] <= 350
+    assert lengths[len(lengths) // 2] <= 150
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_function_takes_more_than_ten_arguments(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            taken = node.args
+            count = len(taken.posonlyargs) + len(taken.args) + len(taken.kwonlyargs)
+            assert count <= 10, f"{node.name} takes {count}"
 
 
 def test_packages_have_no_import_cycles() -> None:
