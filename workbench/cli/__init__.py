@@ -6,6 +6,8 @@ import os
 import sys
 from collections.abc import Sequence
 
+from workbench.errors import InputError, WorkbenchError
+
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -22,7 +24,6 @@ def run(arguments: Sequence[str]) -> int:
     """Run the command line and return the exit status."""
     from workbench.cli.app import build
     from workbench.cli.output import InterruptedByUserError
-    from workbench.errors import InputError, WorkbenchError
 
     try:
         status = build()(list(arguments), prog_name="workbench", standalone_mode=False)

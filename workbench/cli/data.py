@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from workbench.cli.output import Answer, verb
-
-if TYPE_CHECKING:
-    from workbench.content.tree import Block
+from workbench.content.tree import Block, Column, Definitions, Paragraph, Section, Table
 
 app = typer.Typer(
     help="Show and check the data catalogue.",
@@ -25,7 +22,6 @@ app = typer.Typer(
 @verb
 def list_datasets() -> Answer:
     """List the datasets."""
-    from workbench.content.tree import Column, Table
     from workbench.evidence import datasets
 
     entries = [dataclasses.asdict(entry) for entry in datasets()]
@@ -41,18 +37,14 @@ def show(
 ) -> Answer:
     """Show where a dataset is from, and its rows."""
     from workbench.evidence import dataset, load
+    from workbench.studs.plain import plain
 
     entry = dataclasses.asdict(dataset(name))
-    rows = [
-        {str(column): _plain(value) for column, value in row.items()}
-        for row in load(name).to_dict("records")
-    ]
+    rows = plain(load(name))
     return Answer({**entry, "rows": rows}, _shown(entry, rows))
 
 
 def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
-    from workbench.content.tree import Column, Definitions, Section, Table
-
     yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
     yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
     yield Table.of("rows", "", (Column(name, of=name) for name in rows[0]), rows)
@@ -69,7 +61,6 @@ def check(
 
     With files of your own, only those: tests on studs, or points of load-slip curves.
     """
-    from workbench.content.tree import Paragraph
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
     from workbench.studs import check_tables
@@ -87,8 +78,3 @@ def check(
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)
     return Answer(content, [Paragraph(text) for text in texts], int(failed))
-
-
-def _plain(value: Any) -> Any:
-    value = value.item() if hasattr(value, "item") else value
-    return None if isinstance(value, float) and math.isnan(value) else value

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from workbench.cli.output import Answer, verb
+from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 
 if TYPE_CHECKING:
-    from workbench.content.tree import Block
     from workbench.responses import Response
 
 
@@ -72,8 +72,6 @@ def doctor(
 
 
 def _blocks(checks: list[Check]) -> Iterator[Block]:
-    from workbench.content.tree import Cell, Column, Paragraph, Table
-
     tones = {"ok": "good", "warn": "doubt", "fail": "bad"}
     columns = (
         Column("state", of=lambda check: Cell(check.state, tone=tones[check.state])),

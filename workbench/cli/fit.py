@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from workbench.cli.output import Answer, verb
+from workbench.errors import InputError, OutOfDomainError
+from workbench.fields import Number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,8 +100,6 @@ def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
         hints = get_type_hints(kind)
 
         def command(**given: Any) -> Answer:
-            from workbench.fields import Number
-
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
             return answer(options)
@@ -124,7 +124,6 @@ def stud_strength(options: StrengthOptions) -> Answer:
     Undamaged headed studs in solid slabs with use_for_fit = 1; with EN 1990 D.8 and EN 1994-1-1
     Annex B.2. Campaigns that validate are kept out of the fit.
     """
-    from workbench.errors import InputError, OutOfDomainError
     from workbench.report.chapters import stud_answer
     from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points, shear_model
     from workbench.studs.plain import plain
@@ -175,7 +174,6 @@ def residual(options: ResidualOptions) -> Answer:
     The answer carries the grade of its evidence. Without tests after pre-damage the mechanical
     model predicts, and nothing validates it.
     """
-    from workbench.errors import InputError
     from workbench.report.chapters import stud_answer
     from workbench.scenarios import StudTests
     from workbench.studs import TESTS
@@ -271,8 +269,6 @@ def _formula(
 
 
 def _variations(texts: Names) -> dict[str, float] | None:
-    from workbench.errors import InputError
-    from workbench.fields import Number
     from workbench.studs.strength import VARIATIONS
 
     if not texts:

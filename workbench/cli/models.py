@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from workbench.cli.output import Answer, verb
+from workbench.content.bibliography import cited
+from workbench.content.tree import Block, Bullets, Column, Definitions, Paragraph, Section, Table
 
 if TYPE_CHECKING:
-    from workbench.content.tree import Block
     from workbench.registry import Offer
 
 
@@ -33,8 +35,6 @@ def models(
 
 
 def _entry(offer: Offer) -> dict[str, Any]:
-    import dataclasses
-
     kind = offer.kind
     if kind is None:
         return {
@@ -65,8 +65,6 @@ def _entry(offer: Offer) -> dict[str, Any]:
 
 
 def _listed(entries: list[dict[str, Any]]) -> Iterator[Block]:
-    from workbench.content.tree import Column, Paragraph, Table
-
     columns = (
         Column("model", of="name"),
         Column("version", True, of=lambda entry: entry.get("version")),
@@ -78,9 +76,6 @@ def _listed(entries: list[dict[str, Any]]) -> Iterator[Block]:
 
 
 def _described(entry: dict[str, Any]) -> Iterator[Block]:
-    from workbench.content.bibliography import cited
-    from workbench.content.tree import Bullets, Definitions, Paragraph, Section
-
     yield Paragraph(f"{entry['name']}, version {entry['version']} ({entry['distribution']})")
     yield Section("description", "", (Paragraph(entry["description"]),))
     yield Section("answers", "Answers:", (Bullets(tuple(entry["answers"])),))

@@ -7,12 +7,11 @@ import inspect
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
-if TYPE_CHECKING:
-    from workbench.content.tree import Block
+from workbench.content.tree import Block
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -49,7 +48,8 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
             options["as_json"] = as_json
         answer = function(*arguments, **options)
         if as_json:
-            print_json(answer.content)
+            json.dump(answer.content, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
+            sys.stdout.write("\n")
         else:
             from workbench.content.terminal import show
 
@@ -62,12 +62,6 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
         signature = signature.replace(parameters=[*signature.parameters.values(), option])
     answered.__signature__ = signature  # type: ignore[attr-defined]
     return answered
-
-
-def print_json(content: Any) -> None:
-    """Print one JSON object on the output stream. NaN is refused, not printed."""
-    json.dump(content, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
-    sys.stdout.write("\n")
 
 
 def quantity(value: float | None, unit: str, width: float | None = 0.0) -> str:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from workbench.cli.output import Answer, quantity, verb
+from workbench.content.tree import Block, Callout, Definitions, Paragraph
+from workbench.errors import InputError
 
 if TYPE_CHECKING:
-    from workbench.content.tree import Block
     from workbench.responses import Response
     from workbench.scenarios import Scenario
 
@@ -37,7 +38,6 @@ def simulate(
 
     Exit status 0 if the model answered, 1 if it did not (it says why), 2 for bad input.
     """
-    from workbench.errors import InputError
     from workbench.registry import make_model
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
@@ -109,7 +109,6 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
 
 
 def _blocks(name: str, found: dict[str, Any], target: Path | None) -> Iterator[Block]:
-    from workbench.content.tree import Callout, Definitions, Paragraph
     from workbench.responses import Finding
 
     yield Paragraph(f"{name}: {found['model']}, {found['outcome']}")
@@ -153,7 +152,6 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _options(texts: list[str]) -> dict[str, Any]:
-    from workbench.errors import InputError
     from workbench.scenarios import parse_value
 
     options = {}
@@ -167,8 +165,6 @@ def _options(texts: list[str]) -> dict[str, Any]:
 
 def _writable(out: str) -> Path:
     import os
-
-    from workbench.errors import InputError
 
     path = Path(out)
     if path.is_dir():

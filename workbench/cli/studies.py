@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from workbench.cli.output import Answer, InterruptedByUserError, Json, verb
+from workbench.content.tree import Block, Bullets, Definitions, Paragraph
+from workbench.errors import InputError
 
 if TYPE_CHECKING:
-    from workbench.content.tree import Block
     from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
 
 # columns of the table of verdicts
@@ -93,8 +94,6 @@ def run(
 
 
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
-    from workbench.content.tree import Paragraph
-
     yield from _gates(result)
     for row in result.tables["cells"]:
         if row["outcome"] not in ("ok", "out-of-domain", "not run"):
@@ -115,7 +114,6 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     """
     from collections import Counter
 
-    from workbench.content.tree import Bullets, Paragraph
     from workbench.study import State
 
     chosen = _chosen(study, quick)
@@ -168,9 +166,6 @@ def report(
 
     Nothing is simulated: cells that have not been run are shown as missing.
     """
-    from workbench.content.tree import Definitions
-    from workbench.errors import InputError
-
     wanted = tuple(part.strip() for part in formats.split(","))
     if not set(wanted) <= {"html", "pdf"}:
         raise InputError("--format", formats, "must be html, pdf or html,pdf")
@@ -198,7 +193,6 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
 
     Only what is stored counts; a gate that cannot be judged is inconclusive.
     """
-    from workbench.content.tree import Bullets
     from workbench.study import assess
 
     chosen = _chosen(study, quick)

@@ -46,7 +46,7 @@ from workbench.scenarios import (
     frame_scenario,
     to_toml,
 )
-from workbench.scenarios.members import MASS_PER_LENGTH, SQUASH_LOAD
+from workbench.scenarios.members import OVERRIDES
 
 MODELS: dict[str, type[Any]] = {
     kind.name: kind for kind in (FourDof, SingleDof, EnergyEstimate, RigidSuperelement)
@@ -188,6 +188,7 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     own = column.properties
     wave = own.mass_per_length * min(column.length_below, column.length_above) ** 2
     mass = stiffness * wave / (modulus * own.area * length)
+    largest = OVERRIDES["squash_load"].high
     try:
         bar = Member(
             RESTRAINT,
@@ -197,8 +198,8 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
             joint_start="pinned",
             joint_end="pinned",
             area=stiffness * length / modulus,
-            squash_load=SQUASH_LOAD.high if limit is None else min(limit, SQUASH_LOAD.high),
-            mass_per_length=max(mass, MASS_PER_LENGTH.low),
+            squash_load=largest if limit is None else min(limit, largest),
+            mass_per_length=max(mass, OVERRIDES["mass_per_length"].low),
         )
     except InputError as error:
         raise OutOfDomainError(f"no bar can stand for the restraint: {error}") from error

@@ -9,14 +9,10 @@ from typing import Any, ClassVar, Self
 from workbench.fields import Choice, Declared, Flag, Instance, Number, Text, checked
 from workbench.materials import Steel
 from workbench.scenarios.members import (
-    AREA,
     LENGTH,
-    MASS_PER_LENGTH,
-    PLASTIC_MOMENT,
-    SECOND_MOMENT,
-    SQUASH_LOAD,
     MemberProperties,
     member_properties,
+    override,
     strength_section,
 )
 from workbench.sections import SECTION, Section
@@ -54,11 +50,11 @@ class Column(Declared, table="column"):
     )
     restraint_stiffness: float = checked(Number(0.0, 1e14, "N/m"), 0.0)
     head_mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
-    area: float | None = checked(AREA, optional=True)
-    second_moment: float | None = checked(SECOND_MOMENT, optional=True)
-    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
-    squash_load: float | None = checked(SQUASH_LOAD, optional=True)
-    mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
+    area: float | None = override("area")
+    second_moment: float | None = override("second_moment")
+    plastic_moment: float | None = override("plastic_moment")
+    squash_load: float | None = override("squash_load")
+    mass_per_length: float | None = override("mass_per_length")
     impact_mass: float | None = checked(Number(1e-3, 1e7, "kg"), optional=True)
 
     def check(self) -> None:

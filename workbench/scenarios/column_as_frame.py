@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_events import FrameImpact, FrameStatic, FrameStriker
@@ -17,26 +19,17 @@ def frame_of(column: Column) -> Frame:
     Its axial load is a dead load on the head, its restraint a spring there. Members carry their
     own mass: a column's `impact_mass`, meant for lumped models, has no place in a frame.
     """
-    nodes = (
-        Node("base", 0.0, 0.0, support=column.base),
-        Node("hit", 0.0, column.length_below),
-        Node(
-            "head",
-            0.0,
-            column.length,
-            support=HEADS[column.head],
-            mass=column.head_mass,
-            spring_y=column.restraint_stiffness,
-            locked="y" if column.head == "fixed" else "none",
-        ),
-    )
+    head = Node("head", 0.0, column.length, HEADS[column.head], column.head_mass)
+    locked = "y" if column.head == "fixed" else "none"
+    head = replace(head, spring_y=column.restraint_stiffness, locked=locked)
+    base, hit = Node("base", 0.0, 0.0, column.base), Node("hit", 0.0, column.length_below)
     own = {name: getattr(column, name) for name in OVERRIDES}
     members = (
         Member("below", "base", "hit", column.section, **own),
         Member("above", "hit", "head", column.section, **own),
     )
     loads = (Load("head", y=-column.axial_load),) if column.axial_load else ()
-    return Frame(nodes, members, loads, steel=column.steel, fillets=column.fillets)
+    return Frame((base, hit, head), members, loads, steel=column.steel, fillets=column.fillets)
 
 
 def frame_scenario(scenario: ColumnPushover | ColumnImpact) -> FrameStatic | FrameImpact:
@@ -47,11 +40,6 @@ def frame_scenario(scenario: ColumnPushover | ColumnImpact) -> FrameStatic | Fra
         return FrameStatic(
             scenario.name, frame, pattern, "hit", "x", (scenario.displacement,), "displacement"
         )
-    striker = FrameStriker(
-        scenario.striker.mass,
-        scenario.striker.velocity,
-        scenario.striker.restitution,
-        node="hit",
-        direction="+x",
-    )
+    own = scenario.striker
+    striker = FrameStriker(own.mass, own.velocity, own.restitution, node="hit", direction="+x")
     return FrameImpact(scenario.name, frame, striker, scenario.duration)

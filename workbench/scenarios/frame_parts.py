@@ -8,13 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from workbench.fields import Choice, Declared, Number, Text, checked
-from workbench.scenarios.members import (
-    AREA,
-    MASS_PER_LENGTH,
-    PLASTIC_MOMENT,
-    SECOND_MOMENT,
-    SQUASH_LOAD,
-)
+from workbench.scenarios.members import override
 from workbench.sections import SECTION, Section
 
 NAME = Text(60, label=True)
@@ -85,10 +79,10 @@ class Joint(Declared, table="joint", label="name"):
     name: str = checked(NAME)
     rotational_stiffness: float | None = checked(ROTATIONAL_SPRING, optional=True)
     axial_stiffness: float | None = checked(Number(1.0, 1e14, "N/m"), optional=True)
-    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
-    plastic_moment_negative: float | None = checked(PLASTIC_MOMENT, optional=True)
-    tension_resistance: float | None = checked(SQUASH_LOAD, optional=True)
-    compression_resistance: float | None = checked(SQUASH_LOAD, optional=True)
+    plastic_moment: float | None = override("plastic_moment")
+    plastic_moment_negative: float | None = override("plastic_moment")
+    tension_resistance: float | None = override("squash_load")
+    compression_resistance: float | None = override("squash_load")
 
     def check(self) -> None:
         """Refuse a pin that carries a moment."""
@@ -118,11 +112,11 @@ class Member(Declared, table="member", label="name"):
     section: Section = checked(SECTION)
     joint_start: str = checked(NAME, RIGID.name)
     joint_end: str = checked(NAME, RIGID.name)
-    area: float | None = checked(AREA, optional=True)
-    second_moment: float | None = checked(SECOND_MOMENT, optional=True)
-    plastic_moment: float | None = checked(PLASTIC_MOMENT, optional=True)
-    squash_load: float | None = checked(SQUASH_LOAD, optional=True)
-    mass_per_length: float | None = checked(MASS_PER_LENGTH, optional=True)
+    area: float | None = override("area")
+    second_moment: float | None = override("second_moment")
+    plastic_moment: float | None = override("plastic_moment")
+    squash_load: float | None = override("squash_load")
+    mass_per_length: float | None = override("mass_per_length")
 
     def check(self) -> None:
         """Refuse a member from a node to itself."""

@@ -5,17 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.fields import Number
+from workbench.fields import Number, checked
 from workbench.materials import Steel
 from workbench.sections import Section
 
 LENGTH = Number(0.02, 100.0, "m", advice="lengths are in metres, not millimetres")
-AREA = Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4")
-SECOND_MOMENT = Number(1e-12, 1.0, "m4", advice="second moments are in m4: 8091 cm4 is 8091e-8")
-PLASTIC_MOMENT = Number(1.0, 1e9, "N m")
-SQUASH_LOAD = Number(1.0, 1e10, "N")
-MASS_PER_LENGTH = Number(0.01, 1e5, "kg/m")
-OVERRIDES = ("area", "second_moment", "plastic_moment", "squash_load", "mass_per_length")
+OVERRIDES = {
+    "area": Number(1e-6, 2.0, "m2", advice="areas are in m2: 91 cm2 is 91e-4"),
+    "second_moment": Number(
+        1e-12, 1.0, "m4", advice="second moments are in m4: 8091 cm4 is 8091e-8"
+    ),
+    "plastic_moment": Number(1.0, 1e9, "N m"),
+    "squash_load": Number(1.0, 1e10, "N"),
+    "mass_per_length": Number(0.01, 1e5, "kg/m"),
+}
+
+
+def override(name: str) -> Any:
+    """The field of a part that overrides what its section gives, None unless given."""
+    return checked(OVERRIDES[name], optional=True)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +60,7 @@ def _bisect(below: Callable[[Floats], NDArray[np.bool_]], high: Floats) -> Float
     return (low + high) / 2.0
 
 
+@cache
 def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
     """Exponents (alpha of the moment, beta of the axial force) that fit the exact envelope.
 

@@ -121,16 +121,12 @@ class Section(Declared, table="section"):
         """
         return envelope(self.shape, int(_POINTS.check("points", points)))
 
-    @cached_property
-    def _fit(self) -> tuple[float, float]:
-        return fit_superellipse(self.shape)
-
     def interaction_fit(self) -> tuple[float, float]:
         """Exponents (alpha, beta) of |m|^alpha + |n|^beta = 1 fitted to the exact envelope.
 
         Least squares of the radii at 181 equal angles, both at least 1. Raises `SolverError`.
         """
-        return self._fit
+        return fit_superellipse(self.shape)
 
     def without_fillets(self) -> Section:
         """Return the section as plates only; itself if it has no fillets."""
