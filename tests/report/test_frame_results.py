@@ -19,9 +19,9 @@ from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report
 from workbench.report.chapters import configuration, limits
-from workbench.report.drawing.output import to_svg
 from workbench.report.drawing.sheet import thinned
 from workbench.report.figures import draw
+from workbench.report.gallery import to_svg
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
 from workbench.sections import find
 from workbench.study import Case

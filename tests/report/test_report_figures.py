@@ -10,11 +10,10 @@ import pytest
 from synthetic_study import Synthetic, columns, small_study, store_of
 
 from workbench.errors import InputError
-from workbench.report.drawing.output import to_csv, to_svg
 from workbench.report.drawing.sheet import Request, thinned
 from workbench.report.drawing.style import PALETTE, looks
 from workbench.report.figures import KINDS, draw
-from workbench.report.gallery import cases_of, figures_of
+from workbench.report.gallery import cases_of, figures_of, to_csv, to_svg
 from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
 from workbench.sections import circular_tube, find, rectangular_tube, square
 from workbench.study import Case, Figure

@@ -14,11 +14,10 @@ from workbench.content.bibliography import bibliography
 from workbench.content.tree import Bullets, Callout, Table, walk
 from workbench.report.build import build_report
 from workbench.report.chapters import stud_design, stud_evidence
-from workbench.report.drawing.output import to_svg
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
-from workbench.report.gallery import cases_of, figures_of
+from workbench.report.gallery import cases_of, figures_of, to_svg
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.studs.answers import StudMeasured, StudResidual

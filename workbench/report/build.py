@@ -17,7 +17,6 @@ from workbench.report.chapters import (
     limits,
     reference,
     results,
-    stud_design,
     stud_evidence,
     verdicts,
 )
@@ -79,7 +78,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         limits.domain(stored, shear),
         limits.notes(study),
         results.pictures([picture for of, picture in drawn if of not in own]),
-        stud_design.design(study, stored),
+        stud_evidence.design(study, stored),
         results.numbers(study, stored),
         reference.convergence(study, stored, own["convergence"]),
         cost.cost(study, stored, own["cost"]),

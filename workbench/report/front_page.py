@@ -10,8 +10,7 @@ from workbench.content.formatting import count
 from workbench.content.markdown import render_markdown
 from workbench.content.tree import Block, Bullets, Callout, Document, Paragraph, Section, walk
 from workbench.report.chapters import limits, verdicts
-from workbench.report.drawing.output import save_png
-from workbench.report.gallery import Plate, draw_all
+from workbench.report.gallery import Plate, draw_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.files import write_atomically

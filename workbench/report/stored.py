@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
@@ -146,16 +145,10 @@ class Stored:
         return table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
 
     @cached_property
-    def rows(self) -> dict[str, list[dict[str, Any]]]:
+    def rows(self) -> dict[str, list[Any]]:
         """Rows of the tables in their order; numbers that are absent are None."""
         return {
-            name: [
-                {
-                    str(column): None if isinstance(value, float) and np.isnan(value) else value
-                    for column, value in row.items()
-                }
-                for row in table.to_dict("records")
-            ]
+            name: table.astype(object).where(table.notna(), None).to_dict("records")
             for name, table in self.tables.items()
         }
 

@@ -1,4 +1,4 @@
-"""A study of studs in short: what no test validates, and what unseen tests say of the rest."""
+"""Studs: what no test validates, what unseen tests say of the rest, numbers for designers."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from workbench.content.formatting import count, number, percent
-from workbench.content.tree import Block, Bullets, Callout, Section
-from workbench.report.chapters.stud_tables import span
+from workbench.content.tree import Block, Bullets, Callout, Paragraph, Section
+from workbench.report.chapters import stud_tables as tables
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
@@ -54,7 +54,7 @@ def in_short(study: Study, stored: Stored) -> Section | None:
         text = f"Not validated: {'; '.join(missing)}. Do not design with these numbers."
         blocks.append(Callout("bad", text))
     blocks.extend(_strength(found))
-    items = [*_judged(study, found), *_design(found)]
+    items = [*_judged(study, found), *_factors(found)]
     if items:
         blocks.append(Bullets(tuple(items)))
     return Section("short", "In short", tuple(blocks))
@@ -111,7 +111,7 @@ def _tests(judgement: dict[str, Any]) -> str:
     closed = interval and None not in (interval["low"], interval["high"])
     least = judgement["least_test_over_prediction"]
     tests = f"{count(judgement['tests'], 'unseen test')} of {', '.join(judgement['campaigns'])}"
-    text = f"{tests} bore {ratio}" + (f" ({span(interval)})" if closed else "")
+    text = f"{tests} bore {ratio}" + (f" ({tables.span(interval)})" if closed else "")
     text += " of the prediction in the median"
     return text + (f", {judgement['worst']} only {number(least, 2)}" if least < 1.0 else "")
 
@@ -126,7 +126,7 @@ def _curves(judgement: dict[str, Any]) -> str:
     return text
 
 
-def _design(found: list[Answered]) -> Iterator[str]:
+def _factors(found: list[Answered]) -> Iterator[str]:
     """The partial factors that EN 1990 D.8 gives over most tests."""
     known = [each for each in found if each.fit.get("d8", {}).get("gamma_m_star") is not None]
     most = max((each.fit["tests"] for each in known), default=0)
@@ -137,3 +137,49 @@ def _design(found: list[Answered]) -> Iterator[str]:
             f"EN 1990 D.8 over {most} tests asks for a partial factor gamma_M* of {shown}; EN "
             "1994-1-1 has 1.25. It shows the procedure, it is no design value for a project."
         )
+
+
+def design(study: Study, stored: Stored) -> Section | None:
+    """Tables of D.8, Annex B, campaigns left out, load-slip parameters and what is left."""
+    blocks = tuple(_blocks(list(answers(study, stored))))
+    return Section("design", "Design numbers", blocks) if blocks else None
+
+
+def _blocks(found: list[Answered]) -> Iterator[Block]:
+    formulas = _largest([each for each in found if "d8" in each.fit], "tests")
+    several = [each for each in formulas if len(each.fit["campaigns"]) > 1] or formulas
+    if several:
+        yield _reference(several[0])
+        noted = {f"{a.label}\n({a.case}, {a.fit['tests']} tests)": a.content for a in several}
+        yield from tables.design_values(noted)
+        yield from tables.left_out({a.label: a.content for a in several})
+    groups = next((a.content["series"] for a in found if a.content.get("series")), None)
+    if groups:
+        yield from tables.series(groups)
+    laws = _largest([each for each in found if "population" in each.fit], "curves")
+    named = {f"{a.label} ({a.case}, {a.fit['curves']} curves)": a.content for a in laws}
+    yield from tables.load_slip(named)
+    yield from tables.residual(a.content for a in found if "curve" in a.content)
+
+
+def _largest(found: list[Answered], size: str) -> list[Answered]:
+    """The answer of every label, where its fit has most tests or curves."""
+    best: dict[str, Answered] = {}
+    for each in found:
+        if each.label not in best or each.fit[size] > best[each.label].fit[size]:
+            best[each.label] = each
+    return list(best.values())
+
+
+def _reference(answer: Answered) -> Paragraph:
+    reference = answer.fit["reference"]
+    return Paragraph(
+        "EN 1990 D.8 [@en1990] for the stud in the middle of the tests: "
+        f"d = {number(1e3 * reference['diameter'], 3)} mm, "
+        f"h = {number(1e3 * reference['height'], 3)} mm, "
+        f"f_cm = {number(reference['concrete_strength'] / 1e6, 3)} MPa, "
+        f"f_u = {number((reference['ultimate_strength'] or 0.0) / 1e6, 3)} MPa. The coefficients "
+        "of variation of structures to come are assumptions: diameter 1 %, concrete strength 15 %, "
+        "its modulus 10 %, stud strength 5 %. γ_M* is the nominal value of the code, without "
+        "partial factor, over the design value found here; EN 1994-1-1 has 1.25."
+    )

@@ -19,10 +19,9 @@ from markupsafe import Markup
 
 from workbench.content.formatting import TIMES, number
 from workbench.report.drawing.actions import DIRECTIONS
-from workbench.report.drawing.multiples import REST
+from workbench.report.drawing.multiples import REST, YIELDS, colour_of, hinge_places
 from workbench.report.drawing.shapes import Points, Shapes, corners_of, magnification
 from workbench.report.drawing.style import INK, MUTED, PALETTE
-from workbench.report.drawing.utilisation import YIELDS, colour_of, hinge_places
 from workbench.scenarios import FrameImpact
 
 LARGEST = 290_000  # bytes of one film
@@ -125,10 +124,8 @@ def _panels(by_label: Mapping[str, Shapes]) -> tuple[list[_Panel], float]:
     moving = [shapes.magnified(i, times) for shapes in everything for i in range(len(shapes.at))]
     low, high = corners_of([*(shapes.rest for shapes in everything), *moving])
     size, wide = high - low, _WIDTH / len(everything)
-    scale = min(
-        (wide - 2.0 * _EDGE) / max(size.real, 1e-9),
-        (_HIGHEST - _HEAD - _EDGE) / max(size.imag, 1e-9),
-    )
+    room = complex(wide - 2.0 * _EDGE, _HIGHEST - _HEAD - _EDGE)
+    scale = min(room.real / max(size.real, 1e-9), room.imag / max(size.imag, 1e-9))
     base, rest = _HEAD + scale * size.imag + 6.0, wide - scale * size.real
     panels = [
         _Panel(label, shapes, complex(i * wide + 0.5 * rest, base), low, scale, times)

@@ -107,11 +107,9 @@ def _springs(panel: Axes, layout: Layout, node: Node) -> None:
             symbols.line(panel, [complex(at.real, start.imag), start])
         symbols.spring(panel, start, end, 0.13)
         symbols.ground(panel, end, out, 0.9 * _SUPPORT)
-        middle, text = 0.5 * (start + end), f"{brief(stiffness / 1e6)} kN/mm"
-        if axis == "y":
-            symbols.note(panel, middle + 0.12, text, ha="left")
-        else:
-            symbols.note(panel, middle + 0.16j, text, ha="center")
+        beside, side = (0.12, "left") if axis == "y" else (0.16j, "center")
+        text = f"{brief(stiffness / 1e6)} kN/mm"
+        symbols.note(panel, 0.5 * (start + end) + beside, text, ha=side)
     if node.spring_rotation:
         symbols.spiral(panel, at, 0.2)
         right, low = (layout.half_depth(node.name, side) for side in (symbols.RIGHT, symbols.DOWN))

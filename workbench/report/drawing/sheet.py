@@ -13,9 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
+from workbench.content.formatting import Unit, unit_of
 from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, legend_beside, new_figure
 from workbench.report.stored import Stored
 from workbench.responses import Response
+from workbench.scenarios import ColumnImpact, ColumnPushover, FrameScenario, frame_scenario
 from workbench.study.definition import Case, Figure, Study
 
 Array = NDArray[np.float64]
@@ -145,23 +147,20 @@ class Absences:
     """What a figure cannot show: no answer, or an answer without what the figure needs."""
 
     def __init__(self) -> None:
-        self._unanswered: dict[str, list[str]] = {}
-        self._silent: dict[str, dict[str, None]] = {}
+        self._names: dict[str, dict[str, None]] = {}
 
     def no_answer(self, label: str, case: str) -> None:
         """A label gave no answer to a case."""
-        self._unanswered.setdefault(label, []).append(case)
+        self._names.setdefault(f"No answer from {label}", {})[case] = None
 
     def without(self, what: str, label: str) -> None:
         """A label answers, but does not know something."""
-        self._silent.setdefault(what, {})[label] = None
+        self._names.setdefault(f"Without {what}", {})[label] = None
 
     def sentences(self) -> list[str]:
         """One sentence per kind of absence."""
-        return [
-            *(f"No answer from {label}: {', '.join(c)}." for label, c in self._unanswered.items()),
-            *(f"Without {what}: {', '.join(labels)}." for what, labels in self._silent.items()),
-        ]
+        heads = sorted(self._names, key=lambda head: head.startswith("Without"))
+        return [f"{head}: {', '.join(self._names[head])}." for head in heads]
 
 
 class Sheet:
@@ -253,6 +252,23 @@ class Sheet:
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
         return Drawing(self.canvas, self.data, said, alt, width)
+
+
+def frame_scenario_of(case: Case) -> FrameScenario | None:
+    """The scenario of a case on a frame; a column is the frame of its two segments.
+
+    None if the case is about neither.
+    """
+    scenario = case.scenario
+    if isinstance(scenario, (ColumnImpact, ColumnPushover)):
+        return frame_scenario(scenario)
+    return scenario if isinstance(scenario, FrameScenario) else None
+
+
+def displacement_unit(scenario: FrameScenario) -> Unit:
+    """Display unit of the displacement that a scenario follows."""
+    rotation = getattr(scenario, "direction", "").endswith("rotation")
+    return Unit("rad", 1.0) if rotation else unit_of("displacement")
 
 
 def nothing(*statements: str) -> Drawing:

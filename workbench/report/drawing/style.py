@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from functools import cache
@@ -84,7 +85,7 @@ def looks(study: Study) -> Mapping[str, Look]:
     found: dict[str, Look] = {}
     published = [label for label, model in study.models.items() if model.name == "published"]
     steps = [label for label in study.ladder[::-1] if label != study.reference]
-    free = 0
+    free = map(numbered, itertools.count())
     for label in study.models:
         if label == study.reference:
             found[label] = Look("#000000", width=1.8, order=2.5)
@@ -92,14 +93,10 @@ def looks(study: Study) -> Mapping[str, Look]:
             shade = _STEPS[min(steps.index(label), len(_STEPS) - 1)]
             found[label] = Look(shade, "--", width=1.0, order=2.2)
         elif label not in published:
-            found[label] = numbered(free)
-            free += 1
+            found[label] = next(free)
     partner = {g.against: g.model for g in study.gates if g.against in published}
     for i, label in enumerate(published):
-        look = found.get(partner.get(label, ""))
-        if look is None:
-            look = numbered(free)
-            free += 1
+        look = found.get(partner.get(label, "")) or next(free)
         marker = _MARKERS[(3 + i) % len(_MARKERS)]
         found[label] = look._replace(line=":", marker=marker, filled=False, width=1.1, order=4.0)
     return {label: found[label] for label in study.models}

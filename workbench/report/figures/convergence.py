@@ -5,17 +5,17 @@ Options: `quantity` (a scalar, default the first of the study), `cases`.
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, INTERVAL, MUTED, Style, entry
-from workbench.study.definition import Case
 
-_EXTRAPOLATED: Style = {
-    **{"color": INK, "linestyle": "--", "marker": "o", "markerfacecolor": "white"}
-}
+_WHITE: Style = {"marker": "o", "markerfacecolor": "white"}
+_EXTRAPOLATED: Style = {"color": INK, "linestyle": "--", **_WHITE}
 
 
 def draw(request: Request) -> Drawing:
@@ -24,12 +24,15 @@ def draw(request: Request) -> Drawing:
     if len(steps) < 2:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
     said: list[str] = []
-    laddered = [case for case in request.chosen(said) if _levels(request, case)]
+    rows = {case: request.stored.ladder(case.name, quantity) for case in request.chosen(said)}
+    laddered = {
+        case: row for case, row in rows.items() if row and any(row[s] is not None for s in steps)
+    }
     if not laddered:
         return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *said)
     sheet = Sheet.grid(len(laddered), said, sharey=False)
-    for case, panel in zip(laddered, sheet.panels, strict=True):
-        _ladder(request, case, panel, sheet)
+    for (case, row), panel in zip(laddered.items(), sheet.panels, strict=True):
+        _ladder(request, row, panel, sheet)
         sheet.name(panel, case.name, "element size (finest = 1)", axis_label(quantity))
     sheet.legend(
         entry("levels", color=INK, marker="o"),
@@ -41,21 +44,15 @@ def draw(request: Request) -> Drawing:
     )
 
 
-def _levels(request: Request, case: Case) -> dict[str, float]:
-    """Levels of the ladder that know the quantity in a case, with their values."""
-    row = request.stored.ladder(case.name, request.quantity) or {}
-    return {label: row[label] for label in request.study.steps if row.get(label) is not None}
-
-
-def _ladder(request: Request, case: Case, panel: Axes, sheet: Sheet) -> None:
-    row = request.stored.ladder(case.name, request.quantity) or {}
+def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) -> None:
     unit, steps = unit_of(request.quantity).factor, request.study.steps
     sizes = {label: 2.0**i for i, label in enumerate(reversed(steps))}
-    known, column = _levels(request, case), f"{request.quantity}_SI"
+    known = {label: row[label] for label in steps if row.get(label) is not None}
+    case, column = row["case"], f"{request.quantity}_SI"
     values = [unit * value for value in known.values()]
     panel.plot([sizes[label] for label in known], values, color=INK, marker="o", zorder=3)
     for label, value in known.items():
-        sheet.record(case=case.name, label=label, size=sizes[label], **{column: value})
+        sheet.record(case=case, label=label, size=sizes[label], **{column: value})
     finest, uncertainty, limit = known.get(steps[-1]), row["uncertainty"], row["extrapolated"]
     if uncertainty is not None and finest is not None:
         low, high = (unit * (finest + sign * uncertainty) for sign in (-1.0, 1.0))
@@ -63,10 +60,10 @@ def _ladder(request: Request, case: Case, panel: Axes, sheet: Sheet) -> None:
     if limit is not None and finest is not None:
         ends = [unit * finest, unit * limit]
         panel.plot([1.0, 0.0], ends, **_EXTRAPOLATED, markevery=[1], zorder=3)
-        sheet.record(case=case.name, label="extrapolated", size=0.0, **{column: limit})
+        sheet.record(case=case, label="extrapolated", size=0.0, **{column: limit})
     panel.axvline(0.0, color=MUTED, linewidth=0.6)
     panel.set_xticks([0.0, *sorted(sizes.values())])
     panel.xaxis.set_major_formatter("{x:g}")
     panel.set_xlim(-0.04 * max(sizes.values()), 1.06 * max(sizes.values()))
     panel.ticklabel_format(axis="y", useOffset=False)
-    sheet.said.append(f"{case.name}: {row['note'] or 'no note'}.")
+    sheet.said.append(f"{case}: {row['note'] or 'no note'}.")

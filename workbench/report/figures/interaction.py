@@ -13,8 +13,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workbench.errors import InputError
-from workbench.report.drawing.cases import frame_scenario_of
-from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
+from workbench.report.drawing.sheet import (
+    Array,
+    Drawing,
+    Request,
+    Sheet,
+    evenly,
+    frame_scenario_of,
+    nothing,
+)
 from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry
 from workbench.responses import Response
 from workbench.scenarios import Frame, Member

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import textwrap
 
-import numpy as np
 import pandas as pd
 
 from workbench.content.formatting import axis_label, title_of, unit_of
@@ -77,26 +76,19 @@ def _known(request: Request, quantity: str, said: list[str]) -> list[Case]:
 def _values(request: Request, cases: list[Case], quantity: str) -> pd.DataFrame:
     """A row per case and label with a value: the value and its deviation, each with its width."""
     compared = request.errors(quantity)
-    entries = []
+    names = ["case", "label", f"{quantity}_SI", "data_uncertainty_SI"]
+    names += ["relative_error", "uncertainty"]
+    rows = []
     for slot, case in enumerate(cases):
         for label in request.labels:
             value = request.number(case, label, quantity)
-            if value is None:
-                continue
-            width = request.stored.data_uncertainty(case.name, label, quantity)
-            row = compared.get((case.name, label), {})
-            entries.append(
-                {
-                    "case": case.name,
-                    "label": label,
-                    f"{quantity}_SI": value,
-                    "data_uncertainty_SI": np.nan if width is None else width,
-                    "relative_error": row.get("error", np.nan),
-                    "uncertainty": row.get("uncertainty", np.nan),
-                    "slot": slot,
-                }
-            )
-    return pd.DataFrame(entries)
+            if value is not None:
+                width = request.stored.data_uncertainty(case.name, label, quantity)
+                row = compared.get((case.name, label), {})
+                deviation = row.get("error"), row.get("uncertainty")
+                rows.append((case.name, label, value, width, *deviation, slot))
+    table = pd.DataFrame(rows, columns=[*names, "slot"])
+    return table.astype(dict.fromkeys(names[2:], float))
 
 
 def _bands(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> None:

@@ -65,7 +65,7 @@ def draw(request: Request) -> Drawing:
     return sheet.finish(f"load over largest load against slip for {', '.join(found)}")
 
 
-def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd.DataFrame]:
+def _curves(request: Request, case: Case, part: str) -> dict[Any, pd.DataFrame]:
     """Points of every specimen that has several, rising in slip, loads over the largest."""
     points = studs.measured(request, case, part)
     if points.empty:
@@ -73,10 +73,8 @@ def _curves(request: Request, case: Case, part: str) -> dict[tuple[str, str], pd
     points = points.assign(slip_mm=studs.MILLI * points["slip"])
     groups = points.groupby(["campaign", "specimen"], sort=False)
     return {
-        (str(campaign), str(specimen)): own.assign(load=own["load"] / own["load"].max())
-        for (campaign, specimen), own in (
-            (key, each.sort_values("slip", kind="stable")) for key, each in groups
-        )
+        key: own.assign(load=own["load"] / own["load"].max()).sort_values("slip", kind="stable")
+        for key, own in groups
         if len(own) > 1 and own["load"].max() > 0.0
     }
 

@@ -95,13 +95,10 @@ def _table(
     found = []
     for case in cases:
         for label in models:
-            cell, other = (
-                request.stored.cells.get((case.name, side)) for side in (label, request.against)
-            )
-            failed = cell is None or other is None or not (cell.ok and other.ok)
+            failed = not all(request.stored.ok(case.name, s) for s in (label, request.against))
             row = {"case": case.name, "model": label, **case.parameters}
             row["error"] = known.get((case.name, label), {}).get("error", np.nan)
-            row["warned"] = not failed and cell is not None and bool(cell.warnings)
+            row["warned"] = not failed and bool(request.stored.cells[case.name, label].warnings)
             found.append({**row, "failed": failed})
     return pd.DataFrame(found)
 
@@ -109,12 +106,10 @@ def _table(
 def _map(panel: Axes, table: pd.DataFrame, grid: Any, limit: float) -> AxesImage:
     """One panel: the worst error of every field, and marks of its warnings and failures."""
     (x, xs), (y, ys) = grid
-    across = table[x].map({value: i for i, value in enumerate(xs)})
-    up = table[y].map({value: i for i, value in enumerate(ys)})
-    field = np.full((len(ys), len(xs)), np.nan)
-    for i, j, error in zip(up, across, table["error"], strict=True):
-        if not abs(error) <= abs(field[i, j]):
-            field[i, j] = error if np.isfinite(error) else field[i, j]
+    across, up = table[x].map(xs.index), table[y].map(ys.index)
+    finite = table[np.isfinite(table["error"])]
+    worst = finite.pivot_table("error", y, x, lambda errors: max(errors, key=abs))
+    field = worst.reindex(index=ys, columns=xs).to_numpy(float)
     style: Style = {"origin": "lower", "aspect": "auto", "cmap": "PuOr_r"}
     image = panel.imshow(field, vmin=-limit, vmax=limit, **style)
     panel.set_facecolor("#e8e8e8")
