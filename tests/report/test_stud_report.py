@@ -13,7 +13,7 @@ from workbench.assessment import Gate
 from workbench.content.bibliography import bibliography
 from workbench.content.tree import Bullets, Callout, Table, walk
 from workbench.report.build import build_report
-from workbench.report.chapters import stud_design, stud_evidence
+from workbench.report.chapters import stud_evidence
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -99,7 +99,7 @@ def test_what_is_not_validated_comes_first(studs):
 
 
 def test_design_numbers_are_those_of_the_fits(studs):
-    section = stud_design.design(studs.study, studs)
+    section = stud_evidence.design(studs.study, studs)
     tables = {block.key: block for block in walk((section,)) if isinstance(block, Table)}
     assert set(tables) == {"design-d8", "design-left-out", "design-load-slip", "design-residual"}
     (callout,) = [block for block in section.blocks if isinstance(block, Callout)]

@@ -24,14 +24,14 @@ def draw(request: Request) -> Drawing:
     if len(steps) < 2:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
     said: list[str] = []
-    rows = {case: request.stored.ladder(case.name, quantity) for case in request.chosen(said)}
-    laddered = {
-        case: row for case, row in rows.items() if row and any(row[s] is not None for s in steps)
-    }
+    rows = [(case, request.stored.ladder(case.name, quantity)) for case in request.chosen(said)]
+    laddered = [
+        (case, row) for case, row in rows if row and any(row[step] is not None for step in steps)
+    ]
     if not laddered:
         return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *said)
     sheet = Sheet.grid(len(laddered), said, sharey=False)
-    for (case, row), panel in zip(laddered.items(), sheet.panels, strict=True):
+    for (case, row), panel in zip(laddered, sheet.panels, strict=True):
         _ladder(request, row, panel, sheet)
         sheet.name(panel, case.name, "element size (finest = 1)", axis_label(quantity))
     sheet.legend(
@@ -47,7 +47,7 @@ def draw(request: Request) -> Drawing:
 def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) -> None:
     unit, steps = unit_of(request.quantity).factor, request.study.steps
     sizes = {label: 2.0**i for i, label in enumerate(reversed(steps))}
-    known = {label: row[label] for label in steps if row.get(label) is not None}
+    known = {label: row[label] for label in steps if row[label] is not None}
     case, column = row["case"], f"{request.quantity}_SI"
     values = [unit * value for value in known.values()]
     panel.plot([sizes[label] for label in known], values, color=INK, marker="o", zorder=3)
