@@ -138,11 +138,11 @@ class Stored:
         stated: float | None = json.loads(response.attrs["data_uncertainty"]).get(quantity)
         return stated
 
-    def errors(self, quantity: str, metric: str, against: str) -> pd.DataFrame:
-        """Comparisons of one quantity by one metric against one label."""
-        table = self.tables["comparisons"]
-        wanted = [quantity, metric, against]
-        return table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
+    def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Any]:
+        """Comparisons of one quantity by one metric against one label, by (case, label)."""
+        table, wanted = self.tables["comparisons"], [quantity, metric, against]
+        known = table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
+        return {(row["case"], row["model"]): row for row in known.to_dict("records")}
 
     @cached_property
     def rows(self) -> dict[str, list[Any]]:

@@ -19,6 +19,11 @@ _FIRST_ORDER = (
     "largest. The lever arms of a mechanism come out too short by that, and its resistance too "
     "large, in proportion to the element. In time the collision takes half a step."
 )
+# of a reference that makes these runs itself
+_ALONE = (
+    " Four times as many fibers and half the steps are tried on the coarsest mesh; what they "
+    "change is part of the uncertainty."
+)
 
 
 def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Section:
@@ -39,12 +44,15 @@ def _convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Iter
             "unknown, and no gate against it can pass.",
         )
         return
+    order = "the three finest levels; within 0.7 to 1.1"
+    if len(study.steps) >= 4:
+        order = f"a fit to all {len(study.steps)} levels [@eca-hoekstra2014]; within 0.5 to 1.1"
     yield Paragraph(
         f"Each level of the ladder {', '.join(study.steps)} halves the element size and the time "
-        f"step of the one before. The observed order comes from {_levels(study)} "
+        f"step of the one before. The observed order comes from {order} "
         "of the expected order the uncertainty is the grid convergence index with "
         "safety factor 1.25, else 3 [@roache1994] [@celik2008]. Sequences that oscillate or "
-        f"diverge get three times their spread.{_alone(study)}"
+        f"diverge get three times their spread.{'' if study.steps == study.ladder else _ALONE}"
     )
     if name in _BEAMS:
         yield Paragraph(_FIRST_ORDER)
@@ -55,23 +63,6 @@ def _convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Iter
         yield Table.of("ladder", caption, _columns(study), rows, 40)
     else:
         yield Callout("doubt", "No case has answers on two levels of the ladder.")
-
-
-def _levels(study: Study) -> str:
-    """What the order of a ladder is taken from, and where it is relied on."""
-    if len(study.steps) < 4:
-        return "the three finest levels; within 0.7 to 1.1"
-    return f"a fit to all {len(study.steps)} levels [@eca-hoekstra2014]; within 0.5 to 1.1"
-
-
-def _alone(study: Study) -> str:
-    """What the interval holds beside the ladder, if the reference makes these runs itself."""
-    if study.steps == study.ladder:
-        return ""
-    return (
-        " Four times as many fibers and half the steps are tried on the coarsest mesh; what they "
-        "change is part of the uncertainty."
-    )
 
 
 def _has(study: Study, stored: Stored, row: dict[str, Any]) -> bool:

@@ -50,10 +50,7 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
         return None
     cases = list(dict.fromkeys(case for case, _ in values))
     labels = [label for label in study.models if any(label == own for _, own in values)]
-    errors = {
-        (row["case"], row["model"]): float(row["error"])
-        for row in stored.errors(quantity, "relative_error", study.reference).to_dict("records")
-    }
+    errors = stored.errors(quantity, "relative_error", study.reference)
     few = len(cases) <= _WIDEST
     gap = "\n" if len(cases if few else labels) > _ONE_LINE else "\u2002"
     unit = unit_of(quantity)
@@ -63,7 +60,7 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
             return ABSENT
         text = number(values[case, label] * unit.factor)
         if (case, label) in errors and label != study.reference:
-            text += f"{gap}{percent(errors[case, label])}"
+            text += f"{gap}{percent(errors[case, label]['error'])}"
         return Cell(text, values[case, label])
 
     shown = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
 from workbench.content.formatting import Unit, unit_of
-from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, legend_beside, new_figure
+from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, new_figure
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.scenarios import ColumnImpact, ColumnPushover, FrameScenario, frame_scenario
@@ -59,11 +59,9 @@ class Request:
         """A scalar of a cell, None if it is not known."""
         return self.stored.number(case.name, label, name)
 
-    def errors(self, quantity: str, metric: str = "relative_error") -> dict[Any, dict[Any, Any]]:
+    def errors(self, quantity: str, metric: str = "relative_error") -> dict[tuple[str, str], Any]:
         """Rows of the comparisons with `against`, by (case, label)."""
-        table = self.stored.errors(quantity, metric, self.against)
-        rows: list[dict[Any, Any]] = table.to_dict("records")
-        return {(row["case"], row["model"]): row for row in rows}
+        return self.stored.errors(quantity, metric, self.against)
 
     def interval(self, case: Case, quantity: str) -> tuple[float, float] | None:
         """Ends of the interval that refinement leaves around the reference, in SI."""
@@ -248,7 +246,8 @@ class Sheet:
         if not self._blocks:
             return nothing(*([empty] if empty else []), *said)
         if beside:
-            legend_beside(self.canvas, self._legend.values(), beside)
+            place: Any = f"outside right {beside}"
+            self.canvas.legend(handles=[*self._legend.values()], loc=place, handletextpad=0.6)
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
         return Drawing(self.canvas, self.data, said, alt, width)

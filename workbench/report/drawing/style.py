@@ -137,12 +137,6 @@ def settle(figure: Figure) -> None:
     figure.set_layout_engine("none")
 
 
-def legend_beside(figure: Figure, handles: Iterable[Any], where: str) -> None:
-    """A legend right of all panels, for high figures of one panel; `where`, upper or center."""
-    place: Any = f"outside right {where}"
-    figure.legend(handles=list(handles), loc=place, handletextpad=0.6)
-
-
 def legend_below(figure: Figure, handles: Iterable[Any]) -> None:
     """A legend under all panels, outside the data.
 

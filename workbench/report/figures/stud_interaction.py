@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, WARNING, Style, entry, framed, new_figure
+from workbench.report.drawing.style import INK, WARNING, Style, entry, framed
 
 _LINES = {"five-thirds": "-", "linear": "--", "trilinear": "-."}
 
@@ -19,9 +19,8 @@ def draw(request: Request) -> Drawing:
     ]
     if not found:
         return nothing("No interaction of tension and shear has answered these cases.")
-    canvas = new_figure(3.7)
-    panel = canvas.subplots()
-    sheet = Sheet(canvas, [panel])
+    sheet = Sheet.single(3.7)
+    panel = sheet.panel
     for label, content in found:
         line, look = _LINES.get(str(laws[label])), request.looks[label]
         style: Style = {"color": INK, "linestyle": line, "linewidth": 1.2}
