@@ -28,7 +28,7 @@ from workbench.studs.mechanical import (
 )
 from workbench.studs.mechanical.driving import shear
 from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
-from workbench.studs.mechanical.residual import Spread, failing_uplift, uplift_at
+from workbench.studs.mechanical.residual import failing_uplift, uplift_at
 from workbench.studs.mechanical.structure import StudStructure, round_section
 from workbench.studs.plain import plain
 
@@ -319,7 +319,7 @@ def test_residual_chart_is_graded_as_a_prediction(
 ) -> None:
     curve = residual_curve(
         STUD, fitted.around, "stiffness", levels=(0.0, 0.5, 1.0), basis=fitted.basis,
-        spread=Spread(cone_end=(), friction=()),
+        spread={"cone_loss": (0.0, 1.0)},
     )  # fmt: skip
     assert curve.ratio[0] == 1.0
     assert np.all(curve.low <= curve.ratio)

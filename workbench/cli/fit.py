@@ -142,7 +142,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
         raise why
     curves = None if options.points is None else read_points(options.points)
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
-    groups = plain([each.to_dict() for each in series])
+    groups = plain(series)
     result = {**head, "models": contents, "not_fitted": left_out, "series": groups}
     return Answer(result, stud_answer.strength(result))
 

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
@@ -79,8 +80,7 @@ def fit_factors(
     """
     chosen = shear_model(model) if isinstance(model, str) else model
     for name in factors:
-        if name not in FACTORS:
-            raise InputError("factors", name, "must be one of " + ", ".join(FACTORS))
+        Choice(tuple(FACTORS)).check("factors", name)
         if name == "steel" and np.isinf(chosen.steel_factor):
             raise InputError("factors", name, f"{chosen.title} has no steel term")
     rows = undamaged_headed_studs(table)

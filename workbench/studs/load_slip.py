@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError, SolverError
-from workbench.fields import Declared, Number, checked
+from workbench.fields import Choice, Declared, Number, checked
 from workbench.studs.quantities import Array
 
 
@@ -119,8 +119,7 @@ LAWS: dict[str, type[Law]] = {law.name: law for law in (OllgaardLaw, BilinearLaw
 
 def law_kind(name: str) -> type[Law]:
     """The law of this name. Raises `InputError`."""
-    if name not in LAWS:
-        raise InputError("law", name, "must be one of " + ", ".join(LAWS))
+    Choice(tuple(LAWS)).check("law", name)
     return LAWS[name]
 
 
@@ -210,12 +209,10 @@ def fit_curve(
     """
     from scipy.optimize import least_squares
 
-    if loss not in LOSSES:
-        raise InputError("loss", loss, "must be one of " + ", ".join(LOSSES))
+    Choice(LOSSES).check("loss", loss)
     fixed = dict(held or {})
     for name in fixed:
-        if name not in parameter_names(law):
-            raise InputError("held", name, "must be one of " + ", ".join(parameter_names(law)))
+        Choice(parameter_names(law)).check("held", name)
     bounds = [bound for bound in _BOUNDS[law_kind(law).name] if bound[0] not in fixed]
     names = [name for name, *_ in bounds]
     s, q = np.maximum(np.asarray(slip, float), 0.0), np.asarray(load, float)

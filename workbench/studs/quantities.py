@@ -19,11 +19,9 @@ NORMAL_WEIGHT_FROM = 2160.0  # kg/m3
 COLUMNS = {  # quantity: its column in a table of tests, and its unit there in SI
     "diameter": ("diameter_mm", 1e-3),
     "height": ("height_mm", 1e-3),
-    "embedment": ("embedment_mm", 1e-3),
     "density": ("density_kg_per_m3", 1.0),
     "ultimate_strength": ("fu_MPa", 1e6),
     "shear": ("shear_kN", 1e3),
-    "tension": ("tension_kN", 1e3),
     "slip_at_max": ("slip_at_max_mm", 1e-3),
 }
 
@@ -48,23 +46,20 @@ def concrete_modulus(strength: ArrayLike, density: ArrayLike | None = None) -> A
 class Specimens:
     """Tests as arrays (n,) in SI units; NaN where not reported.
 
-    `diameter`, `height`, `embedment` in m; `concrete_strength`, `concrete_modulus`,
-    `ultimate_strength`, in Pa; `shear`, `tension` per stud in N; `slip_at_max` in m.
+    `diameter`, `height` in m; `concrete_strength`, `concrete_modulus`,
+    `ultimate_strength`, in Pa; `shear` per stud in N; `slip_at_max` in m.
     `modulus_measured` says where the modulus was measured and not taken from a formula.
     """
 
     campaign: NDArray[np.object_]
-    specimen: NDArray[np.object_]
     diameter: Array
     height: Array
-    embedment: Array
     concrete_strength: Array
     concrete_modulus: Array
     modulus_measured: NDArray[np.bool_]
     density: Array
     ultimate_strength: Array
     shear: Array
-    tension: Array
     slip_at_max: Array
 
     @property
@@ -94,7 +89,6 @@ def specimens(table: pd.DataFrame) -> Specimens:
     modulus = np.where(light, computed, concrete_modulus(strength))
     return Specimens(
         campaign=table["campaign"].to_numpy(object),
-        specimen=table["specimen"].to_numpy(object),
         concrete_strength=strength,
         concrete_modulus=np.where(np.isfinite(measured), measured, modulus),
         modulus_measured=np.isfinite(measured),

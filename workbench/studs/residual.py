@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.fitting import (
     Content,
@@ -158,8 +159,7 @@ def damaged_rows(
     campaign and diameter. Raises `InputError` for an unknown quantity, or kinds or measures of
     damage that must not be mixed.
     """
-    if quantity not in QUANTITIES:
-        raise InputError("quantity", quantity, "must be one of " + ", ".join(QUANTITIES))
+    Choice(tuple(QUANTITIES)).check("quantity", quantity)
     column, reference = QUANTITIES[quantity]
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
     for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
@@ -269,8 +269,7 @@ def _candidates(
     names: Sequence[str], mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
 ) -> list[Relation]:
     for name in names:
-        if name not in RELATIONS:
-            raise InputError("candidates", name, "must be one of " + ", ".join(RELATIONS))
+        Choice(tuple(RELATIONS)).check("candidates", name)
     result = [RELATIONS[name] for name in names]
     comparable = (
         mechanical is not None

@@ -6,8 +6,8 @@ Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -43,10 +43,6 @@ class AnnexB:
     slip_is_lower_bound: bool
     note: str
 
-    def to_dict(self) -> dict[str, object]:
-        """All values by name."""
-        return asdict(self)
-
 
 def evaluate_series(
     resistances: ArrayLike,
@@ -69,11 +65,8 @@ def evaluate_series(
     mean, lowest = float(np.mean(p)), float(np.min(p))
     deviation = float(np.max(np.abs(p / mean - 1.0)))
     if deviation > LARGEST_DEVIATION:
-        found, advice = (
-            f"{100 * deviation:.0f} % off the mean",
-            "make three more tests of the same ",
-        )
-        advice += "kind and evaluate all by EN 1990 D.8"
+        found = f"{100 * deviation:.0f} % off the mean"
+        advice = "make three more tests of the same kind and evaluate all by EN 1990 D.8"
         raise InputError("tests", found, "must lie within 10 % of the mean", advice)
     if curves and len(curves) != len(p):
         raise InputError("curves", len(curves), f"must be {len(p)}, one per test, or none")
@@ -123,11 +116,6 @@ class Series(NamedTuple):
     tests: int
     result: AnnexB | None
     refusal: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
-        result = None if self.result is None else self.result.to_dict()
-        return {**self._asdict(), "result": result}
 
 
 def evaluate_groups(

@@ -165,8 +165,7 @@ def aisc360(group_factor: float = 1.0, position_factor: float = 0.75) -> ShearMo
 
 def shear_model(name: str) -> ShearModel:
     """The shear model of this name. Raises `InputError`."""
-    if name not in SHEAR_MODELS:
-        raise InputError("model", name, "must be one of " + ", ".join(SHEAR_MODELS))
+    Choice(tuple(SHEAR_MODELS)).check("model", name)
     return SHEAR_MODELS[name]
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.fitting import (
     Content,
@@ -151,8 +152,7 @@ def fit_strength(
     """
     chosen = shear_model(model) if isinstance(model, str) else model
     for trend in trends:
-        if trend not in TRENDS:
-            raise InputError("trends", trend, "must be one of " + ", ".join(TRENDS))
+        Choice(TRENDS).check("trends", trend)
     kept, tests = _complete(undamaged_headed_studs(table), chosen)
     reference = {
         name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in (*TRENDS, "height")

@@ -11,7 +11,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.evidence import dataset
-from workbench.fields import did_you_mean
+from workbench.fields import Choice, did_you_mean
 from workbench.studs.reading import LONGEST_LINE, examine
 from workbench.studs.schema import POINTS, TESTS
 
@@ -26,8 +26,7 @@ SHIPPED = {
 
 def shipped(name: str) -> pd.DataFrame:
     """A shipped table of the stud schemas by its catalogue name. Raises `InputError`."""
-    if name not in SHIPPED:
-        raise InputError("dataset", name, "must be one of " + ", ".join(SHIPPED))
+    Choice(tuple(SHIPPED)).check("dataset", name)
     return examine(dataset(name).path, SHIPPED[name]).accept()
 
 

@@ -129,7 +129,7 @@ class StudSeries(StudModel):
                 f"of {len(series)} groups has {max(each.tests for each in series)}"
             )
             findings.append(Finding("series", text))
-        content = {"series": [each.to_dict() for each in series]}
+        content = {"series": series}
         scalars = {"tests_fitted": float(evaluated)}
         return Found(content, findings, None, scalars, {"mean": "N", "lowest": "N", "slips": "m"})
 

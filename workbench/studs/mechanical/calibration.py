@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError, SolverError
+from workbench.fields import Choice
 from workbench.studs.mechanical.driving import push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
@@ -143,8 +144,7 @@ def calibrate(
 
     begin = start or Surroundings()
     for name in free:
-        if name not in asdict(begin):
-            raise InputError("free", name, "must be one of " + ", ".join(asdict(begin)))
+        Choice(tuple(asdict(begin))).check("free", name)
     rows = complete_rows(table)
     studs = _studs(rows)
     observed = np.log(_observations(rows))

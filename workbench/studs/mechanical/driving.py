@@ -40,18 +40,14 @@ class ShearCurve:
         """Largest load up to a slip (m), in N."""
         return float(np.max(self.load[self.slip <= slip * (1.0 + 1e-9)]))
 
-    def slips_at(self, *shares: float) -> Array:
-        """Slips (shares,) in m at which shares of the strength are first reached."""
-        rising = np.maximum.accumulate(self.load)
-        return np.interp(np.array(shares) * self.strength, rising, self.slip)
-
     def secant(self, level: float = 0.4) -> float:
         """Secant stiffness at a share of the strength, in N/m."""
-        return level * self.strength / float(self.slips_at(level)[0])
+        return self.chord(0.0, level)
 
     def chord(self, low: float = 0.1, high: float = 0.4) -> float:
         """Chord stiffness between two shares of the strength, in N/m."""
-        start, end = self.slips_at(low, high)
+        rising = np.maximum.accumulate(self.load)
+        start, end = np.interp(np.array([low, high]) * self.strength, rising, self.slip)
         return float((high - low) * self.strength / (end - start))
 
 
@@ -95,31 +91,29 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
     """
     if slip is None:  # beyond any rupture
         slip = (1.2 * structure.around.slide_capacity + 0.3) * structure.stud.diameter
-    structure.assembly.release([structure.slip_dof])
-    origin = float(structure.assembly.displacement[structure.slip_dof])
-    start = -float(structure.assembly.displacement[structure.uplift_dof])
-    rows = [(0.0, 0.0, 0.0, 0.0, structure.base_tension, start)]
+    assembly, dof = structure.assembly, structure.slip_dof
+    assembly.release([dof])
+    origin = float(assembly.displacement[dof])
+    rows = [(0.0, 0.0, 0.0, 0.0, structure.base_tension, structure.uplift)]
     failed = False
     done = 0.0
     for target in _steps(slip, 2e-6, steps):
         try:
-            (step,) = push(structure.assembly, structure.slip_dof, np.array([target - done]))
+            (step,) = push(assembly, dof, np.array([target - done]))
             structure.update()
         except (OutOfDomainError, SolverError) as error:
-            loaded = structure.assembly.load[structure.uplift_dof] != 0.0
+            loaded = assembly.load[structure.uplift_dof] != 0.0
             if loaded and (isinstance(error, OutOfDomainError) or structure.anchorage_exhausted):
                 failed = True  # no equilibrium beyond: the dead load has pulled the stud out
                 break
             raise
-        done = float(structure.assembly.displacement[structure.slip_dof]) - origin
+        done = float(assembly.displacement[dof]) - origin
         friction = structure.friction()
         collar = float(structure.links.forces[structure.collar])
-        uplift = -float(structure.assembly.displacement[structure.uplift_dof])
-        rows.append(
-            (done, step.factor + friction, friction, collar, structure.base_tension, uplift)
-        )
-        if structure.ruptured:
-            failed = True
+        force = step.factor + friction
+        rows.append((done, force, friction, collar, structure.base_tension, structure.uplift))
+        failed = structure.ruptured
+        if failed:
             break
     columns = np.array(rows).T
     names = [field.name for field in fields(ShearCurve)][:-1]
@@ -144,7 +138,7 @@ def pull(
         except OutOfDomainError:
             failure = "steel"
             break
-        done = -float(structure.assembly.displacement[dof])
+        done = structure.uplift
         rows.append((done, -step.factor))
         if structure.ruptured:
             failure = "steel"
@@ -156,8 +150,7 @@ def pull(
         failure = "head"
     if unload and failure != "steel":
         _let_go(structure, float(loads[-1]))
-    left = -float(structure.assembly.displacement[dof])
-    return PullCurve(lifted, loads, failure, left, structure.cone_damage)
+    return PullCurve(lifted, loads, failure, structure.uplift, structure.cone_damage)
 
 
 def _let_go(structure: StudStructure, load: float) -> None:

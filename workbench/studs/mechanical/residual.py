@@ -6,19 +6,14 @@ strength, where it ends, and the friction of the flange.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from workbench.errors import InputError
-from workbench.studs.mechanical.driving import (
-    PullCurve,
-    ShearCurve,
-    pull_out,
-    pull_then_push,
-    push_out,
-)
+from workbench.studs.mechanical.driving import PullCurve, pull_out, pull_then_push, push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve
@@ -26,22 +21,8 @@ from workbench.studs.relations import MechanicalCurve
 LEVELS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
 STEPS = 120
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Values of the unknown parameters that span the band."""
-
-    cone_loss: tuple[float, ...] = (0.0, 1.0)
-    cone_end: tuple[float, ...] = (0.03, 0.12)
-    friction: tuple[float, ...] = (0.0, 0.6)
-
-    def around(self, middle: Surroundings) -> list[Surroundings]:
-        """The middle, and one parameter after the other at its ends."""
-        result = [middle]
-        for name in ("cone_loss", "cone_end", "friction"):
-            result += [replace(middle, **{name: value}) for value in getattr(self, name)]
-        return result
+# ends of the unknown parameters, which span the band one after the other
+UNKNOWN = {"cone_loss": (0.0, 1.0), "cone_end": (0.03, 0.12), "friction": (0.0, 0.6)}
 
 
 def failing_uplift(pulled: PullCurve, measure: str) -> float:
@@ -91,17 +72,11 @@ def residual_ratios(
     for i, level in enumerate(levels):
         if level == 0.0:
             continue
-        _, after = pull_then_push(
-            stud, around, uplift_at(pulled, float(level), measure), steps=STEPS
-        )
-        strength[i], stiffness[i] = _ratio(after, whole, end)
+        uplift = uplift_at(pulled, float(level), measure)
+        _, after = pull_then_push(stud, around, uplift, steps=STEPS)
+        strength[i] = 0.0 if after is None else after.strength_within(end) / whole.strength
+        stiffness[i] = 0.0 if after is None else after.chord() / whole.chord()
     return strength, stiffness
-
-
-def _ratio(after: ShearCurve | None, whole: ShearCurve, end: float) -> tuple[float, float]:
-    if after is None:
-        return 0.0, 0.0
-    return after.strength_within(end) / whole.strength, after.chord() / whole.chord()
 
 
 def residual_curve(
@@ -111,35 +86,23 @@ def residual_curve(
     *,
     measure: str = "displacement ratio",
     levels: tuple[float, ...] = LEVELS,
-    spread: Spread | None = None,
+    spread: Mapping[str, tuple[float, ...]] = UNKNOWN,
     basis: str = "mechanical model, not calibrated",
 ) -> MechanicalCurve:
     """Predict what is left after a pull-out to several levels, with a band.
 
     Arguments: `quantity` ``strength`` or ``stiffness``; `measure` of the level (see
-    `failing_uplift`); rising `levels` from 0; `spread` of the unknown parameters; `basis`, what the
-    parameters rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
+    `failing_uplift`); rising `levels` from 0; `spread`, ends of the unknown parameters; `basis`,
+    what the parameters rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
     """
     if quantity not in ("strength", "stiffness"):
         raise InputError("quantity", quantity, "must be strength or stiffness")
     at = tuple(float(level) for level in levels)
     which = 0 if quantity == "strength" else 1
-    curves = np.array(
-        [
-            residual_ratios(stud, each, at, measure)[which]
-            for each in (spread or Spread()).around(around)
-        ]
-    )
-    return MechanicalCurve(
-        np.array(at),
-        curves[0],
-        curves.min(axis=0),
-        curves.max(axis=0),
-        "pull-out",
-        measure,
-        quantity,
-        basis,
-    )
+    ends = [replace(around, **{name: end}) for name, all_ in spread.items() for end in all_]
+    curves = np.array([residual_ratios(stud, each, at, measure)[which] for each in (around, *ends)])
+    low, high = curves.min(axis=0), curves.max(axis=0)
+    return MechanicalCurve(np.array(at), curves[0], low, high, "pull-out", measure, quantity, basis)
 
 
 def interaction_points(

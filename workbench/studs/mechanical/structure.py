@@ -142,6 +142,11 @@ class StudStructure:
     # -- what follows the committed state ----------------------------------------------------
 
     @property
+    def uplift(self) -> float:
+        """Uplift of the flange, in m."""
+        return -float(self.assembly.displacement[self.uplift_dof])
+
+    @property
     def gap(self) -> float:
         """Distance of the flange from the surface of the concrete, in m, not below zero."""
         return max(-float(self.links.deformations[self.contact]), 0.0)

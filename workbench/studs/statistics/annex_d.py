@@ -9,7 +9,7 @@ Source: EN 1990:2002, D.8.2 and D.8.3 (recalled, not read again).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import exp, inf, log, prod, sqrt
 
 import numpy as np
@@ -81,10 +81,6 @@ class D8:
     gamma_m: float
     r_nominal: float | None
     gamma_m_star: float | None
-
-    def to_dict(self) -> dict[str, float | int | None]:
-        """All values by name; resistances in N."""
-        return asdict(self)
 
 
 def errors_of(experimental: ArrayLike, theoretical: ArrayLike) -> tuple[float, Array]:

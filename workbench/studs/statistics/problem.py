@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.studs.quantities import Array
 
 Indices = NDArray[np.int64]
@@ -82,8 +83,7 @@ class Problem:
 
     def index(self, name: str) -> int:
         """Place of a parameter. Raises `InputError` for an unknown one."""
-        if name not in self.names:
-            raise InputError("parameter", name, "must be one of " + ", ".join(self.names))
+        Choice(self.names).check("parameter", name)
         return self.names.index(name)
 
 
