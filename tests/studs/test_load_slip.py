@@ -30,7 +30,6 @@ from workbench.studs.stiffness import (
     chord_stiffness,
     fitted_stiffness,
     law_stiffness,
-    slip_at_level,
 )
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
@@ -95,7 +94,7 @@ def test_stiffness_definitions_on_a_known_curve() -> None:
     assert chord_stiffness(slip, load, 0.0, 0.7) == pytest.approx(70e3 / 0.8e-3)
     assert chord_stiffness(slip, load, 0.4, 0.7) == pytest.approx(50e6)
     assert fitted_stiffness(slip, load, 0.05, 0.4) == pytest.approx(200e6)
-    assert slip_at_level(slip, load, 0.3) == pytest.approx(0.15e-3)
+    assert chord_stiffness(slip, load, 0.0, 0.3) == pytest.approx(30e3 / 0.15e-3)
     with pytest.raises(OutOfDomainError, match="fewer than two points"):
         fitted_stiffness(slip, load, 0.05, 0.15)
     with pytest.raises(InputError, match="levels"):

@@ -1,13 +1,14 @@
 """Load-slip laws of a stud under first loading, and their fit to one measured curve.
 
-A law gives the load over its largest value, q = Q / Q_max, as a function of the slip. Units: SI.
+A law gives the load over its largest value, q = Q / Q_max, as a function of the slip (`ratio`), and
+the slip of its ascending branch at a load (`slip_at`). Units: SI.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,20 +16,6 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.studs.quantities import Array
-
-
-class LoadSlipLaw(Protocol):
-    """What the other modules ask of a law."""
-
-    name: ClassVar[str]
-
-    def ratio(self, slip: ArrayLike) -> Array:
-        """Load over the largest load (n,) at slips (m) that are not negative."""
-        ...
-
-    def slip_at(self, ratio: float) -> float:
-        """Slip (m) of the ascending branch at a load ratio below 1."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -162,7 +149,7 @@ class CurveFit:
     `near_interpolation`, fewer than three points more than parameters, so that `rms` says little.
     """
 
-    law: LoadSlipLaw
+    law: Law
     parameters: dict[str, float]
     points: int
     rms: float
@@ -184,7 +171,7 @@ def make_law(law: str, parameters: dict[str, float], slip_capacity: float | None
     return BilinearLaw(min(parameters["yield_slip"], slip_capacity), slip_capacity)
 
 
-def misfit(law: LoadSlipLaw, slip: ArrayLike, ratio: ArrayLike) -> tuple[float, float]:
+def misfit(law: Law, slip: ArrayLike, ratio: ArrayLike) -> tuple[float, float]:
     """Root mean square and mean of law less test, both as load over the largest load.
 
     Arguments: slips (n,) in m, readings below zero count as zero; load `ratio` (n,).

@@ -21,7 +21,6 @@ from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, 
 from workbench.studs.load_slip import (
     CurveFit,
     Law,
-    LoadSlipLaw,
     OllgaardLaw,
     fit_curve,
     make_law,
@@ -288,7 +287,7 @@ class CurveJudgement:
 
 def judge_curves(
     points: pd.DataFrame,
-    law: LoadSlipLaw,
+    law: Law,
     fit: LoadSlipFit | None = None,
     confidence: float = 0.9,
 ) -> CurveJudgement:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Declared, Number, checked
-from workbench.studs.load_slip import LoadSlipLaw
+from workbench.studs.load_slip import Law
 from workbench.studs.quantities import Array
 
 
@@ -43,26 +43,16 @@ def ascending(slip: ArrayLike, load: ArrayLike) -> tuple[Array, Array]:
     return np.concatenate([[0.0], s[keep]]), np.concatenate([[0.0], q[keep]])
 
 
-def slip_at_level(slip: ArrayLike, load: ArrayLike, level: float) -> float:
-    """Slip (m) at which a measured curve first reaches `level` times its largest load.
-
-    Between points the curve is linear. Raises `InputError`.
-    """
-    s, q = ascending(slip, load)
-    if not 0.0 < level <= 1.0:
-        raise InputError("level", level, "must lie above 0 up to 1")
-    return float(np.interp(level * q[-1], q, s))
-
-
 def chord_stiffness(slip: ArrayLike, load: ArrayLike, low: float = 0.1, high: float = 0.4) -> float:
     """Slope in N/m of the chord between two levels of the largest load; a secant with `low` = 0.
 
-    Raises `OutOfDomainError` when both levels are reached at one slip.
+    Between points the curve is linear, and a level counts where it is first reached. Raises
+    `OutOfDomainError` when both levels are reached at one slip.
     """
     _levels(low, high)
     s, q = ascending(slip, load)
-    start = slip_at_level(s, q, low) if low > 0.0 else 0.0
-    run = slip_at_level(s, q, high) - start
+    start, end = np.interp(np.array([low, high]) * q[-1], q, s)
+    run = end - start
     if run <= 0.0:
         raise OutOfDomainError(f"no slip was measured between {low:g} and {high:g} of the maximum")
     return float((high - low) * q[-1] / run)
@@ -85,7 +75,7 @@ def fitted_stiffness(
     return float(np.polyfit(s[inside], q[inside], 1)[0])
 
 
-def law_stiffness(law: LoadSlipLaw, load: float, low: float = 0.1, high: float = 0.4) -> float:
+def law_stiffness(law: Law, load: float, low: float = 0.1, high: float = 0.4) -> float:
     """Chord stiffness in N/m of a law with the largest `load` in N."""
     _levels(low, high)
     start = law.slip_at(low) if low > 0.0 else 0.0
@@ -116,7 +106,7 @@ class UnloadingLaw(Declared, table="law"):
     slope is never so low that slip is regained beyond the origin, or more work than was done.
     """
 
-    envelope: LoadSlipLaw
+    envelope: Law
     strength: float = checked(Number(1.0, 1e8, "N", advice="loads are in N: 100 kN is 100e3"))
     stiffness_ratio: float = checked(Number(0.05, 20.0), 1.0)
 

@@ -102,16 +102,12 @@ class StudSeries(StudModel):
     partial_factor: float = checked(Number(1.0, 3.0), 1.25)
 
     name: ClassVar[str] = "stud-series"
+    sources: ClassVar[tuple[str, ...]] = ("en1994-1-1",)
     asks: ClassVar[tuple[str, ...]] = ("strength",)
     assumptions: ClassVar[tuple[str, ...]] = (
         "EN 1994-1-1, B.2: three or more nominally equal tests within 10 % of their mean.",
         "Equal means: campaign, diameter, height, slab, arrangement, concrete and stud strength.",
     )
-
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """Bibliography key of the rule."""
-        return ("en1994-1-1",)
 
     def find(self, scenario: StudTests, split: Split) -> Found:
         """Every series of the calibrating tests, evaluated or refused with the reason."""

@@ -150,6 +150,9 @@ class StudResidual(StudModel):
     ultimate_strength: float = checked(_STRESS, 450e6)
 
     name: ClassVar[str] = "stud-residual"
+    sources: ClassVar[tuple[str, ...]] = (
+        *("oehlers1990", "hanswille2007", "oehlers-foley1985", "hastie2009"),
+    )
     asks: ClassVar[tuple[str, ...]] = tuple(RESIDUAL)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Damage is a share: 0 none, 1 the load, displacement or life at which an undamaged stud "
@@ -158,11 +161,6 @@ class StudResidual(StudModel):
         "no test at hand tells (share of the bearing that a cone takes, end of the cone, friction) "
         "and is no confidence interval.",
     )
-
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """Bibliography keys of the relations and of what they are checked by."""
-        return ("oehlers1990", "hanswille2007", "oehlers-foley1985", "hastie2009")
 
     def find(self, scenario: StudTests, split: Split) -> Found:
         """The curve of what is left, its grade, and how it meets the validating tests."""

@@ -147,11 +147,6 @@ class StudStructure:
         return -float(self.assembly.displacement[self.uplift_dof])
 
     @property
-    def gap(self) -> float:
-        """Distance of the flange from the surface of the concrete, in m, not below zero."""
-        return max(-float(self.links.deformations[self.contact]), 0.0)
-
-    @property
     def base_tension(self) -> float:
         """Axial force in the shank at its base, in N."""
         return float(self.beams.local_forces[0, 0])
@@ -179,23 +174,16 @@ class StudStructure:
         return float(1.0 - left / link.strength)
 
     @property
-    def axial_strain(self) -> float:
-        """Mean plastic axial strain over two diameters from the base."""
-        return float(np.sum(self.beams.plastic_strains * self._stretch))
-
-    @property
-    def slide_ratio(self) -> float:
-        """Plastic shear slide at the base over the diameter."""
-        return abs(float(self.links.states[self.slide, 0])) / self.stud.diameter
-
-    @property
     def ruptured(self) -> bool:
-        """Whether the shank is torn: shear slide and axial stretch, each over its capacity, add."""
-        return (
-            self.slide_ratio / self.around.slide_capacity
-            + max(self.axial_strain, 0.0) / self.around.rupture_strain
-            >= 1.0
-        )
+        """Whether the shank is torn: shear slide and axial stretch, each over its capacity, add.
+
+        The plastic slide at the base counts over the diameter, the plastic strain as the mean over
+        two diameters from the base.
+        """
+        slide = abs(float(self.links.states[self.slide, 0])) / self.stud.diameter
+        strain = max(float(np.sum(self.beams.plastic_strains * self._stretch)), 0.0)
+        around = self.around
+        return slide / around.slide_capacity + strain / around.rupture_strain >= 1.0
 
     def update(self) -> None:
         """Take embedment, damage of the cone and the tension in the shank over into the links.
@@ -210,7 +198,8 @@ class StudStructure:
         loss = 1.0 - self.around.cone_loss * self.cone_damage
         self.links.factor[: self.head + 1] = np.maximum(share * loss, 1e-9)
         height = float(self.stud.collar_height or 0.0)
-        left = max(1.0 - self.gap / height, 0.0) if height > 0.0 else 0.0
+        gap = max(-float(self.links.deformations[self.contact]), 0.0)
+        left = max(1.0 - gap / height, 0.0) if height > 0.0 else 0.0
         self.links.factor[self.collar] = max(left * loss, 1e-9)
         self.links.cap[self.pressure] = max(loss, 0.05)
         ratio = self.base_tension / self.stud.tensile_strength

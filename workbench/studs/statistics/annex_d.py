@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.studs.quantities import Array
 
 CHARACTERISTIC = 0.95  # share of tests above the characteristic value
 TABLE_DESIGN = 0.999  # the probability that table D.2 follows
@@ -83,21 +82,6 @@ class D8:
     gamma_m_star: float | None
 
 
-def errors_of(experimental: ArrayLike, theoretical: ArrayLike) -> tuple[float, Array]:
-    """Correction factor b and logarithms Delta_i = ln(r_e / (b r_t)) of the errors (n,).
-
-    Arguments: `experimental` and `theoretical` resistances (n,), positive. Raises `InputError`.
-    """
-    e = np.atleast_1d(np.asarray(experimental, float))
-    t = np.atleast_1d(np.asarray(theoretical, float))
-    if e.shape != t.shape or e.ndim != 1:
-        raise InputError("tests", (e.shape, t.shape), "must be pairs of resistances")
-    if not (np.all(np.isfinite(e) & np.isfinite(t)) and np.all(e > 0.0) and np.all(t > 0.0)):
-        raise InputError("tests", "resistances", "must be positive numbers")
-    b = float(np.sum(e * t) / np.sum(t * t))
-    return b, np.log(e / (b * t))
-
-
 def evaluate_d8(
     experimental: ArrayLike,
     theoretical: ArrayLike,
@@ -114,9 +98,16 @@ def evaluate_d8(
     in structures to come; `sensitivities`, exponents of the variables in the resistance function,
     (x / g) dg/dx at mean values (default 1: a product); `resistance`, g_rt at the mean values of
     the design in N (default: mean of `theoretical`); `nominal` design-function value in N, for
-    gamma_M*. Raises `InputError` for fewer than two tests.
+    gamma_M*. Raises `InputError` for fewer than two tests, or
+    resistances that are not positive.
     """
-    b, delta = errors_of(experimental, theoretical)
+    e, t = (np.atleast_1d(np.asarray(each, float)) for each in (experimental, theoretical))
+    if e.shape != t.shape or e.ndim != 1:
+        raise InputError("tests", (e.shape, t.shape), "must be pairs of resistances")
+    if not (np.all(np.isfinite(e) & np.isfinite(t)) and np.all(e > 0.0) and np.all(t > 0.0)):
+        raise InputError("tests", "resistances", "must be positive numbers")
+    b = float(np.sum(e * t) / np.sum(t * t))
+    delta = np.log(e / (b * t))
     n = len(delta)
     if n < 2:
         raise InputError("tests", n, "must be two or more", "one test has no scatter")
@@ -129,7 +120,7 @@ def evaluate_d8(
     many = n >= MANY_TESTS
     k_n = K_INFINITE if many else fractile_factor(n)
     k_dn = KD_INFINITE if many else fractile_factor(n, TABLE_DESIGN)
-    r_m = float(np.mean(np.asarray(theoretical, float))) if resistance is None else resistance
+    r_m = float(np.mean(t)) if resistance is None else resistance
 
     def value(k_infinite: float, k_limited: float) -> float:
         weighted = k_infinite * alpha_rt * q_rt + k_limited * alpha_delta * q_delta

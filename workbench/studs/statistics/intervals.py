@@ -79,21 +79,21 @@ def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float])
     return max(2.0 * g * g / spread, LEAST_FREEDOM)
 
 
-def covariance_at(estimate: Estimate, s2: float, t2: float) -> Array:
-    """Covariance (free, free) of the parameters for other variances, at the same parameters."""
-    free = np.flatnonzero(~estimate.at_bound)
-    x = jacobian(estimate.problem, estimate.theta, free)
-    j = whiten(estimate.problem, x, t2 / s2)
-    return np.asarray(s2 * np.linalg.pinv(j.T @ j))
-
-
 def freedom_of(estimate: Estimate, name: str) -> float:
     """Degrees of freedom behind the variance of a parameter."""
     column = estimate.problem.index(name)
     if estimate.at_bound[column]:
         return LEAST_FREEDOM
-    k = int(np.sum(~estimate.at_bound[:column]))
-    return satterthwaite(estimate, lambda s2, t2: float(covariance_at(estimate, s2, t2)[k, k]))
+    free = np.flatnonzero(~estimate.at_bound)
+    k = int(np.searchsorted(free, column))
+    x = jacobian(estimate.problem, estimate.theta, free)
+
+    def variance(s2: float, t2: float) -> float:
+        """That of the parameter for other variances, at the same parameters."""
+        j = whiten(estimate.problem, x, t2 / s2)
+        return float(s2 * np.linalg.pinv(j.T @ j)[k, k])
+
+    return satterthwaite(estimate, variance)
 
 
 def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> Interval:
