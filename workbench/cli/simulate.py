@@ -61,7 +61,7 @@ def simulate(
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
     from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of
-    from workbench.responses.stud_tests import STUD_TESTS
+    from workbench.responses.variables import STUD_TESTS
 
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None

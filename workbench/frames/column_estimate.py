@@ -6,7 +6,7 @@ all from elastic analyses for unit loads; and from limit analyses, where these e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -31,6 +31,7 @@ from workbench.scenarios.members import OVERRIDES
 
 Array = NDArray[np.float64]
 HEADS = ("joined", "pinned")
+HEAD_MASSES = ("column-line", "joint", "deflected-shape", "none")
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
 SAME = 1e-3  # relative difference of collapse loads that counts as none
 STRAIGHT_ON = 0.02  # sine of the largest kink in the line above the head
@@ -138,7 +139,7 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
             head="fixed" if flexibility == 0.0 else "guided" if line.fixed[1] else "pinned",
             axial_load=-axial,
             restraint_stiffness=0.0 if flexibility in (0.0, inf) else 1.0 / flexibility,
-            head_mass=0.0 if flexibility == 0.0 else HEAD_MASSES[head_mass](line, shape),
+            head_mass=0.0 if flexibility == 0.0 else _head_mass(head_mass, line, shape),
             **{key: getattr(own, key) for key in OVERRIDES},
         )
         if extra > 0.0:
@@ -210,41 +211,25 @@ def _restraint_limit(line: ColumnLine, axial: float) -> float | None:
 # -- the mass that moves with the head ---------------------------------------------------------
 
 
-def _no_mass(line: ColumnLine, shape: Array | None) -> float:
-    """Nothing: the head follows without inertia."""
-    return 0.0
+def _head_mass(rule: str, line: ColumnLine, shape: Array | None) -> float:
+    """Mass (kg) at the head by a rule of `HEAD_MASSES`.
 
-
-def _joint_mass(line: ColumnLine, shape: Array | None) -> float:
-    """Point mass of the head and half of the other members that meet there."""
-    return _mass_of(line.frame, [line.head], line.members)
-
-
-def _line_mass(line: ColumnLine, shape: Array | None) -> float:
-    """The same for all joints of the line that goes on beyond the head, its members whole.
-
-    A line of columns is far stiffer along its axis than the beams that hold it: what stands on
-    the head moves with it.
+    Joint: point mass of the head and half of the other members that meet there. Column line: the
+    same for all joints of the line that goes on beyond the head, its members whole; that line is
+    far stiffer along its axis than the beams that hold it, and moves with the head. Deflected
+    shape: generalised mass of the frame without the column in the deflection that its spring has.
     """
-    return _mass_of(line.frame, _line_above(line), line.members)
-
-
-def _shape_mass(line: ColumnLine, shape: Array | None) -> float:
-    """Generalised mass of the frame without the column in the deflection that its spring has."""
+    if rule == "none":
+        return 0.0
+    if rule != "deflected-shape":
+        nodes = [line.head] if rule == "joint" else _line_above(line)
+        return _mass_of(line.frame, nodes, line.members)
     if shape is None:
         raise OutOfDomainError(
             "head_mass = deflected-shape: without the column nothing resists a movement of its "
             "head along it, so that there is no such shape; take another rule"
         )
     return float(shape @ ElasticFrame(line.frame, line.rest).mass @ shape)
-
-
-HEAD_MASSES: dict[str, Callable[[ColumnLine, Array | None], float]] = {
-    "column-line": _line_mass,
-    "joint": _joint_mass,
-    "deflected-shape": _shape_mass,
-    "none": _no_mass,
-}
 
 
 def _mass_of(frame: Frame, nodes: list[str], without: tuple[str, ...]) -> float:

@@ -83,7 +83,7 @@ class ColumnOfFrame(Declared, table="option"):
     """
 
     model: str = checked(Choice(tuple(MODELS)), FourDof.name)
-    head_mass: str = checked(Choice(tuple(HEAD_MASSES)), "column-line")
+    head_mass: str = checked(Choice(HEAD_MASSES), "column-line")
     head: str = checked(Choice(HEADS), "joined")
     restraint: str = checked(Choice(RESTRAINTS), "elastic")
 

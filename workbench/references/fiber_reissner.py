@@ -33,6 +33,7 @@ from workbench.structures.uniaxial import (
     CowperSymonds,
     LinearHardening,
     MenegottoPinto,
+    ShearYielding,
     UniaxialLaw,
 )
 
@@ -89,9 +90,26 @@ class ExactBeams(FiberReference):
         sections = [self.section(frame, member) for member in frame.members]
         return ReissnerBeams(mesh.nodes, mesh.member, sections)
 
-    @abstractmethod
     def section(self, frame: Frame, member: Member) -> BeamSection:
-        """The fibers of a member's strength section, their law and its mass."""
+        """The fibers of a member's strength section, their law and its mass.
+
+        Shear yields in the fibers along the shear force, or strains the shear area elastically.
+        """
+        section, steel = frame.strength_section(member), frame.steel
+        fibers = section_fibers(section, self.layers, self.residual_stress, self.residual_ratio)
+        return BeamSection(
+            fibers.y,
+            fibers.area,
+            self.law(steel),
+            frame.properties(member).mass_per_length,
+            shear_stiffness=0.0 if self.shear_yields else shear_stiffness(section, steel),
+            shear_share=fibers.share if self.shear_yields else None,
+            initial_stress=steel.yield_stress * fibers.residual,
+        )
+
+    @abstractmethod
+    def law(self, steel: Steel) -> UniaxialLaw | ShearYielding:
+        """The law of the fibers."""
 
 
 @dataclass(frozen=True)
@@ -176,19 +194,6 @@ class FiberReissner(ExactBeams):
 
         sections = [self.section(frame, member) for member in frame.members]
         return ReissnerForms(mesh.nodes, mesh.member, sections)
-
-    def section(self, frame: Frame, member: Member) -> BeamSection:
-        """Fibers with elastic shear strain of the shear area."""
-        section, steel = frame.strength_section(member), frame.steel
-        fibers = section_fibers(section, self.layers, self.residual_stress, self.residual_ratio)
-        return BeamSection(
-            fibers.y,
-            fibers.area,
-            self.law(steel),
-            frame.properties(member).mass_per_length,
-            shear_stiffness=shear_stiffness(section, steel),
-            initial_stress=steel.yield_stress * fibers.residual,
-        )
 
     def law(self, steel: Steel) -> UniaxialLaw:
         """The law of the fibers."""

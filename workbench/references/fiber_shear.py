@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from workbench.frames.shear import shear_modulus
+from workbench.materials import Steel
 from workbench.references.fiber_reissner import ExactBeams
 from workbench.references.mesh import MeshRule
-from workbench.scenarios import Frame, FrameScenario, Member
-from workbench.structures.fibers import BeamSection, section_fibers
+from workbench.scenarios import FrameScenario
 from workbench.structures.uniaxial import ShearYielding
 
 RULE = MeshRule(1.0 / 64.0, 0.05)
@@ -55,19 +55,7 @@ class FiberShear(ExactBeams):
         """Sizes of elements where no option gives them."""
         return RULE
 
-    def section(self, frame: Frame, member: Member) -> BeamSection:
-        """Fibers of which those along the shear force yield under sigma^2 + 3 tau^2."""
-        steel = frame.steel
-        fibers = section_fibers(
-            frame.strength_section(member), self.layers, self.residual_stress, self.residual_ratio
-        )
-        modulus, stress = steel.elastic_modulus, steel.yield_stress
-        law = ShearYielding(modulus, shear_modulus(steel), stress, self.hardening_ratio * modulus)
-        return BeamSection(
-            fibers.y,
-            fibers.area,
-            law,
-            frame.properties(member).mass_per_length,
-            shear_share=fibers.share,
-            initial_stress=stress * fibers.residual,
-        )
+    def law(self, steel: Steel) -> ShearYielding:
+        """Fibers along the shear force yield under sigma^2 + 3 tau^2."""
+        modulus, hardening = steel.elastic_modulus, self.hardening_ratio * steel.elastic_modulus
+        return ShearYielding(modulus, shear_modulus(steel), steel.yield_stress, hardening)

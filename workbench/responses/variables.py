@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from workbench.responses.stud_tests import STUD_TESTS
-
 
 class Variable(NamedTuple):
     """Dimensions, SI unit and plain name of a response variable."""
@@ -14,6 +12,17 @@ class Variable(NamedTuple):
     units: str
     long_name: str
 
+
+# By which models of studs are judged: pure numbers over the judged tests.
+STUD_TESTS: dict[str, str] = {
+    "tests_fitted": "tests that a fit has used",
+    "fitted_test_over_prediction": "median of test over prediction in the tests fitted",
+    "test_over_prediction": "median of test over prediction in tests not used by a fit",
+    "least_test_over_prediction": "smallest test over prediction in tests not used by a fit",
+    "stiffness_test_over_prediction": "median of stiffness, test over prediction, in tests not "
+    "used by a fit",
+    "coverage": "share of the tests not used by a fit that lie inside the band",
+}
 
 COORDINATES: dict[str, Variable] = {
     "time": Variable(("time",), "s", "time after first contact"),
