@@ -12,9 +12,7 @@ from workbench.cli.output import Answer, verb
 from workbench.content.tree import Block, Column, Definitions, Paragraph, Section, Table
 
 app = typer.Typer(
-    help="Show and check the data catalogue.",
-    rich_markup_mode=None,
-    no_args_is_help=False,
+    help="Show and check the data catalogue.", rich_markup_mode=None, no_args_is_help=False
 )
 
 

@@ -210,10 +210,7 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
     return [
-        {
-            **{name: row[name] for name in _SHOWN},
-            "counts": found.counts,
-        }
+        {**{name: row[name] for name in _SHOWN}, "counts": found.counts}
         for row, found in zip(result.tables["verdicts"], result.verdicts, strict=True)
     ]
 

@@ -169,10 +169,7 @@ def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
     if bounds == (tension, compression, positive, negative):
         return member
     return YieldSurface(
-        bounds[0],
-        bounds[2],
-        squash_load_compression=bounds[1],
-        plastic_moment_negative=bounds[3],
+        bounds[0], bounds[2], squash_load_compression=bounds[1], plastic_moment_negative=bounds[3]
     )
 
 

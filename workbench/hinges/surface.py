@@ -56,12 +56,7 @@ class YieldSurface(Declared, table="yield_surface"):
         return np.asarray(m**self.alpha + n**self.beta)
 
     @classmethod
-    def fit(
-        cls,
-        section: Section,
-        steel: Steel,
-        decimals: int | None = None,
-    ) -> YieldSurface:
+    def fit(cls, section: Section, steel: Steel, decimals: int | None = None) -> YieldSurface:
         """The surface of a section, exponents fitted to its exact plastic N-M envelope.
 
         `decimals` rounds the exponents (never below 1): the thesis states them to one decimal.

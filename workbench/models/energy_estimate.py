@@ -100,9 +100,7 @@ class EnergyEstimate(Declared, table="option"):
             "shear_utilisation": shear_utilisation(companion, column, peak),
         }
         return build_response(
-            values,
-            segments=("below", "above"),
-            warnings=reached_findings(curve, companion, peak),
+            values, segments=("below", "above"), warnings=reached_findings(curve, companion, peak)
         )
 
 

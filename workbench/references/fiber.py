@@ -23,13 +23,7 @@ from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.references.members import stand_fibers
-from workbench.references.mesh import (
-    FrameMesh,
-    MeshRule,
-    member_lengths,
-    mesh_findings,
-    mesh_frame,
-)
+from workbench.references.mesh import FrameMesh, MeshRule, member_lengths, mesh_findings, mesh_frame
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
 from workbench.scenarios import (
@@ -132,11 +126,7 @@ class FiberReference(ABC, Declared, table="option"):
         """Element lengths (m) of every member; of a column below and above the hit point."""
         told = as_frame(scenario)
         return member_lengths(
-            told,
-            self.mesh_rule(told),
-            self.smallest_element,
-            self.largest_element,
-            self.refinement,
+            told, self.mesh_rule(told), self.smallest_element, self.largest_element, self.refinement
         )
 
     def time_spans(self, scenario: ColumnImpact | FrameImpact) -> Spans:

@@ -74,11 +74,7 @@ def by_run(values: Mapping[str, Values], quantity: str) -> dict[str, float]:
 
 def told(found: Estimate, values: Values) -> dict[str, Any]:
     """An estimate and its values, as the attributes of a response hold them."""
-    table: dict[str, Any] = {
-        "values": dict(values),
-        "parts": dict(found.parts),
-        "note": found.note,
-    }
+    table: dict[str, Any] = {"values": dict(values), "parts": dict(found.parts), "note": found.note}
     if found.found is not None:
         for name in ("order", "extrapolated", "converging", "accepted"):
             table[name] = getattr(found.found, name)

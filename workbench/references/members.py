@@ -7,13 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.frames.structure import (
-    POINTS,
-    FrameStructure,
-    MemberReader,
-    Skeleton,
-    stand_frame,
-)
+from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
 from workbench.references.mesh import FrameMesh
 from workbench.scenarios import Frame
 from workbench.structures.assembly import PlanarAssembly

@@ -70,12 +70,7 @@ class DisplacementControl:
     """
 
     def __init__(
-        self,
-        assembly: PlanarAssembly,
-        constant: Array,
-        pattern: Array,
-        dof: int,
-        tolerance: float,
+        self, assembly: PlanarAssembly, constant: Array, pattern: Array, dof: int, tolerance: float
     ) -> None:
         self.assembly, self.constant, self.pattern = assembly, constant, pattern
         self.dof, self.tolerance = dof, tolerance

@@ -110,11 +110,7 @@ def apply_loads(
 
 
 def push(
-    assembly: PlanarAssembly,
-    dof: int,
-    path: Array,
-    tolerance: float = 1e-8,
-    most_cuts: int = 10,
+    assembly: PlanarAssembly, dof: int, path: Array, tolerance: float = 1e-8, most_cuts: int = 10
 ) -> Iterator[PathStep]:
     """Displacement control by a force: lead `dof` along `path` (m, relative to now).
 

@@ -91,11 +91,7 @@ def pull_through_resistance(
 
 
 def tension_resistance(
-    diameter: float,
-    head_diameter: float,
-    cone: Cone,
-    strength: float,
-    ultimate_strength: float,
+    diameter: float, head_diameter: float, cone: Cone, strength: float, ultimate_strength: float
 ) -> dict[str, float]:
     """Resistances of the three modes in N, and under ``governing`` the smallest of them.
 
