@@ -16,10 +16,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.frames.collapse_load import collapse_factor
 from workbench.frames.column_estimate import HEAD_MASSES, SAME
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.findings import dead_load_state
-from workbench.frames.limit import collapse_factor
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
 from workbench.models.four_dof import FourDof
 from workbench.models.superelements import RigidSuperelement

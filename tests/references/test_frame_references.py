@@ -12,9 +12,9 @@ from workbench.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_mesh import MeshRule, member_lengths, mesh_frame
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
-from workbench.references.mesh import MeshRule, member_lengths, mesh_frame
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
     ColumnImpact,

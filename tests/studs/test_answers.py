@@ -25,7 +25,7 @@ from workbench.studs.answers import (
     StudStrength,
 )
 from workbench.studs.answers.common import content_of
-from workbench.studs.fitting import judge
+from workbench.studs.fit_protocol import judge
 from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import joined, split_table

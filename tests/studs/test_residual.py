@@ -14,7 +14,7 @@ from workbench.evidence import load
 from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFit, fit_residual
 from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
-from workbench.studs.residual import damaged_rows
+from workbench.studs.residual_fit import damaged_rows
 
 Maker = Callable[..., pd.DataFrame]
 

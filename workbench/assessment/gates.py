@@ -1,4 +1,8 @@
-"""Acceptance gates: a metric, a bound and a reason, judged with the numerical uncertainty."""
+"""The rule of a gate's verdict (pass, fail, inconclusive): `judge` in one case, then over all.
+
+A gate is a metric, a bound and a reason, judged with the numerical uncertainty; `study/verdicts`
+applies it to stored answers and says what a case without an answer counts as.
+"""
 
 from __future__ import annotations
 

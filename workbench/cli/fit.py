@@ -19,7 +19,7 @@ from workbench.fields import Number
 if TYPE_CHECKING:
     import pandas as pd
 
-    from workbench.studs.fitting import Fit
+    from workbench.studs.fit_protocol import Fit
     from workbench.studs.schema import Table
 
 Names = list[str] | None
@@ -180,7 +180,7 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
     from workbench.studs.answers.fits import answer_residual
     from workbench.studs.mechanical import Stud
-    from workbench.studs.residual import QUANTITIES, damaged_rows
+    from workbench.studs.residual_fit import QUANTITIES, damaged_rows
 
     quantity = options.quantity
     if quantity not in (*QUANTITIES, "both"):
@@ -269,7 +269,7 @@ def _formula(
 
 
 def _variations(texts: Names) -> dict[str, float] | None:
-    from workbench.studs.strength import VARIATIONS
+    from workbench.studs.strength_fit import VARIATIONS
 
     if not texts:
         return None

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError, OutOfDomainError
+from workbench.frames.collapse_load import collapse_factor
 from workbench.frames.column_line import ColumnLine, column_line
 from workbench.frames.elastic import ElasticFrame
-from workbench.frames.limit import collapse_factor
 from workbench.responses import Finding
 from workbench.scenarios import (
     Column,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.frames.collapse import CollapseWatch
+from workbench.frames.collapse_watch import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
 from workbench.structures.paths import PathStep

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import SolverError
 from workbench.frames.chains import named
-from workbench.frames.collapse import COLLAPSE_SIDEWAYS
+from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.responses import Finding, Response, build_response

@@ -1,4 +1,7 @@
-"""A scenario's frame as superelements: hinges and bars of every member, and what is read off."""
+"""A scenario's frame as superelements: hinges and bars of every member, and what is read off.
+
+The element itself stands in `structures/superelements`, the two models in `models/superelements`.
+"""
 
 from __future__ import annotations
 

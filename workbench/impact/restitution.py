@@ -2,7 +2,10 @@
 
 Moreau 1988; Heng 2017, section 3.3 and eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the
 percussion P of a step obeys 0 <= P perp xi = gamma_1 + eps gamma_0 >= 0 while the contact is
-closed. The time steps of all models use these functions.
+closed. Explicit steps call `explicit_percussion`; implicit steps write xi = 0 into their equations
+(`structures/impact`, `models/four_dof/dynamics`, `models/single_dof`) with the `rebound` given
+here. When a gap counts as closed is part of each scheme: forecast for the middle of a midpoint
+step (`touches`), for its end in frames, at the position reached in Moreau's.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Reduced models, one file each, and the contract that every model keeps."""
+"""Reduced models, a file or folder each; what they share: `base`, `domain`, `resistance`."""

@@ -22,8 +22,14 @@ from workbench.frames.timing import Spans, line_wave_times, spans_to, time_to_pe
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
+from workbench.references.fiber_mesh import (
+    FrameMesh,
+    MeshRule,
+    member_lengths,
+    mesh_findings,
+    mesh_frame,
+)
 from workbench.references.members import stand_fibers
-from workbench.references.mesh import FrameMesh, MeshRule, member_lengths, mesh_findings, mesh_frame
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
 from workbench.scenarios import (

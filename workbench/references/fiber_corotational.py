@@ -15,7 +15,7 @@ from typing import ClassVar
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.shear import shear_stiffness
 from workbench.references.fiber import FiberReference
-from workbench.references.mesh import FrameMesh, MeshRule
+from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
 from workbench.references.refine import REFINEMENT
 from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
 from workbench.structures.fiber_beams import FiberBeams, radau_rule
@@ -23,15 +23,6 @@ from workbench.structures.fibers import BeamSection
 from workbench.structures.uniaxial import LinearHardening
 
 INTERPOLATED, BALANCED = ELEMENTS = ("interpolated", "balanced")
-STATIC_SHARE = 1.0 / 8.0  # largest element over the longest member: no hinge travels in statics
-# Smallest element over the shorter segment and over the depth (hinges need room); statics has no
-# inertia to carry an element over the loss of stiffness when its hinge crumples.
-RULES = {  # by element and whether the event is static
-    (INTERPOLATED, False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
-    (INTERPOLATED, True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
-    (BALANCED, False): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
-    (BALANCED, True): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
-}
 # Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
 SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0}
 
@@ -78,7 +69,7 @@ class FiberCorotational(FiberReference):
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
-        return RULES[self.element, isinstance(scenario, FrameStatic)]
+        return COROTATIONAL_RULES[self.element, isinstance(scenario, FrameStatic)]
 
     @property
     def sampled(self) -> float:

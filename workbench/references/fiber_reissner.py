@@ -21,7 +21,12 @@ from workbench.frames.chains import named
 from workbench.frames.shear import shear_stiffness
 from workbench.materials import Steel
 from workbench.references.fiber import FiberReference
-from workbench.references.mesh import FrameMesh, MeshRule
+from workbench.references.fiber_mesh import (
+    REISSNER_GIVEN,
+    REISSNER_RULE,
+    FrameMesh,
+    MeshRule,
+)
 from workbench.references.refine import LEVELS
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
@@ -37,8 +42,6 @@ from workbench.structures.uniaxial import (
     UniaxialLaw,
 )
 
-RULE = MeshRule(1.0 / 256.0, 0.01, growth=2.0)  # peaks within 1 % of the converged ones
-MILD_GROWTH = 1.5  # of neighbouring elements from a given smallest one on
 LAWS = ("linear", "menegotto-pinto")
 
 
@@ -184,7 +187,7 @@ class FiberReissner(ExactBeams):
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Elements grow fast from the very small ones of the rule only."""
-        return RULE if self.smallest_element is None else RULE._replace(growth=MILD_GROWTH)
+        return REISSNER_RULE if self.smallest_element is None else REISSNER_GIVEN
 
     def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams, assembled by the compiled kernel or by scikit-fem forms."""

@@ -11,12 +11,10 @@ from typing import ClassVar
 
 from workbench.frames.shear import shear_modulus
 from workbench.materials import Steel
+from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
-from workbench.references.mesh import MeshRule
 from workbench.scenarios import FrameScenario
 from workbench.structures.uniaxial import ShearYielding
-
-RULE = MeshRule(1.0 / 64.0, 0.05)
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ class FiberShear(ExactBeams):
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
-        return RULE
+        return SHEAR_RULE
 
     def law(self, steel: Steel) -> ShearYielding:
         """Fibers along the shear force yield under sigma^2 + 3 tau^2."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
-from workbench.references.mesh import FrameMesh
+from workbench.references.fiber_mesh import FrameMesh
 from workbench.scenarios import Frame
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import FiberElements

@@ -1,1 +1,1 @@
-"""Planar structures: co-rotational elements, band assembly, drivers with commit and rollback."""
+"""Planar structures: groups of beams and superelements, band assembly, drivers with rollback."""

@@ -3,7 +3,7 @@
 The mechanical model is in `workbench.studs.mechanical`, which needs the compiled kernels.
 """
 
-from workbench.studs.factors import fit_factors as fit_factors
+from workbench.studs.factors_fit import fit_factors as fit_factors
 from workbench.studs.load_slip import LAWS as LAWS
 from workbench.studs.load_slip import BilinearLaw as BilinearLaw
 from workbench.studs.load_slip import OllgaardLaw as OllgaardLaw
@@ -14,9 +14,9 @@ from workbench.studs.reading import read_points as read_points
 from workbench.studs.reading import read_tests as read_tests
 from workbench.studs.relations import RELATIONS as RELATIONS
 from workbench.studs.relations import MechanicalCurve as MechanicalCurve
-from workbench.studs.residual import Grade as Grade
-from workbench.studs.residual import ResidualFit as ResidualFit
-from workbench.studs.residual import fit_residual as fit_residual
+from workbench.studs.residual_fit import Grade as Grade
+from workbench.studs.residual_fit import ResidualFit as ResidualFit
+from workbench.studs.residual_fit import fit_residual as fit_residual
 from workbench.studs.schema import POINTS as POINTS
 from workbench.studs.schema import TESTS as TESTS
 from workbench.studs.series import evaluate_groups as evaluate_groups
@@ -29,8 +29,8 @@ from workbench.studs.shear import shear_model as shear_model
 from workbench.studs.statistics.annex_d import evaluate_d8 as evaluate_d8
 from workbench.studs.stiffness import UnloadingLaw as UnloadingLaw
 from workbench.studs.stiffness import unloadings as unloadings
-from workbench.studs.strength import StrengthFit as StrengthFit
-from workbench.studs.strength import fit_strength as fit_strength
+from workbench.studs.strength_fit import StrengthFit as StrengthFit
+from workbench.studs.strength_fit import fit_strength as fit_strength
 from workbench.studs.tables import check_tables as check_tables
 from workbench.studs.tables import shipped as shipped
 from workbench.studs.tension import INTERACTIONS as INTERACTIONS

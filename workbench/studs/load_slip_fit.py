@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.responses import Finding
-from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fit_protocol import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.load_slip import (
     CurveFit,
     Law,

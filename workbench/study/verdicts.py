@@ -1,4 +1,7 @@
-"""The verdicts of a study's gates over all cases that are asked, and their tables."""
+"""The verdicts of a study's gates over all cases that are asked, and their tables.
+
+The rule itself stands in `assessment/gates`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kinematics of the column: two rigid bars, exact for any rotation (Heng 2017, section 5.1).
+"""Kinematics of the four-DOF column: two rigid bars, exact for any rotation (Heng 2017, 5.1).
 
 Degrees of freedom (eq. 5.1) q = (v1, u1, beta1, u2): lateral and axial displacement of the hit
 point, rotation of the rigid surface between its two hinges, axial displacement of the head. Both

@@ -12,7 +12,7 @@ from typing import Any
 
 from workbench.content.formatting import number, percent, share, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Table
-from workbench.studs.strength import LEAST_FOR_DESIGN
+from workbench.studs.strength_fit import LEAST_FOR_DESIGN
 
 Content = dict[str, Any]
 Named = Mapping[str, Content]  # the contents by the name of their rows

@@ -19,7 +19,7 @@ from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud import CSV, StudTests
 from workbench.studs.answers.typed import content_of, with_content
-from workbench.studs.fitting import Judged
+from workbench.studs.fit_protocol import Judged
 from workbench.studs.plain import plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table

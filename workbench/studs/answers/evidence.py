@@ -14,12 +14,12 @@ from workbench.fields import Choice, Number, checked
 from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
-from workbench.studs.fitting import judge
+from workbench.studs.fit_protocol import judge
 from workbench.studs.load_slip_fit import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points, push_out
 from workbench.studs.mechanical.calibration import complete_rows, stud_of
 from workbench.studs.quantities import Array, undamaged_headed_studs
-from workbench.studs.residual import damaged_rows
+from workbench.studs.residual_fit import damaged_rows
 from workbench.studs.series import evaluate_groups
 from workbench.studs.tables import campaigns_of
 from workbench.studs.tension import INTERACTIONS, combined_tests

@@ -18,16 +18,16 @@ from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.evidence import RESIDUAL, calibrated
-from workbench.studs.fitting import content_of_fit
+from workbench.studs.fit_protocol import content_of_fit
 from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
 from workbench.studs.mechanical.calibration import stud_of
 from workbench.studs.relations import MechanicalCurve
-from workbench.studs.residual import ResidualFit, damaged_rows, fit_residual
+from workbench.studs.residual_fit import ResidualFit, damaged_rows, fit_residual
 from workbench.studs.schema import TESTS
 from workbench.studs.shear import SHEAR_MODELS
-from workbench.studs.strength import fit_strength
+from workbench.studs.strength_fit import fit_strength
 
 SOURCES = {
     "en1994": ("en1994-1-1",),

@@ -14,7 +14,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fitting import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fit_protocol import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, shear_model
 from workbench.studs.statistics.mixed import fit_robust

@@ -1,4 +1,4 @@
-"""Where the mesh of a fiber reference stands: its rule, its elements, and what it cannot resolve.
+"""The mesh of a fiber reference: its rule, its elements, and what it cannot resolve.
 
 Every member is graded from the smallest element at both of its ends, where hinges form, to the
 largest one between them. A column is meshed as the frame of its two members.
@@ -38,6 +38,21 @@ class MeshRule(NamedTuple):
     depth: float
     growth: float = 1.5
     static_share: float = LARGEST_SHARE
+
+
+# Sizes before the option `refinement` halves them, by reference and, for co-rotational elements,
+# by kind and whether the event is static: hinges need room, and statics has no inertia to carry
+# an element over the loss of stiffness when its hinge crumples.
+STATIC_SHARE = 1.0 / 8.0  # no hinge travels in statics
+COROTATIONAL_RULES = {
+    ("interpolated", False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
+    ("interpolated", True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
+    ("balanced", False): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
+    ("balanced", True): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
+}
+REISSNER_RULE = MeshRule(1.0 / 256.0, 0.01, growth=2.0)  # peaks within 1 % of the converged ones
+REISSNER_GIVEN = REISSNER_RULE._replace(growth=1.5)  # from a given smallest element on
+SHEAR_RULE = MeshRule(1.0 / 64.0, 0.05)
 
 
 def member_lengths(

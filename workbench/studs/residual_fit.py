@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fitting import (
+from workbench.studs.fit_protocol import (
     Content,
     Fitted,
     Judgement,

@@ -15,7 +15,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fitting import (
+from workbench.studs.fit_protocol import (
     Content,
     Fitted,
     Judgement,
