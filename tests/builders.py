@@ -1,9 +1,11 @@
-"""Structures that many tests share."""
+"""Structures that many tests share, and the count of answered random scenarios."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
+from workbench.models.base import Model
+from workbench.responses import Outcome, Response, outcome_of
 from workbench.scenarios import Frame, Joint, Load, regular_frame
 from workbench.sections import Section, square
 
@@ -30,3 +32,28 @@ def portal(
         parts[2] = replace(parts[2], joint_start=name, joint_end=name)
     own = tuple(joint for joint in joints if joint.name not in ("rigid", "pinned"))
     return replace(frame, members=tuple(parts), joints=own, loads=loads)
+
+
+def thesis_frame(base: str = "clamped") -> Frame:
+    """The frame of Heng 2017, figures 5.13 and 5.14: four bays, two storeys, 0.2 m square."""
+    return regular_frame((3.0,) * 4, (4.0, 4.0), SQUARE, SQUARE, base=base)
+
+
+@dataclass
+class Answers:
+    """Which of the random scenarios that a model's domain admits it also answers."""
+
+    given: list[bool] = field(default_factory=list)
+
+    def note(self, model: Model, scenario: object, response: Response) -> bool:
+        """Count a response unless the domain refuses the scenario; whether it is an answer."""
+        answered = outcome_of(response) is Outcome.OK
+        if not any(finding.refusal for finding in model.domain(scenario)):
+            self.given.append(answered)
+        return answered
+
+    def demand(self, share: float = 0.95, of: int = 10) -> None:
+        """At least this share of the admitted scenarios, at least `of` of them, is answered."""
+        assert len(self.given) >= of
+        answered = sum(self.given)
+        assert answered >= share * len(self.given), f"{answered} of {len(self.given)} answered"

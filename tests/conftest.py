@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 from toy_models import Spring
 
 from workbench.datafiles import data_directory
 from workbench.scenarios import ColumnImpact, load_scenario
 from workbench.study import Case, Study
 
-# The same examples in every run: a change fails because of the change, not because of the day.
-settings.register_profile("repeatable", derandomize=True)
+# The same examples in every run, and no clock: a change fails because of the change, not because
+# of the day or of what else the machine has to do (`too_slow` is a clock as well).
+settings.register_profile(
+    "repeatable",
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
 settings.load_profile("repeatable")
 
 

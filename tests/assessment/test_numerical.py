@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.assessment import expand, ladder
 from workbench.errors import InputError
 
 
-@settings(deadline=None)
 @given(
     limit=st.floats(0.1, 10.0),
     slope=st.floats(-5.0, 5.0).filter(lambda x: abs(x) > 1e-3),

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.cli import doctor, run
+from workbench.cli import run
 from workbench.registry import make_model
 from workbench.responses import Response
 from workbench.scenarios import Scenario
@@ -14,6 +14,11 @@ from workbench.scenarios import Scenario
 
 def states(text: str) -> dict[str, str]:
     return {check["name"]: check["state"] for check in json.loads(text)["checks"]}
+
+
+def diagnosed(capsys: pytest.CaptureFixture[str], store: Path) -> dict[str, str]:
+    assert run(["doctor", "--json", "--store", str(store)]) == 1
+    return states(capsys.readouterr().out)
 
 
 def test_a_sound_environment(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -56,7 +61,9 @@ def test_everything_wrong_comes_with_a_remedy(
     assert "data catalogue: restore the data directory" in capsys.readouterr().out
 
 
-def test_physics_that_drifts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_physics_that_drifts_is_caught(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     sound = make_model("single-dof")
 
     def simulate(scenario: Scenario) -> Response:
@@ -65,19 +72,26 @@ def test_physics_that_drifts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
         return response
 
     monkeypatch.setattr(
-        "workbench.registry.make_model", lambda name: SimpleNamespace(simulate=simulate)
+        "workbench.registry.make_model", lambda name, *options: SimpleNamespace(simulate=simulate)
     )
-    assert {check.state for check in doctor._physics()} == {"fail"}
+    found = diagnosed(capsys, tmp_path)
+    assert found["physics single-dof"] == found["physics four-dof"] == "fail"
 
 
-def test_a_reference_that_drifts_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reference_that_drifts_is_caught(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     soft = make_model("fiber-corotational", {"layers": 4, "levels": 1})
-    monkeypatch.setattr("workbench.registry.make_model", lambda name, options: soft)
-    assert {check.state for check in doctor._references()} == {"fail"}
+    monkeypatch.setattr("workbench.registry.make_model", lambda name, *options: soft)
+    found = diagnosed(capsys, tmp_path)
+    assert found["physics fiber-reissner"] == found["physics fiber-corotational"] == "fail"
 
 
-def test_a_store_that_cannot_be_written(tmp_path: Path) -> None:
+def test_a_store_that_cannot_be_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    (check,) = doctor._store(tmp_path / "file" / "reports")
-    assert check.state == "fail"
-    assert check.remedy
+    store = tmp_path / "file" / "reports"
+    assert run(["doctor", "--json", "--store", str(store)]) == 1
+    checks = json.loads(capsys.readouterr().out)["checks"]
+    (check,) = [check for check in checks if check["name"] == "store"]
+    assert check["state"] == "fail"
+    assert check["remedy"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -147,7 +146,6 @@ def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
     empty.write_bytes(b"")
     seconds = {}
     for file, said in ((empty, "is empty"), (huge, "must not exceed 20 MB")):
-        began = time.perf_counter()
         done = subprocess.run(
             [sys.executable, "-c", MEASURE, *command("stud-strength", str(file))],
             capture_output=True,
@@ -158,8 +156,7 @@ def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
         assert said in done.stderr
         assert done.stderr.count("\n") == 1
         assert memory < LEAST_MEMORY
-        assert time.perf_counter() - began < 60.0
-    assert seconds[huge] < seconds[empty] + 0.5
+    assert seconds[huge] < 2.0 * seconds[empty]  # of the processor, whatever else it has to do
 
 
 def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:

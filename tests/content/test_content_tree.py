@@ -56,7 +56,7 @@ def test_hostile_texts_are_shown_as_they_are_in_typst():
         assert render_pdf(document(text)).startswith(b"%PDF")
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.text(max_size=40))
 def test_any_text_can_be_set(text):
     assert render_pdf(document(text)).startswith(b"%PDF")

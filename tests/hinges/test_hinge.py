@@ -73,7 +73,7 @@ def mapped(surface: YieldSurface, trial: np.ndarray):
     return hinge.return_mapping(trial / stiffness, np.zeros_like(trial)), stiffness
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(trials())
 def test_forces_are_admissible_and_dissipation_is_not_negative(case) -> None:
     surface, trial = case
@@ -88,7 +88,7 @@ def test_forces_are_admissible_and_dissipation_is_not_negative(case) -> None:
     np.testing.assert_allclose(rebuilt, update.forces, atol=4e-16 * np.max(np.abs(trial)))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(trials())
 def test_projection_is_the_minimiser_found_by_brute_force(case) -> None:
     surface, trial = case
@@ -110,7 +110,7 @@ def test_projection_is_the_minimiser_found_by_brute_force(case) -> None:
     assert mine <= found + 1e-12 * scale
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(trials())
 def test_tangent_is_symmetric_and_equals_finite_differences(case) -> None:
     surface, trial = case

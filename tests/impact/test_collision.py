@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.impact import collide, contact_loss, explicit_percussion
@@ -34,7 +34,6 @@ def test_a_lorry_mass_hits_100_kg(restitution, velocity, percussion, loss) -> No
     assert after.energy_loss == pytest.approx(loss, abs=1e-9)
 
 
-@settings(deadline=None)  # the first call compiles
 @given(MASS, MASS, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0), st.floats(0.0, 1.0))
 def test_the_explicit_law_never_creates_energy(mass, striker, start, pull, restitution) -> None:
     free = start - abs(pull)

@@ -51,7 +51,7 @@ def test_tangent_by_finite_differences(kind, weight):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     seed=st.integers(0, 10_000),
     weight=st.sampled_from([0.5, 0.55, 0.8, 1.0]),

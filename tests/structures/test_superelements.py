@@ -69,7 +69,7 @@ def test_tangent_by_finite_differences(variant, weight, size):
 
 
 @pytest.mark.parametrize("variant", GEOMETRIES)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 10_000),
     weight=st.sampled_from([0.5, 0.55, 1.0]),

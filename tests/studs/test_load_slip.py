@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
@@ -49,7 +49,6 @@ def test_bilinear_and_its_end() -> None:
         BilinearLaw(1e-3, 0.5e-3)
 
 
-@settings(deadline=None)
 @given(k=st.floats(1.5, 100.0), d=st.floats(0.0, 1.0))
 def test_the_rational_law_has_its_only_maximum_at_the_peak(k: float, d: float) -> None:
     law = RationalLaw(5e-3, k, d)
@@ -60,7 +59,6 @@ def test_the_rational_law_has_its_only_maximum_at_the_peak(k: float, d: float) -
     assert law.ratio(0.02) < 1.0
 
 
-@settings(deadline=None)
 @given(
     law=st.one_of(
         st.builds(OllgaardLaw, rate=st.floats(50, 5000), exponent=st.floats(0.2, 2.0)),
@@ -125,7 +123,6 @@ def test_unloading_leaves_a_slip_and_reloading_returns() -> None:
         law.load(0.9 * left, CyclicState(top, left))
 
 
-@settings(deadline=None)
 @given(slip=st.floats(1e-5, 1e-2), ratio=st.floats(0.05, 5.0), exponent=st.floats(0.2, 1.5))
 def test_a_cycle_never_creates_energy(slip: float, ratio: float, exponent: float) -> None:
     law = UnloadingLaw(OllgaardLaw(1000.0, exponent), 100e3, ratio)

@@ -39,7 +39,6 @@ AROUND = Surroundings()
 # -- laws ---------------------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(
     s=st.floats(-3e-3, 3e-3), large=st.floats(0.0, 2e-3), small=st.floats(-2e-3, 0.0),
     k=st.floats(1e7, 1e10), f=st.floats(1e3, 1e6),
@@ -57,7 +56,6 @@ def test_bearing_slope_is_its_derivative(
     assert abs(force) <= f
 
 
-@settings(deadline=None)
 @given(s=st.floats(0.0, 3e-3), large=st.floats(1e-5, 3e-3))
 def test_cone_unloads_below_its_envelope_and_returns_to_it(s: float, large: float) -> None:
     strength, peak, end = 80e3, 4e-4, 5e-3
@@ -334,7 +332,7 @@ def test_residual_chart_is_graded_as_a_prediction(
         residual_curve(STUD, fitted.around, "colour")
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(
     d=st.sampled_from([0.013, 0.016, 0.019, 0.022, 0.025]), slender=st.floats(4.0, 8.0),
     fc=st.floats(15e6, 90e6), fu=st.floats(350e6, 600e6),

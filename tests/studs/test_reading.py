@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
-import time
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -181,10 +181,11 @@ def test_a_gigabyte_of_nonsense_is_refused_at_once(tmp_path: Path) -> None:
     path = tmp_path / "huge.csv"
     with path.open("wb") as stream:
         stream.truncate(1_000_000_000)
-    started = time.perf_counter()
+    tracemalloc.start()
     with pytest.raises(InputError, match=r"huge\.csv = '1000 MB': must not exceed 20 MB"):
         read_tests(path)
-    assert time.perf_counter() - started < 0.5
+    assert tracemalloc.get_traced_memory()[1] < LARGEST_FILE
+    tracemalloc.stop()
 
 
 def test_a_pipe_that_does_not_stop_is_refused(tmp_path: Path) -> None:
@@ -202,7 +203,7 @@ def test_a_pipe_that_does_not_stop_is_refused(tmp_path: Path) -> None:
     writer.start()
     with pytest.raises(InputError, match="has more than 50000 rows"):
         read_tests(path)
-    writer.join(timeout=10.0)
+    writer.join(timeout=300.0)
     assert not writer.is_alive()
 
 

@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
@@ -99,7 +99,6 @@ def test_ranges_of_the_codes_are_told(push_outs: pd.DataFrame) -> None:
     )
 
 
-@settings(deadline=None)
 @given(
     d=st.floats(0.012, 0.03), fc=st.floats(10e6, 100e6), fu=st.floats(300e6, 700e6),
     scale=st.floats(1.01, 3.0),
@@ -198,7 +197,6 @@ def test_interaction_curves() -> None:
         PowerInteraction(0.5)
 
 
-@settings(deadline=None)
 @given(t=st.floats(0.0, 2.0), v=st.floats(0.0, 2.0), scale=st.floats(0.1, 10.0))
 def test_utilisation_is_homogeneous_and_one_on_the_curve(t: float, v: float, scale: float) -> None:
     for law in (*INTERACTIONS.values(), PowerInteraction(2.0), TrilinearInteraction(1.4)):

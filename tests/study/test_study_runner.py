@@ -114,7 +114,7 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         broken=Troubled("raise"),
         unfinite=Troubled("nan"),
     )
-    summary = run_study(study, tmp_path, jobs=2, timeout=0.6)
+    summary = run_study(study, tmp_path, jobs=2, timeout=3.0)
     ends = outcomes(study, tmp_path)
     for velocity in ("v10.0", "v15.0", "v20.0"):
         slow = velocity != "v20.0"
@@ -132,7 +132,7 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
     messages = {label: tree[f"v20.0/{label}"].attrs["message"] for label in study.models}
     assert "by signal SIGKILL" in messages["killed"]
     assert "with status 3" in messages["left"]
-    assert "stopped after the 0.6 s" in messages["hung"]
+    assert "stopped after the 3 s" in messages["hung"]
     assert "ZeroDivisionError: division by zero" in messages["broken"]
     assert "toy.option = 1: must be 2" in messages["invalid"]
     assert "not finite" in messages["unfinite"]
@@ -140,9 +140,9 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         outcome = outcome_of(tree[f"v20.0/{label}"].to_dataset())
         assert message.endswith("" if outcome is Outcome.OK else outcome.advice)
     # crashed cells are tried again, timed-out ones only with more time
-    again = run_study(study, tmp_path, jobs=2, timeout=0.6)
+    again = run_study(study, tmp_path, jobs=2, timeout=3.0)
     assert again.answered == 8
-    more = run_study(study, tmp_path, jobs=2, timeout=0.7, only="hung")
+    more = run_study(study, tmp_path, jobs=2, timeout=3.1, only="hung")
     assert more.answered == 1
 
 
