@@ -136,7 +136,8 @@ def test_tangent_is_symmetric_and_equals_finite_differences(case) -> None:
         curvature = np.abs(sides[1].forces + sides[0].forces - 2.0 * update.forces)
         if np.max(curvature / step) > 1e-4:
             return  # strongly curved within the step: the difference quotient is not sharp
-    np.testing.assert_allclose(update.tangent / scale, difference / scale, atol=2e-5)
+    # measured 9.0e-12
+    np.testing.assert_allclose(update.tangent / scale, difference / scale, atol=9e-10)
 
 
 def test_elastic_step_leaves_the_plastic_state_untouched() -> None:
@@ -159,8 +160,8 @@ def test_a_pin_carries_no_moment_and_does_not_disturb_the_other_hinge() -> None:
 def test_heb_220_fit_gives_the_exponents_of_the_thesis_to_one_decimal() -> None:
     plates = find("HEB 220").without_fillets()
     fitted = YieldSurface.fit(plates, Steel())
-    assert fitted.alpha == pytest.approx(1.0, abs=1e-3)
-    assert fitted.beta == pytest.approx(1.276, abs=1e-3)
+    assert fitted.alpha == pytest.approx(1.0, abs=1e-8)  # measured: round-off
+    assert fitted.beta == pytest.approx(1.276, abs=4.4e-4)  # measured 2.2e-4
     rounded = YieldSurface.fit(plates, Steel(), decimals=1)
     assert (rounded.alpha, rounded.beta) == (1.0, 1.3)
 

@@ -45,7 +45,8 @@ def test_a_shallow_truss_snaps_through() -> None:
         length = np.hypot(0.5, left)
         expected = 2.0 * stiffness * (1.0 - length / bar) * left / length
         # log strain and chord strain differ by the turn of the bars; chord strain is (l - L) / L
-        assert step.factor == pytest.approx(expected, abs=2e-4 * stiffness * (rise / bar) ** 3)
+        # measured 1.9e-7
+        assert step.factor == pytest.approx(expected, abs=4e-7 * stiffness * (rise / bar) ** 3)
         seen.append(step.factor)
     assert truss.displacement[middle] < -2.0 * rise
     assert min(seen) < 0.0 < seen[-1]
@@ -68,7 +69,7 @@ def test_lee_frame() -> None:
         path = np.array(factors)
         bottom = int(np.argmin(path))
         limits.append((extremum(path, int(np.argmax(path[:bottom]))), extremum(path, bottom)))
-        assert work == pytest.approx(step.energies.stored, rel=2e-3)
+        assert work == pytest.approx(step.energies.stored, rel=2e-4)  # measured 9.4e-5
     ladder = np.array(limits)
     extrapolated = ladder[-1] + (ladder[-1] - ladder[-2]) / 3.0
     assert ladder[-1, 0] == pytest.approx(18.56, rel=1e-3)
@@ -89,7 +90,7 @@ def test_a_plastic_path_is_followed_past_its_limit() -> None:
     assert factors[-1] < 0.6 * factors[top]
     work = sum(step.external_work for step in steps)
     spent = steps[-1].energies.stored + sum(step.energies.plastic for step in steps)
-    assert spent == pytest.approx(work, rel=2e-3)
+    assert spent == pytest.approx(work, rel=4e-6)  # measured 2.0e-6
 
 
 def test_a_mechanism_is_reported() -> None:
@@ -125,13 +126,18 @@ def test_a_pattern_beside_dead_loads_snaps_through_to_the_target() -> None:
     down = sunk + np.array([s.displacement for s in steps])
     factors = np.array([s.factor for s in steps])
     np.testing.assert_allclose(
-        0.4 * peak + 1e4 * factors, force(down), rtol=0.0, atol=2e-4 * 1e8 * 0.2**3
+        # measured 1.6e-7
+        0.4 * peak + 1e4 * factors,
+        force(down),
+        rtol=0.0,
+        atol=3.2e-7 * 1e8 * 0.2**3,
     )
     assert steps[-1].displacement == pytest.approx(0.21, rel=1e-12)
     assert np.all(np.diff(down) > 0.0)
     assert np.max(np.diff(down)) <= 2.1e-3
     work = sum(s.external_work for s in steps)
-    assert steps[-1].energies.stored - begin == pytest.approx(work, abs=1e-3 * peak * 0.2)
+    # measured 6.0e-5
+    assert steps[-1].energies.stored - begin == pytest.approx(work, abs=1.2e-4 * peak * 0.2)
 
 
 def snapping_back():
@@ -157,9 +163,10 @@ def test_snap_back_is_followed_where_displacement_control_ends() -> None:
     seen = []
     for step in follow_arc(truss, pattern, end, -1.0, 0.3, 2e-3):
         seen.append((step.displacement, -float(truss.displacement[apex]), step.factor))
-        assert step.factor == pytest.approx(force(seen[-1][1]), abs=100.0)
+        assert step.factor == pytest.approx(force(seen[-1][1]), abs=0.26)  # measured 0.13
     pulled, sunk, factors = np.array(seen).T
-    np.testing.assert_allclose(pulled, sunk + factors / 4e6, rtol=0.0, atol=1e-3)
+    # measured: round-off
+    np.testing.assert_allclose(pulled, sunk + factors / 4e6, rtol=0.0, atol=2.6e-9)
     assert np.any(np.diff(pulled) < 0.0)  # snap-back
     assert factors.min() < 0.0 < factors[-1]
     truss, end, apex, pattern = snapping_back()
@@ -167,7 +174,7 @@ def test_snap_back_is_followed_where_displacement_control_ends() -> None:
     with pytest.raises(SolverError, match="arc length"):
         reached.extend(follow_displacement(truss, pattern, end, -1.0, [0.3], 2e-3))
     first_turn = pulled[int(np.argmax(np.diff(pulled) < 0.0))]
-    assert reached[-1].displacement == pytest.approx(first_turn, abs=0.01)
+    assert reached[-1].displacement == pytest.approx(first_turn, abs=2e-3)  # measured 9.4e-4
 
 
 def test_arc_length_and_displacement_control_agree_on_a_plastic_frame() -> None:
@@ -188,7 +195,7 @@ def test_arc_length_and_displacement_control_agree_on_a_plastic_frame() -> None:
             steps = list(follow_displacement(frame, pattern, dof, 1.0, [0.3], 2e-3))
         work = sum(s.external_work for s in steps)
         spent = steps[-1].energies.stored - begin + sum(s.energies.plastic for s in steps)
-        assert spent == pytest.approx(work, rel=1e-5)
+        assert spent == pytest.approx(work, rel=1e-6)  # measured 5.0e-7
         ends.append((steps[-1].factor, max(s.factor for s in steps), steps[-1].displacement))
     assert ends[0] == pytest.approx(ends[1], rel=1e-5)
 
@@ -213,8 +220,9 @@ def test_a_mechanism_of_plastic_hinges_costs_arc_length_little_more() -> None:
     arc = list(follow_arc(frame, pattern, dof, 1.0, 0.4, 5e-3))
     frame, dof, pattern = hinged_portal()
     led = list(follow_displacement(frame, pattern, dof, 1.0, [0.4], 5e-3))
-    assert arc[-1].factor == pytest.approx(led[-1].factor, rel=1e-6)
-    assert max(s.factor for s in arc) == pytest.approx(max(s.factor for s in led), rel=5e-3)
+    assert arc[-1].factor == pytest.approx(led[-1].factor, rel=7e-8)  # measured 3.1e-8
+    # measured 6.0e-4
+    assert max(s.factor for s in arc) == pytest.approx(max(s.factor for s in led), rel=1.3e-3)
     assert sum(s.evaluations for s in arc) < 4 * sum(s.evaluations for s in led)
 
 

@@ -36,7 +36,7 @@ def test_stable_step_of_a_bar_is_the_time_of_a_wave_through_an_element() -> None
     assembly.hold([*assembly.dofs(nodes, "v"), *assembly.dofs(nodes, "rotation")])
     speed = np.sqrt(1.0 / 0.1**2 / 1.0)
     expected = 0.25 / speed / np.cos(np.pi / (4 * elements))
-    assert stable_step(assembly) == pytest.approx(expected, rel=1e-5)
+    assert stable_step(assembly) == pytest.approx(expected, rel=1e-8)  # measured: round-off
 
 
 def test_stable_step_of_a_beam_is_near_that_of_its_waves() -> None:
@@ -77,7 +77,7 @@ def run(driver, assembly, dof, striker, interval, *more) -> tuple[float, float]:
 def test_both_integrators_agree_and_balance(restitution) -> None:
     striker = PointMass(5000.0, 5.0, restitution)
     exact, error = run(explicit_impact, *clamped(24), striker, 1e-4)
-    assert error < 1e-5
+    assert error < 4.1e-7  # measured 2.0e-7
     # steps as short as the explicit ones: the implicit scheme damps what they do not resolve
     implicit, error = run(impact, *clamped(24), striker, 1e-5, 0.55)
     assert error < 1e-8
@@ -96,7 +96,8 @@ def test_order_of_the_explicit_scheme_is_two_without_contact() -> None:
         list(explicit_impact(assembly, dof, away, [(1.0, 1.0)], step))
         ends.append(float(assembly.displacement[dof]))
     change = np.abs(np.diff(ends))
-    np.testing.assert_allclose(np.log2(change[:-1] / change[1:]), 2.0, atol=0.1)
+    # measured 0.0085
+    np.testing.assert_allclose(np.log2(change[:-1] / change[1:]), 2.0, atol=0.017)
     assert change[-1] < 2e-3 * abs(ends[-1])
 
 
@@ -114,9 +115,9 @@ def test_groups_without_a_force_only_path_work_too() -> None:
         held = ("u", "v", "rotation")
         assembly.hold([assembly.dof(node, c) for node in (0, 24) for c in held])
         peak, error = run(driver, assembly, assembly.dof(12, "v"), PointMass(5000.0, 5.0), *more)
-        assert error < 1e-5
+        assert error < 3.4e-7  # measured 1.7e-7
         peaks.append(peak)
-    assert peaks[1] == pytest.approx(peaks[0], rel=6e-3)
+    assert peaks[1] == pytest.approx(peaks[0], rel=1.3e-3)  # measured 6.4e-4
 
 
 def test_steps_never_exceed_the_stability_limit() -> None:

@@ -96,7 +96,7 @@ def test_a_step_of_the_ground_acceleration() -> None:
         assert balance(steps) < 1e-9
         assert steps[-1].acceleration == 0.0
     assert orders(errors) == pytest.approx(2.0, abs=0.1)
-    assert errors[-1] < 5e-4
+    assert errors[-1] < 3.4e-4  # measured 1.7e-4
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.7])
@@ -164,7 +164,7 @@ def test_a_yielding_oscillator_follows_an_independent_integration() -> None:
     expected = np.interp(time, fine * (1 + np.arange(len(seen))), seen)
     largest = np.max(np.abs(expected))
     assert largest > 3.0 * strength / STIFFNESS
-    np.testing.assert_allclose(at, expected, rtol=0.0, atol=0.02 * largest)
+    np.testing.assert_allclose(at, expected, rtol=0.0, atol=4.2e-4 * largest)  # measured 2.1e-4
     assert min(s.energies.plastic for s in steps) >= 0.0
     assert balance(steps) < 1e-9
 
@@ -202,7 +202,7 @@ def test_the_ground_moves_with_the_supports(axis) -> None:
     seen = []
     for _ in ground_motion(frame, along, [1e-3, 1e-3], 5.0, [(5.0, 4e-3)], 0.5, 3.0):
         seen.append(float(frame.displacement[dof]))
-    assert seen[-1] == pytest.approx(static[dof], rel=5e-3)
+    assert seen[-1] == pytest.approx(static[dof], rel=2.1e-3)  # measured 0.001
     assert np.max(np.abs(seen)) > 1.3 * abs(static[dof])  # it has swung on the way
 
 

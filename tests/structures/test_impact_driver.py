@@ -127,7 +127,7 @@ def test_clamped_column_against_opensees():
     """1500 kg at 25 m/s, lumped mass, dt = 2.5e-5 s: 0.4996 m with Newmark's average."""
     assembly, hit = clamped_column(0.1, lumped=True)
     _, at, steps = history(assembly, hit, PointMass(1500.0, 25.0), [(0.038, 2.5e-5)], 0.5)
-    assert at.max() == pytest.approx(0.4996, rel=2e-3)
+    assert at.max() == pytest.approx(0.4996, rel=5e-4)  # measured 2.2e-4
     energy = 0.5 * 1500 * 25**2
     ledger = (
         np.array([s.kinetic + s.striker.kinetic_energy + s.energies.stored for s in steps])
@@ -178,7 +178,7 @@ def test_frame_of_the_thesis(size, count, peak):
     assert elements == count
     assert assembly.width <= 20
     _, at, _ = history(assembly, hit, PointMass(1500.0, 50.0), [(0.031, size / 1000)], 0.55)
-    assert at.max() == pytest.approx(peak, abs=1e-4)
+    assert at.max() == pytest.approx(peak, abs=5.3e-5)  # measured 2.6e-5
     assert at.argmax() < len(at) - 1
 
 

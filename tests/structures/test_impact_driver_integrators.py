@@ -100,7 +100,7 @@ def test_momentum_and_dissipation(
     span = [(distance / speed + 3e-3, 1e-3)]
     steps = list(impact(beam, dof, striker, span, 0.5, sign=sign, integrator=integrator))
     momentum = mass * steps[-1].striker.velocity + struck * sign * float(beam.velocity[dof])
-    assert momentum == pytest.approx(mass * speed, rel=1e-7)
+    assert momentum == pytest.approx(mass * speed, rel=1e-8)  # measured 3.4e-13
     assert min(s.contact_loss for s in steps) >= -1e-14 * striker.kinetic_energy  # round-off
     assert min(s.percussion for s in steps) >= 0.0
     expected = collide(struck, mass, speed, restitution)
@@ -270,7 +270,8 @@ def test_integrators_converge_to_the_same_column(restitution) -> None:
         else:
             assert coarse[1] < 1e-8
         if name == GGL:
-            assert coarse[2] < 1e-5  # against half a step of the strike, 4e-4 m
+            # against half a step of the strike, 4e-4 m; measured: round-off
+            assert coarse[2] < 1e-8
         else:
             assert coarse[2] > 3e-4
 
@@ -297,7 +298,7 @@ def struck_portal(integrator: str, step: float, mirrored: bool = False) -> np.nd
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_strike_from_the_other_side_is_the_mirror_image(integrator) -> None:
     left, right = (struck_portal(integrator, 1e-3, mirrored) for mirrored in (False, True))
-    np.testing.assert_allclose(right, left, rtol=0.0, atol=1e-7 * left.max())
+    np.testing.assert_allclose(right, left, rtol=0.0, atol=1.1e-8 * left.max())  # measured 5.3e-9
 
 
 def test_integrators_converge_to_the_same_frame() -> None:
@@ -319,8 +320,8 @@ def test_an_explicit_strike_along_the_negative_direction(sign) -> None:
         *_, last = driver(frame, dof, PointMass(500.0, 8.0), [(0.02, step)], *more, sign=sign)
         ends.append((sign * float(frame.displacement[dof]), last.striker.velocity))
     assert ends[0][0] > 0.02
-    assert ends[0][0] == pytest.approx(ends[1][0], rel=0.02)
-    assert ends[0][1] == pytest.approx(ends[1][1], abs=0.1)
+    assert ends[0][0] == pytest.approx(ends[1][0], rel=1.3e-3)  # measured 6.4e-4
+    assert ends[0][1] == pytest.approx(ends[1][1], abs=0.09)  # measured 0.044
 
 
 def test_the_ledger_closes_over_ten_thousand_steps() -> None:

@@ -35,7 +35,7 @@ def test_semi_rigid_cantilever():
     assembly.load[tip] = -1000.0
     apply_loads(assembly)
     expected = -1000.0 * (LENGTH**3 / (3 * BENDING) + LENGTH**3 / (2.0 * BENDING))
-    assert assembly.displacement[tip] == pytest.approx(expected, rel=1e-6)
+    assert assembly.displacement[tip] == pytest.approx(expected, rel=2.1e-8)  # measured 1.0e-8
     # a load downwards stretches the fibers above, on the left along x
     assert joints.moments == pytest.approx([-2000.0], rel=1e-6)
     assert joints.rotations == pytest.approx(-2000.0 * LENGTH / (2.0 * BENDING), rel=1e-6)
@@ -49,10 +49,11 @@ def test_pin_makes_the_propped_beam_simply_supported():
     assembly.hold([assembly.dof(4, "v")])
     middle = assembly.dof(2, "v")
     step = next(push(assembly, middle, np.array([1e-5])))
-    assert step.factor == pytest.approx(48 * BENDING / LENGTH**3 * 1e-5, rel=1e-5)
+    # measured 9.3e-11
+    assert step.factor == pytest.approx(48 * BENDING / LENGTH**3 * 1e-5, rel=1e-8)
     assert joints.moments == pytest.approx([0.0])
     assert joints.plastic == pytest.approx(joints.rotations)
-    assert joints.plastic[0] == pytest.approx(3e-5 / LENGTH, rel=1e-5)
+    assert joints.plastic[0] == pytest.approx(3e-5 / LENGTH, rel=1e-8)  # measured 1.8e-11
     assert joints.utilisation() == pytest.approx([0.0])
 
 
@@ -64,14 +65,15 @@ def test_partial_strength_joint_yields_at_its_own_moment_on_either_side():
     path = np.concatenate([np.linspace(0, 0.05, 11)[1:], np.linspace(0.05, -0.05, 21)[1:]])
     steps = list(push(assembly, tip, path))
     force = np.array([step.factor for step in steps])
-    assert force[9] == pytest.approx(150e3, rel=2e-3)
-    assert force[-1] == pytest.approx(-100e3, rel=2e-3)
+    assert force[9] == pytest.approx(150e3, rel=7e-4)  # measured 3.2e-4
+    assert force[-1] == pytest.approx(-100e3, rel=7e-4)  # measured 3.1e-4
     assert joints.moments == pytest.approx([-2e5])
     assert joints.utilisation() == pytest.approx([1.0])
     assert joints.plastic[0] < 0.0
     dissipated = sum(step.energies.plastic for step in steps)
     work = np.trapezoid(np.append(0.0, force), np.append(0.0, path))
-    assert dissipated == pytest.approx(work - steps[-1].energies.stored, rel=1e-2)
+    # measured 3.8e-8
+    assert dissipated == pytest.approx(work - steps[-1].energies.stored, rel=8e-8)
 
 
 @pytest.mark.parametrize("weight", [None, 0.5, 0.8])

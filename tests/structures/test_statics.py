@@ -39,7 +39,7 @@ def test_cantilever_deflection(kind):
     expected = 1000.0 * 27.0 / (3 * E_STEEL * INERTIA)
     if "sheared" in kind:
         expected += 1000.0 * 3.0 / 8e8
-    assert assembly.displacement[tip] == pytest.approx(expected, rel=1e-5)
+    assert assembly.displacement[tip] == pytest.approx(expected, rel=2.4e-8)  # measured 1.2e-8
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -52,7 +52,9 @@ def test_clamped_beam_under_an_eccentric_load(kind):
     step = next(push(assembly, hit, np.array([1e-5])))
     bending = 3 * E_STEEL * INERTIA * (1 / 0.8 + 1 / 3.2) ** 3
     assert step.factor == pytest.approx(
-        bending * 1e-5 if "sheared" not in kind else _sheared_stiffness(0.8, 3.2) * 1e-5, rel=1e-5
+        # measured 1.1e-10
+        bending * 1e-5 if "sheared" not in kind else _sheared_stiffness(0.8, 3.2) * 1e-5,
+        rel=1e-8,
     )
 
 
@@ -111,7 +113,7 @@ def test_static_work_balance():
     at = np.array([0.0] + [s.displacement for s in steps])
     work = np.trapezoid(force, at) + assembly.load @ (assembly.displacement - loaded)
     spent = steps[-1].energies.stored - start + sum(s.energies.plastic for s in steps)
-    assert spent == pytest.approx(work, rel=1e-5)
+    assert spent == pytest.approx(work, rel=2.4e-6)  # measured 1.2e-6
     assert min(s.energies.plastic for s in steps) >= 0.0
 
 

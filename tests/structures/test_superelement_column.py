@@ -31,7 +31,7 @@ def test_pushed_column_of_the_thesis(exponents):
     work = np.trapezoid([0.0] + [s.factor for s in steps], path)
     work += assembly.load @ (assembly.displacement - start)
     spent = sum(step.energies.plastic for step in steps) + steps[-1].energies.stored - stored
-    assert spent == pytest.approx(work, rel=1e-3)
+    assert spent == pytest.approx(work, rel=2e-5)  # measured 9.0e-6
 
 
 def test_flexible_bar_gives_the_same_force_once_hinges_have_formed():
@@ -76,7 +76,7 @@ def test_struck_column_of_the_thesis(exponents, node_mass, mass, peaks):
         peak, _, error = struck(
             velocity, node_mass=node_mass, exponents=exponents, mass=mass, inertia="nonlinear"
         )
-        assert peak == pytest.approx(expected, rel=5e-3)
+        assert peak == pytest.approx(expected, rel=1.6e-3)  # measured 7.7e-4
         assert error <= 1e-8
 
 
@@ -86,8 +86,8 @@ def test_rotary_inertia_of_the_bars_hardly_matters():
         inertia: struck(20.0, mass=71.4, inertia=inertia)
         for inertia in ("nonlinear", "linear", "none")
     }
-    assert peaks["linear"][0] == pytest.approx(peaks["nonlinear"][0], rel=1e-3)
-    assert peaks["none"][0] == pytest.approx(peaks["nonlinear"][0], rel=2e-3)
+    assert peaks["linear"][0] == pytest.approx(peaks["nonlinear"][0], rel=2e-5)  # measured 9.5e-6
+    assert peaks["none"][0] == pytest.approx(peaks["nonlinear"][0], rel=1.1e-3)  # measured 5.5e-4
     assert peaks["linear"][0] != peaks["nonlinear"][0] != peaks["none"][0]
     assert max(error for _, _, error in peaks.values()) <= 1e-8
 
@@ -122,4 +122,4 @@ def test_free_flight_keeps_energy_and_momentum(inertia):
         assert kept == pytest.approx(energy, rel=2e-9)
     now = [float(d @ assembly.mass_times(assembly.velocity)) for d in along]
     assert now == pytest.approx(momentum, rel=1e-9)
-    assert assembly.displacement[2] == pytest.approx(0.2 * spin, abs=0.02)
+    assert assembly.displacement[2] == pytest.approx(0.2 * spin, abs=0.013)  # measured 0.0065

@@ -81,7 +81,8 @@ def test_rate_sensitivity_reaches_the_cowper_symonds_stress() -> None:
         for rate in (1e-3, 1.0, 300.0):
             step = 0.2 * YIELD
             stress = stress_path(law, step * np.arange(1, 4000), step / rate)[-1, 0]
-            assert stress == pytest.approx(FY * (1.0 + (rate / 40.4) ** (1.0 / exponent)), rel=1e-6)
+            # measured: round-off
+            assert stress == pytest.approx(FY * (1.0 + (rate / 40.4) ** (1.0 / exponent)), rel=1e-8)
 
 
 def test_without_a_time_the_rate_does_not_count() -> None:
@@ -94,8 +95,9 @@ def test_menegotto_pinto_keeps_to_its_two_lines() -> None:
     law = MenegottoPinto(E, FY, 0.01)
     small, large = stress_path(law, [1e-3 * YIELD]), stress_path(law, [50.0 * YIELD])
     assert small[0, 1] == pytest.approx(E, rel=1e-9)
-    assert large[0, 0] == pytest.approx(FY + 0.01 * E * 49.0 * YIELD, rel=1e-6)
-    assert large[0, 1] == pytest.approx(0.01 * E, rel=1e-6)
+    # measured: round-off
+    assert large[0, 0] == pytest.approx(FY + 0.01 * E * 49.0 * YIELD, rel=1e-8)
+    assert large[0, 1] == pytest.approx(0.01 * E, rel=1e-8)  # measured: round-off
     # at the corner the curve lies 2^(-1/R) of the way up the virgin elastic line
     corner = stress_path(law, [YIELD])[0, 0]
     assert corner == pytest.approx(FY * (0.01 + 0.99 * 2.0 ** (-1.0 / 20.0)), rel=1e-12)
@@ -105,7 +107,8 @@ def test_menegotto_pinto_shows_the_bauschinger_effect_and_a_stable_loop() -> Non
     law = MenegottoPinto(E, FY, 0.01)
     cycle = 5.0 * YIELD * np.sin(np.linspace(0.0, 8.0 * np.pi, 1601))
     stress = stress_path(law, cycle)[:, 0]
-    np.testing.assert_allclose(stress[-400:], stress[-800:-400], rtol=0.0, atol=2e-3 * FY)
+    # measured 2.2e-5
+    np.testing.assert_allclose(stress[-400:], stress[-800:-400], rtol=0.0, atol=4.4e-5 * FY)
     # halfway down the elastic range the reversed branch has left the elastic line
     top = 100
     fallen = np.flatnonzero(stress[top:] <= stress[top] - 1.5 * FY)[0] + top

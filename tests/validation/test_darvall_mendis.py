@@ -61,5 +61,6 @@ def test_second_hinge() -> None:
     count = count - (turned[sides].sum(axis=0) > 1)
     second = int(np.argmax(count >= 2))
     assert count[second] >= 2
-    assert float(response["force"][second]) == pytest.approx(427e3, rel=0.02)
-    assert float(response["displacement"][second]) == pytest.approx(11.4e-3, rel=0.05)
+    assert float(response["force"][second]) == pytest.approx(427e3, rel=1.5e-3)  # measured 7.1e-4
+    # measured 0.0018
+    assert float(response["displacement"][second]) == pytest.approx(11.4e-3, rel=4e-3)

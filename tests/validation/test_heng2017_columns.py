@@ -63,7 +63,8 @@ def test_restitution(thesis_impact, restitution, peaks) -> None:
         impact = thesis_impact.at_velocity(velocity)
         impact = replace(impact, striker=replace(impact.striker, restitution=restitution))
         response = FourDof(time_step=5e-6).simulate(impact)
-        assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1e-3)
+        # measured 4.8e-5
+        assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1e-4)
 
 
 def test_first_impact_loses_the_share_of_the_impact_mass(thesis_impact) -> None:
@@ -71,7 +72,7 @@ def test_first_impact_loses_the_share_of_the_impact_mass(thesis_impact) -> None:
     # m_1 / (m_1 + m_c); the rest of the contact is lossless (eps = 0: the masses stay together)
     share = 95.2467 / (95.2467 + 1500.0)
     loss = float(response["contact_loss"][-1]) / thesis_impact.input_energy
-    assert loss == pytest.approx(share, rel=2e-3)
+    assert loss == pytest.approx(share, rel=1.7e-3)  # measured 8.3e-4
 
 
 @pytest.mark.parametrize(
@@ -79,7 +80,7 @@ def test_first_impact_loses_the_share_of_the_impact_mass(thesis_impact) -> None:
 )
 def test_figure_5_4_clamped_column(clamped_impact, exponents, peak) -> None:
     response = FourDof(alpha=exponents[0], beta=exponents[1]).simulate(clamped_impact)
-    assert float(response["peak_displacement"]) == pytest.approx(peak, rel=1e-3)
+    assert float(response["peak_displacement"]) == pytest.approx(peak, rel=2e-4)  # measured 9.1e-5
 
 
 @pytest.mark.parametrize("velocity", [10.0, 15.0, 20.0])

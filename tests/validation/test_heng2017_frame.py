@@ -153,7 +153,7 @@ def test_figure_5_8_static_curve(thesis_impact, exponents) -> None:
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     response = RigidSuperelement(alpha=exponents[0], beta=exponents[1]).simulate(push)
     force = np.interp(AT, response["displacement"], response["force"])
-    np.testing.assert_allclose(force / 1e3, STATIC_KN[exponents], rtol=1e-3)
+    np.testing.assert_allclose(force / 1e3, STATIC_KN[exponents], rtol=6e-4)  # measured 2.7e-4
     np.testing.assert_allclose(force / 1e6, COARSER[exponents], rtol=6e-3)
 
 
@@ -205,7 +205,7 @@ def test_figure_5_4_clamped_column(clamped_impact, exponents, expected) -> None:
         0.06,
     )
     response = RigidSuperelement(*exponents, inertia="none", time_step=1e-4).simulate(impact)
-    assert peak(response) == pytest.approx(expected, rel=5e-3)
+    assert peak(response) == pytest.approx(expected, rel=2e-4)  # measured 8.8e-5
 
 
 def test_plates_alone_change_little(thesis_impact) -> None:
@@ -219,4 +219,4 @@ def test_plates_alone_change_little(thesis_impact) -> None:
     )
     rolled = peak(RigidSuperelement().simulate(thesis_impact))
     bare = peak(RigidSuperelement().simulate(replace(thesis_impact, column=plates)))
-    assert bare == pytest.approx(rolled, rel=2e-3)
+    assert bare == pytest.approx(rolled, rel=1.3e-3)  # measured 6.3e-4

@@ -43,4 +43,4 @@ def test_the_catenary_carries_what_the_squash_load_can(kind) -> None:
     deflection, force, N, _ = path(kind)
     assert N[-1] == pytest.approx(SQUASH, rel=0.02)
     slope = deflection[-1] / np.hypot(deflection[-1], 0.5 * SPAN)
-    assert force[-1] == pytest.approx(2.0 * SQUASH * slope, rel=0.02)
+    assert force[-1] == pytest.approx(2.0 * SQUASH * slope, rel=0.013)  # measured 0.006

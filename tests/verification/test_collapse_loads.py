@@ -41,7 +41,8 @@ def test_clamped_beam(kind) -> None:
         force = beam(kind, elements, propped=False)
         errors.append(force / exact - 1.0)
         inside = SAMPLED[kind] * 8.0 / elements
-        assert force == pytest.approx(4.0 * PLASTIC_MOMENT / (4.0 - 2.0 * inside), rel=5e-3)
+        # measured 3.3e-4
+        assert force == pytest.approx(4.0 * PLASTIC_MOMENT / (4.0 - 2.0 * inside), rel=7e-4)
     assert orders(errors) == pytest.approx(1.0, abs=0.3)
 
 
@@ -69,5 +70,6 @@ def test_sway_of_a_portal(kind) -> None:
     steps = push(frame, frame.dof(part, "u"), np.linspace(0.0, 0.08, 31)[1:])
     forces = [s.factor for s in steps]
     inside = SAMPLED[kind] * height / part
-    assert forces[-1] == pytest.approx(4.0 * PLASTIC_MOMENT / (height - 2.0 * inside), rel=0.01)
-    assert forces[-1] == pytest.approx(forces[-6], rel=2e-3)  # the plateau
+    # measured 0.0026
+    assert forces[-1] == pytest.approx(4.0 * PLASTIC_MOMENT / (height - 2.0 * inside), rel=5.2e-3)
+    assert forces[-1] == pytest.approx(forces[-6], rel=1.2e-4)  # the plateau; measured 5.8e-5

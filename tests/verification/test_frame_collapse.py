@@ -115,7 +115,8 @@ def test_portal_with_interaction(model) -> None:
     expected = collapse_factor(scenario, interaction=True)
     assert expected < 0.99 * collapse_factor(scenario)
     response = model(alpha=1.0, beta=1.0).simulate(scenario)
-    assert float(response["load_factor"].max()) == pytest.approx(expected, rel=1e-3)
+    # measured 2.9e-5
+    assert float(response["load_factor"].max()) == pytest.approx(expected, rel=6e-5)
 
 
 def test_limit_analysis_of_known_mechanisms() -> None:

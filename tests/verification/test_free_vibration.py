@@ -36,4 +36,4 @@ def test_first_two_frequencies_at_second_order(kind, case) -> None:
     errors = np.array([(roots(kind, case, n) / exact) ** 2 - 1.0 for n in (8, 16, 32, 64)])
     for mode in range(2):
         assert orders(errors[:, mode]) == pytest.approx(2.0, abs=0.25)
-    assert np.max(np.abs(errors[-1])) <= 5e-3
+    assert np.max(np.abs(errors[-1])) <= 4e-3  # measured 0.002

@@ -50,7 +50,11 @@ def test_uniform_plastic_tension(kind) -> None:
     slope = E * 0.01 / 1.01
     assert step.factor == pytest.approx((FY + slope * (strain - FY / E)) * SIDE**2, rel=1e-9)
     np.testing.assert_allclose(
-        bar.displacement[bar.dofs(range(last + 1), "u")], strain * X, rtol=1e-7, atol=1e-12
+        # measured: round-off
+        bar.displacement[bar.dofs(range(last + 1), "u")],
+        strain * X,
+        rtol=1e-8,
+        atol=1e-12,
     )
 
 
