@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import Answers
+from builders import Answers, thesis_frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -542,7 +542,7 @@ def test_it_says_so_where_the_ends_give_way(member: str, at: float) -> None:
 
 def test_a_yielding_restraint_mends_catenary_action() -> None:
     # Heng 2017, figure 5.13
-    frame = regular_frame((3.0,) * 4, (4.0, 4.0), SECTION, SECTION).split("C0-C1", 0.8, "hit")
+    frame = thesis_frame().split("C0-C1", 0.8, "hit")
     scenario = FrameImpact("thesis", frame, FrameStriker(1500.0, 50.0, node="hit"), 0.04)
     whole = peak(RigidSuperelement().simulate(scenario))
     elastic = ColumnOfFrame().simulate(scenario)
@@ -555,7 +555,7 @@ def test_a_yielding_restraint_mends_catenary_action() -> None:
 
 def test_limit_of_the_restraint_is_the_mechanism_of_the_beams() -> None:
     # four beams of 3 m with hinges at both ends hang on the line
-    frame = regular_frame((3.0,) * 4, (4.0, 4.0), SECTION, SECTION).split("C0-C1", 0.8, "hit")
+    frame = thesis_frame().split("C0-C1", 0.8, "hit")
     loads = (Load("C1", y=-3e5), Load("C2", y=-3e5))
     for dead in ((), loads):
         scenario = FrameImpact(

@@ -515,6 +515,17 @@ def impacts(draw: st.DrawFn) -> FrameImpact:
     return FrameImpact("random", frame, striker, 0.01)
 
 
+def stands(frame: Frame) -> bool:
+    """Whether it carries twice its dead load even as cantilevers that no beam holds."""
+    if not frame.loads:
+        return True
+    column = next(member for member in frame.members if member.name.startswith("A0-A1"))
+    height = max(node.y for node in frame.nodes)
+    euler = np.pi**2 * frame.steel.elastic_modulus * column.section.second_moment
+    load = max(-load.y for load in frame.loads)
+    return frame.node("A0").support == "clamped" and 2.0 * load < euler / (2.0 * height) ** 2
+
+
 def test_random_frames_run_or_end_in_a_typed_outcome() -> None:
     answers = Answers()
 
@@ -525,6 +536,7 @@ def test_random_frames_run_or_end_in_a_typed_outcome() -> None:
         frame = impact.frame
         struck = next(member for member in frame.members if "hit" in (member.start, member.end))
         asked = bearable(impact.input_energy, struck.section.plastic_moment(frame.steel))
+        asked = asked and stands(frame)
         if not answers.note(model, impact, response, asked=asked):
             assert outcome_of(response) in (Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED)
             assert len(response.attrs["message"].split()) > 5

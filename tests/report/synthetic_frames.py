@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from builders import thesis_frame
 
 from workbench.fields import Declared, Number, Text, checked
 from workbench.hinges import YieldSurface
@@ -23,9 +24,8 @@ from workbench.scenarios import (
     Node,
     Scenario,
     cyclic_path,
-    regular_frame,
 )
-from workbench.sections import find, square
+from workbench.sections import find
 from workbench.study import Case, Figure, Study
 
 SNAPSHOTS, POINTS = 61, 9
@@ -182,8 +182,7 @@ def portal() -> Frame:
 
 def storeys() -> Frame:
     """The frame of Heng 2017, figures 5.13 and 5.14: four bays, two storeys."""
-    solid = square(0.2)
-    return regular_frame((3.0,) * 4, (4.0, 4.0), solid, solid).split("C0-C1", 0.8, "hit")
+    return thesis_frame().split("C0-C1", 0.8, "hit")
 
 
 def frame_study(name: str = "frames") -> Study:

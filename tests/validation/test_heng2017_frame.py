@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import SQUARE
+from builders import thesis_frame
 
 from workbench.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
@@ -22,7 +22,6 @@ from workbench.scenarios import (
     FrameStriker,
     frame_of,
     load_scenario,
-    regular_frame,
 )
 from workbench.sections import find
 
@@ -36,7 +35,7 @@ def frame_impact() -> FrameImpact:
 
 def hit(impact: FrameImpact, axis: str, height: float, base: str = "clamped") -> FrameImpact:
     """The same impact elsewhere on the ground floor."""
-    frame = regular_frame((3.0,) * 4, (4.0, 4.0), SQUARE, SQUARE, base=base)
+    frame = thesis_frame(base)
     return replace(impact, frame=frame.split(f"{axis}0-{axis}1", height, "hit"))
 
 
