@@ -69,13 +69,20 @@ def factor_coverage(runs: int) -> dict[str, float]:
     for _ in range(runs):
         groups, error = campaigns(generator, 6, 6, 0.08, 0.06)
         n = len(groups)
-        nothing, name = np.full(n, np.nan), groups.astype(object)
+        nothing = np.full(n, np.nan)
         strength = generator.uniform(20e6, 60e6, n)
         tests = Specimens(
-            name, name, generator.choice([0.016, 0.019, 0.022], n), np.full(n, 0.12), nothing,
-            strength, 4733e6 * np.sqrt(strength / 1e6), np.zeros(n, bool), nothing,
-            generator.uniform(420e6, 520e6, n), nothing, nothing, nothing,
-        )  # fmt: skip
+            campaign=groups.astype(object),
+            diameter=generator.choice([0.016, 0.019, 0.022], n),
+            height=np.full(n, 0.12),
+            concrete_strength=strength,
+            concrete_modulus=4733e6 * np.sqrt(strength / 1e6),
+            modulus_measured=np.zeros(n, bool),
+            density=nothing,
+            ultimate_strength=generator.uniform(420e6, 520e6, n),
+            shear=nothing,
+            slip_at_max=nothing,
+        )
         given = problem(
             np.log(model.of(tests)) + error, groups, prediction(tests, model, tuple(truth)),
             tuple(truth), np.log([0.3, 0.9]), lower=np.log([0.02, 0.1]), upper=np.log([5.0, 5.0]),
