@@ -160,7 +160,7 @@ def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> N
     last = said.splitlines()[-1]
     assert last.startswith(f"workbench: interrupted: {stored} of 12 cells are stored in {store}")
     assert "Traceback" not in said
-    assert not processes_of_group(running.pid)
+    until(lambda: not processes_of_group(running.pid))
 
 
 def test_run_status_validate(
