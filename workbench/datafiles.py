@@ -1,7 +1,5 @@
 """Where the data files of the workbench are, in a source tree and in an installed package."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from workbench.errors import WorkbenchError

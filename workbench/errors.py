@@ -1,7 +1,5 @@
 """The errors that the workbench raises, each with all that its message needs."""
 
-from __future__ import annotations
-
 
 class WorkbenchError(Exception):
     """Base of every error that the workbench raises on purpose."""

@@ -1,7 +1,5 @@
 """Declared fields of frozen dataclasses: one declaration serves Python, TOML and messages."""
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import math

@@ -1,7 +1,5 @@
 """Structural steel as the models use it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 

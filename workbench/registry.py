@@ -1,7 +1,5 @@
 """Models by name: what the installed distributions offer under ``workbench.models``."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 In a test suite: ``check_model(MyModel(), [scenario, ...])``.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import pickle

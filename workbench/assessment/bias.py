@@ -1,7 +1,5 @@
 """Bias and scatter of a model over many cases, with intervals."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

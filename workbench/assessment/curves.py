@@ -1,7 +1,5 @@
 """Metrics of curves over displacement, such as the force-displacement curve of a pushover."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.assessment.metric import Array, Common, Scope, metric, on_common_base, present

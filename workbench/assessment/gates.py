@@ -4,8 +4,6 @@ A gate is a metric, a bound and a reason, judged with the numerical uncertainty;
 applies it to stored answers and says what a case without an answer counts as.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum

@@ -4,8 +4,6 @@ Between its instants a history is linear. Integrals run over the union of both t
 which both are linear from instant to instant, so that none of them depends on a resampling step.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.assessment.metric import Array, Common, Scope, Swap, metric, on_common_base, present

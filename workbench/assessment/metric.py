@@ -1,7 +1,5 @@
 """What a metric is: a number with a meaning, a range, a perfect value and a source."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum

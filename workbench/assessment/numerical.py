@@ -1,7 +1,5 @@
 """Comparison errors with their intervals; the refinement ladder, from the floor of responses."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot
 

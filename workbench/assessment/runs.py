@@ -1,7 +1,5 @@
 """Metrics of a response alone: how far the run itself can be relied on."""
 
-from __future__ import annotations
-
 from workbench.assessment.metric import Scope, metric
 from workbench.errors import InputError
 from workbench.responses import Response

@@ -1,7 +1,5 @@
 """Metrics of scalar quantities."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.assessment.metric import Scope, Swap, metric, present

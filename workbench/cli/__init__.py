@@ -1,7 +1,5 @@
 """The command line: ``workbench VERB ...``. Nothing heavy is imported before a verb runs."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The verbs, put together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """`workbench data`: the catalogue of published numbers, tests and profiles."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 from typing import Annotated, Any

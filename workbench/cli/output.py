@@ -1,7 +1,5 @@
 """What every verb has in common: ``--json``, the text on a terminal, the exit status."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import json

@@ -1,7 +1,5 @@
 """The works that models, data and metrics rest on, by key; they stand in ``bibliography.toml``."""
 
-from __future__ import annotations
-
 import tomllib
 from functools import cache
 from pathlib import Path

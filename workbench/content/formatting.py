@@ -1,7 +1,5 @@
 """Numbers as the reader sees them: units of the trade, significant digits, typographic signs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """A content tree as one self-contained HTML file."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A content tree as Markdown, as hosts of git repositories show it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from workbench.content import tree

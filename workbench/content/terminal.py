@@ -1,7 +1,5 @@
 """A content tree as text on a terminal."""
 
-from __future__ import annotations
-
 import io
 import sys
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """A content tree as PDF, set by Typst."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
 from pathlib import Path

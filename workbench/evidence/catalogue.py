@@ -1,7 +1,5 @@
 """The data catalogue: what each table holds, where it is from, what it may be used for."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass

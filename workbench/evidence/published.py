@@ -1,7 +1,5 @@
 """Published numbers as a model: they answer exactly the scenario they were published for."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from dataclasses import dataclass, replace

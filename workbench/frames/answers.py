@@ -1,7 +1,5 @@
 """How models of frames answer a scenario: steps, drivers, and a column told as a frame."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import pi, sqrt

@@ -1,7 +1,5 @@
 """Members that continue each other straight on: one physical member drawn in several parts."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ linear programme: equilibrium is an equality, yielding bounds N and M apart, wit
 The largest factor is the collapse load (Livesley 1975, chapter 3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from math import inf
 

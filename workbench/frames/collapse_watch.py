@@ -1,7 +1,5 @@
 """When a frame has collapsed, so that its models mean nothing any more."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

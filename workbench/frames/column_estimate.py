@@ -4,8 +4,6 @@ Axial load, an elastic spring along the column, a mass at its head and the suppo
 all from elastic analyses for unit loads; and from limit analyses, where these estimates end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf

@@ -4,8 +4,6 @@ Displacements of the nodes and forces at member ends are exact for loads at the 
 geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968).
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where models of frames stop applying: dead loads, buckling, plastic shear demand."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a run of a frame records at every committed step."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

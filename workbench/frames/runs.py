@@ -1,7 +1,5 @@
 """Static paths, impact and ground motion of a frame, from the first step to the response."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import isclose
 from typing import Any

@@ -1,7 +1,5 @@
 """Shear of members: elastic stiffness, plastic demand, and from where on yielding weakens them."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 from workbench.frames.chains import chains, named

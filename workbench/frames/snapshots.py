@@ -1,7 +1,5 @@
 """Pictures of a frame over its record: deformed shapes and utilisation of the hinges."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ Models differ in the elements of the members only. They hand over a `Skeleton`, 
 are those of the frame, and a reader of the members' states; everything else happens here.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 The element itself stands in `structures/superelements`, the two models in `models/superelements`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

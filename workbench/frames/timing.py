@@ -1,7 +1,5 @@
 """How long the events of a frame take, and the time steps that follow from that."""
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import numpy as np

@@ -10,8 +10,6 @@ found on the boundary n = S^(1/beta), m = C^(1/alpha), S = sin^2 t, C = cos^2 t,
 unknown z = ln tan t, which keeps full relative accuracy at both ends of the quarter curve.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

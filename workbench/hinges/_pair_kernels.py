@@ -14,8 +14,6 @@ The unknown is z = ln tan t with n^beta = sin^2 t at the weaker hinge in axial f
 keeps full relative accuracy at both ends of its curve.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Generalized elasto-plastic hinge: axial and rotational spring with one N-M yield surface."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ here. When a gap counts as closed is part of each scheme: forecast for the middl
 step (`touches`), for its end in frames, at the position reached in Moreau's.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from numba import njit

@@ -1,7 +1,5 @@
 """The contract of a model, and the one path by which every model answers a scenario."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import time

@@ -7,8 +7,6 @@ that of what stands on it. What the ends do besides, sway and rotation, is left 
 strength of the frame, unless the restraint is said to yield.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Where member models stop applying: stability of the column and plastic shear demand."""
 
-from __future__ import annotations
-
 from math import pi
 
 from workbench.frames.findings import frame_findings

@@ -4,8 +4,6 @@ Heng 2017, section 5.2: the work of the resistance up to the largest displacemen
 energy that the collision leaves, W(v_max) = E.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -17,8 +17,6 @@ inertia rho I L of its turning chord, the only inertia that depends on the confi
 flexible one has none. Time steps are energy-exact (midpoint of the forces, exact gradients).
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar

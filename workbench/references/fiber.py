@@ -3,8 +3,6 @@
 A column is the frame of its two members. Each reference adds its elements and their section.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

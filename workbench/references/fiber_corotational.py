@@ -6,8 +6,6 @@ plasticity localises in single elements: forces and displacements converge to th
 zero length, strains do not.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import ClassVar

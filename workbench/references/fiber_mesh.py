@@ -4,8 +4,6 @@ Every member is graded from the smallest element at both of its ends, where hing
 largest one between them. A column is meshed as the frame of its two members.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import ceil
 from typing import NamedTuple

@@ -7,8 +7,6 @@ mesh grows fast from a very small element at every hinge: that error is then sma
 that the hardening spreads over millimetres is resolved.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar

@@ -4,8 +4,6 @@ The geometrically exact fiber beam of `fiber_reissner`, with fibers along the sh
 solid sections) that yield under normal and shear stress together, sigma^2 + 3 tau^2 = fy^2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -4,8 +4,6 @@ Perfect plasticity has no length of its own. Hardening gives it one: with enough
 meshes converge, and on one mesh its influence can be told.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """A frame of fiber beams: members cut into elements, joints as springs, what is read off."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What of a response a numerical uncertainty is stated for: scalars, and points of its curve."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ of both are of first order; more fibers and shorter steps alone are tried on the
 See docs/theory/numerical-uncertainty.md.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable, Sequence

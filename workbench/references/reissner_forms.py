@@ -10,8 +10,6 @@ tangent only steers Newton's method and is that of the kernel.
 Source: Reissner 1972; Simo 1985; Simo, Tarnow and Doblare 1995.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Building the report of a stored study."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

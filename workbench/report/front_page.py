@@ -1,7 +1,5 @@
 """The page of a study that is kept in git: verdicts, key pictures and the versions behind them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 SVG and PNG repeat byte for byte; numbers are CSV.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """What a report reads: the tables of a stored study and, on demand, the responses of its cells."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Building, checking and reducing responses (`xarray.Dataset` with the standard variables)."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any

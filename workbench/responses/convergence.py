@@ -1,7 +1,5 @@
 """What a sequence of refinements says: observed order, extrapolate, grid convergence index."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, log

@@ -1,7 +1,5 @@
 """What histories imply: peak, residual, contact force, impulse, and the balance of energies."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -4,8 +4,6 @@ The values phi_i at sizes h_i are fitted by phi_0 + a h^p. Scatter, which a form
 points would take for an order, becomes a standard deviation and widens the uncertainty.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Where a number came from: versions, lock file, source state, kind of machine (no names)."""
 
-from __future__ import annotations
-
 import hashlib
 import platform
 import subprocess

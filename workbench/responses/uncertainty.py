@@ -5,8 +5,6 @@ their main curve, and the directions in which they differ. Whatever is derived f
 a scalar or a metric of a history, gets its half-width from the same rule over the same runs.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

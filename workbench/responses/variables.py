@@ -1,7 +1,5 @@
 """The standard variables of a response: names, dimensions, units, meaning, in one table."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -5,8 +5,6 @@ it declares. A part within an object has keys of its own; a list of parts is an 
 whose entries hold the fields under their names.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The impacted column: geometry, supports, striker, and the two things that can happen to it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self

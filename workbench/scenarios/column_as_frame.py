@@ -1,7 +1,5 @@
 """A column seen as a frame."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover

@@ -1,7 +1,5 @@
 """Scenarios as TOML: reading, overriding single values, canonical writing, hashing."""
 
-from __future__ import annotations
-
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """What can happen to a frame: a static loading, an impact, a motion of its ground."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from itertools import pairwise

@@ -3,8 +3,6 @@
 Directions are global: x to the right, y up, rotation counter-clockwise.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from workbench.fields import Choice, Declared, Number, Text, checked

@@ -1,7 +1,5 @@
 """What columns and members of frames share: properties, and the ranges of their overrides."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tests on studs: which tables, and which campaigns calibrate or validate."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path

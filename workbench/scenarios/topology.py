@@ -1,7 +1,5 @@
 """Whether the parts of a frame hang together and whether its supports hold it as a whole."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from math import hypot
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Catalogue of rolled European profiles: names and shapes."""
 
-from __future__ import annotations
-
 import csv
 import difflib
 import re

@@ -1,7 +1,5 @@
 """Exact plastic interaction of axial force and moment, and its super-elliptic fit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

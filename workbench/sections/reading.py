@@ -1,7 +1,5 @@
 """Sections by catalogue name, from dimensions in Python, and from values of a scenario file."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Mapping
 from itertools import chain

@@ -3,8 +3,6 @@
 All are doubly symmetric, so each states the layers of its upper half only.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sin
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Band storage: products, and rows that are held; largest entries."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

@@ -6,8 +6,6 @@ in the corners of yield surfaces, the translation that moves most is led instead
 Rheinboldt 1981), which has a line search.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import inf, sqrt
 from typing import NamedTuple

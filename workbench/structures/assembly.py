@@ -1,7 +1,5 @@
 """A planar structure: dof numbering, band storage, supports, springs, masses, loads, state."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from math import isfinite
 

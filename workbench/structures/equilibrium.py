@@ -1,7 +1,5 @@
 """Equilibrium at a given load, or with one dof given and the load factor unknown."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -10,8 +10,6 @@ section forces, of third order in a turn; it grows when the step is unstable.
 Sources: Belytschko, Liu and Moran 2000, section 6.2; Moreau 1988.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil

@@ -7,8 +7,6 @@ of the step, so that the ledger closes with the input energy -r . M (x1 - x0) a 
 1990, relative energy).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

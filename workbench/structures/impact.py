@@ -16,8 +16,6 @@ Sources: Heng 2017, chapter 3 (eqs 3.17-3.35) and chapter 5 (energy-momentum ste
 Jean 1999; Acary 2013 for the two constraints.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Rotational springs between tied nodes: pins, semi-rigid and partial-strength joints."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf

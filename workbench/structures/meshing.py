@@ -1,7 +1,5 @@
 """Meshes of member segments, graded towards both ends where plastic hinges form."""
 
-from __future__ import annotations
-
 from math import ceil, log
 
 import numpy as np

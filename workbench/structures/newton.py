@@ -1,7 +1,5 @@
 """Newton's method with a line search, and steps that are halved where it fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import isfinite, isnan, nan
 from typing import NamedTuple, TypeVar

@@ -4,8 +4,6 @@ A pattern of nodal loads and moments is multiplied by the load factor; the dead 
 assembly stay as they are. The work of both is accounted for by the trapezoidal rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import ceil, inf

@@ -6,8 +6,6 @@ those at both ends. A closed contact makes the percussion P linear in x1, so tha
 no penalty, no extra unknown.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -3,8 +3,6 @@
 The formula is the smaller of two terms, so a factor is only seen by tests that its term governs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Strength, factors, load-slip and residual capacity are fitted by functions of th
 `Fit`, so that the command line, the models of a study and the pages treat them alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ A law gives the load over its largest value, q = Q / Q_max, as a function of the
 the slip of its ascending branch at a load (`slip_at`). Units: SI.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar

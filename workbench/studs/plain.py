@@ -1,7 +1,5 @@
 """Results as JSON can hold them: plain numbers and lists, None where a number does not exist."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass

@@ -1,7 +1,5 @@
 """Columns of a table of tests as arrays in SI units, and the rows that a fit may use."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ The one path by which a table enters: lines, header, cells by the schema, rows b
 and what must not repeat between rows.
 """
 
-from __future__ import annotations
-
 import csv
 import difflib
 import io

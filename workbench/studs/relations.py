@@ -1,7 +1,5 @@
 """Relations between damage and what is left: R(D), damage D from 0 to 1, R = 1 undamaged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

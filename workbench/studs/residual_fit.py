@@ -4,8 +4,6 @@ No shipped table holds a strength measured after pre-damage. Until one is given,
 the prediction of the mechanical model, and its grade says that nothing has validated it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum

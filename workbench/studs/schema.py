@@ -5,8 +5,6 @@ row per specimen, `POINTS` the points of measured curves; `columns.csv` beside t
 their columns. An empty cell means that the quantity was not reported; it never means zero.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator
 from dataclasses import dataclass

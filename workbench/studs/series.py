@@ -3,8 +3,6 @@
 Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -7,8 +7,6 @@ which then goes on as if nothing had happened. This is what the markers of the L
 below failure; it says nothing about fatigue. Units: SI.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

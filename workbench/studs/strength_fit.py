@@ -4,8 +4,6 @@ The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum
 + u_campaign + e. So b is the median ratio, c_k an exponent that the formula misses in variable x_k.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Tables of tests in use: shipped, joined, split by campaign, not validated by their own rows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

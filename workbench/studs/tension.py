@@ -6,8 +6,6 @@ and shear over their resistances, every interaction law is a curve g(t, v) = 1 w
 degree one, so that g is the utilisation: load over the load that just fails. Units: SI.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """The stored answers of one case of a study."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Assessing a stored study: tables of cells, comparisons, ladders and gates. Never simulates."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cells of a study: one scenario answered by one model, and the key that identifies the answer."""
 
-from __future__ import annotations
-
 import fnmatch
 import hashlib
 import json

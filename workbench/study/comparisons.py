@@ -18,8 +18,6 @@ are evaluated with every run of a side; these values give their interval by the 
 Metrics of a response alone are numbers about the run: they have no interval.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass

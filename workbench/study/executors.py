@@ -4,8 +4,6 @@ An executor is anything with ``run(tasks) -> iterator of results``, in any order
 call `work.perform` with one numerical thread, so their numbers are bit-identical.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -3,8 +3,6 @@
 Equal content gives equal bytes, in JSON, CSV and netCDF-4 alike.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

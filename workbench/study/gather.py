@@ -1,7 +1,5 @@
 """A stored study as one data tree."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Finding and loading study files: Python files that define ``study = Study(...)``."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import sys

@@ -1,7 +1,5 @@
 """The manifest of a stored study, and what has to be answered (again) and why."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Progress of a run, with an estimate of the time left: a bar on a terminal, lines elsewhere."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections import Counter

@@ -1,7 +1,5 @@
 """Running a study: answer the cells that are not stored yet, and keep the store consistent."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Answering cells on an existing Dask cluster (optional library ``distributed``)."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Any

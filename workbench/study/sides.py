@@ -1,7 +1,5 @@
 """How well one side of a comparison is known, for scalars and for metrics of histories."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress

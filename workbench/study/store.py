@@ -5,8 +5,6 @@ wall time, provenance, time stamps, and the digest of the file. The file is writ
 cell counts as finished when its record is there and the digest agrees.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from dataclasses import dataclass

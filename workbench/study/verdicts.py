@@ -3,8 +3,6 @@
 The rule itself stands in `assessment/gates`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 

@@ -1,7 +1,5 @@
 """What a worker does with a cell: answer it, never fail, hand back bytes and a record."""
 
-from __future__ import annotations
-
 import pickle
 import time
 import traceback

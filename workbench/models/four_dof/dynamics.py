@@ -5,8 +5,6 @@ The striker (mass m_c, position x_c) may touch the hit point: gap g = v1 - x_c >
 gamma, with the contact law of `workbench.impact.restitution`.
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from workbench.impact import restitution as law

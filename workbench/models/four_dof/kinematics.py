@@ -12,8 +12,6 @@ e = l - L and the hinge rotations theta_end = psi, theta_mid = b - psi.
 With small rotations e = x - L + v^2 / 2L and psi = v / L.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

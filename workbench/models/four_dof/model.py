@@ -7,8 +7,6 @@ stiffness 3 EI / l at the other. The impact mass m1 (a third of the column) sits
 the head mass at the head. Derivation: `kinematics`, `statics`, `dynamics`, in this order.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, ClassVar

@@ -5,8 +5,6 @@ M_mid of the closest-point projection and its tangent D, virtual work gives the 
 over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, dpsi, db - dpsi.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

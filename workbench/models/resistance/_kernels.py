@@ -4,8 +4,6 @@ A curve is an array of PIECE with rising starts; the force of a piece is c0 + c1
 c3 x^3 in x = v - start, and the last piece has no end.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

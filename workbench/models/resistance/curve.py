@@ -1,7 +1,5 @@
 """A resistance curve: a piecewise polynomial force over displacement with named events."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias

@@ -1,7 +1,5 @@
 """Where the rigid-bar mechanism and its simplified curves stop being trustworthy."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.errors import OutOfDomainError

@@ -1,7 +1,5 @@
 """The plastic mechanism of the column: its hinge groups in plain numbers."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import NamedTuple
 

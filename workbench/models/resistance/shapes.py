@@ -9,8 +9,6 @@ the plastic groups, sigma = sign N. Heng 2017, section 5.2, shows the stages in 
 formula; see the theory page for the derivation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

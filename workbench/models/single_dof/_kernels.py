@@ -3,8 +3,6 @@
 Heng 2017, section 5.2 and chapter 3. The envelope of the spring is a resistance curve, `pieces`.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

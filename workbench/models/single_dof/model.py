@@ -5,8 +5,6 @@ axial force gives an explicit force-displacement curve; it serves as the envelop
 one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the striker M_A.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass

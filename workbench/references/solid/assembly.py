@@ -1,7 +1,5 @@
 """The discretised column with its state: residual, tangent, energies, commit."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array

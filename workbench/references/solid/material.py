@@ -5,8 +5,6 @@ engineering shear 2 e12; deformation gradients and what derives from them (11, 1
 Source: Simo and Hughes 1998, section 3.4.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The section's height runs along x, the column's axis along y. Thickness is the w
 section; rows of elements end where the section's plates do, so that no element sees a jump.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

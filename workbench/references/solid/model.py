@@ -5,8 +5,6 @@ additive von Mises plasticity, so that N <= A f_y holds as in the beam theories.
 out is in: shear yielding of the web, transverse stress at supports and plastic kinks.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

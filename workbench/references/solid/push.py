@@ -1,7 +1,5 @@
 """Quasi-static drivers of the solid: the axial load, then displacement control of the push."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The push of a solid column, from the loaded state to the response."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid

@@ -5,8 +5,6 @@ displacement U of the head; lateral displacement v of the hit section. A pinned 
 plate that turns about the centroid, exactly: its nodes at X move by R(turn) X - X.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Everything that is needed to run the study again: models, cases, software."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 import tomllib

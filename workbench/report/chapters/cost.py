@@ -1,7 +1,5 @@
 """What the answers cost."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from statistics import median
 from typing import NamedTuple

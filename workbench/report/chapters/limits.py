@@ -1,7 +1,5 @@
 """What is missing, and where models answered outside their own assumptions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """How well the reference itself is known: its refinement ladder."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 

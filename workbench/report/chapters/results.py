@@ -1,7 +1,5 @@
 """Figures and tables of numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """What `workbench fit` shows, from the content of its JSON object."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from workbench.content.formatting import number

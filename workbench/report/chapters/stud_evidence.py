@@ -1,7 +1,5 @@
 """Studs: what no test validates, what unseen tests say of the rest, numbers for designers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ Every function takes contents of fits, as `Fit.content` and stored answers hold 
 that their rows are to carry.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from textwrap import wrap
 from typing import Any

@@ -1,7 +1,5 @@
 """What was asked, and what the gates say."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What happens to a frame, on paper: strikers, patterns of loads, motion of the ground."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

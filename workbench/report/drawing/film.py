@@ -4,8 +4,6 @@ Without a script, and on paper, the peak stands still. Coordinates are whole qua
 each snapshot is stored as differences from the one before. Points are complex numbers, x + iy.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A frame on paper: members, joints, supports, springs, masses and dead loads. Units: inches."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 Points and directions are complex numbers, x + iy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property

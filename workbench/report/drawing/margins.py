@@ -1,7 +1,5 @@
 """Around a frame on paper: dimension lines, cross sections, the meaning of symbols."""
 
-from __future__ import annotations
-
 import itertools
 import textwrap
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 A hinge state is a circle at a member's end, its colour the N-M utilisation.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise

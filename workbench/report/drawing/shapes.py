@@ -5,8 +5,6 @@ base, hit point and head of a column: that is all it says about its shape. Point
 numbers, x + iy in m.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property

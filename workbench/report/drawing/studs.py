@@ -1,7 +1,5 @@
 """What the figures of studs share: contents of stored answers, tests as tables and as markers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 

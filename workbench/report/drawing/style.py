@@ -1,7 +1,5 @@
 """One house style: paper-sized figures, safe colours, one look per label in every figure."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager

@@ -5,8 +5,6 @@ point `at` and the unit vector `out` that leads from the structure into the grou
 points are drawn as seen from there, outwards and i times across.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -5,8 +5,6 @@ pictures (default start, half-way, peak, end). Snapshots are shown as they were 
 anything between them.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from workbench.report.drawing.film import LARGEST, film

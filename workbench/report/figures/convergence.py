@@ -3,8 +3,6 @@
 Options: `quantity` (a scalar, default the first of the study), `cases`.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from matplotlib.axes import Axes

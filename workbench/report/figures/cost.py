@@ -3,8 +3,6 @@
 Options: `quantity` (a scalar, default the first of the study), `against` (a label).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

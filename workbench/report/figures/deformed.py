@@ -6,8 +6,6 @@ at its peak and dotted at the end; the default for columns, which then lie on th
 `instants`, among start, half-way, peak, end, times in s or steps (for ``instants``).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.content.formatting import TIMES, in_unit

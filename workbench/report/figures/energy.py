@@ -3,8 +3,6 @@
 Options: `case` (a name; default the first that has a ledger).
 """
 
-from __future__ import annotations
-
 from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, number, unit_of

@@ -4,8 +4,6 @@ Options: `cases`, `quantity` (``force``, the default, or ``load_factor``), `unti
 up to the first displacement beyond it).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

@@ -4,8 +4,6 @@ Options: `quantity` (a history; `impulse` stands for the percussions summed up),
 for quantities that belong to hinges), `cases`, `until` (s).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

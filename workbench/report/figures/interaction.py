@@ -5,8 +5,6 @@ with the largest plastic rotations, or the most forces), `surfaces`: pairs (alph
 besides the surface that the model states.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

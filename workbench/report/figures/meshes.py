@@ -4,8 +4,6 @@ Options: `sizes`, label to element size in m; `quantity` (a scalar, default the 
 study); `case` (default the first with an answer). The band is the interval around the reference.
 """
 
-from __future__ import annotations
-
 from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, INTERVAL, MUTED, Style

@@ -4,8 +4,6 @@ Options: `quantity` (a scalar, default ``peak_displacement``), `against` (a labe
 reference), `cases`.
 """
 
-from __future__ import annotations
-
 import textwrap
 
 import pandas as pd

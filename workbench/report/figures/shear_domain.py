@@ -4,8 +4,6 @@ Options: `against` (the shear-free label, default the reference), `tolerance` (d
 `group` (case parameter that tells the series of a model apart).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing

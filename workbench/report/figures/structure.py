@@ -4,8 +4,6 @@ Options: `case` (a name; default every different structure of the cases, two at 
 drawn as the frame of its two segments.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

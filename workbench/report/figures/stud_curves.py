@@ -3,8 +3,6 @@
 Options: `cases` (the first case with answers counts).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd

@@ -3,8 +3,6 @@
 Options: `cases`: questions of residual strength or stiffness; one row each.
 """
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tension and shear together: laws, mechanical predictions, and tests where there are any."""
 
-from __future__ import annotations
-
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, WARNING, Style, entry, framed

@@ -1,7 +1,5 @@
 """The mechanical stud as a picture, to scale, with its parameters and which were calibrated."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from matplotlib.axes import Axes

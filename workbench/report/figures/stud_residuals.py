@@ -3,8 +3,6 @@
 Options: `cases` (the first case with an answer of the first label counts).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator

@@ -4,8 +4,6 @@ Options: `cases`; the first case that a label answers counts, and tests that its
 are filled.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes

@@ -3,8 +3,6 @@
 Options: `cases`: the one with the judged model, and the one whose tests hold load-slip points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

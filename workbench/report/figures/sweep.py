@@ -6,8 +6,6 @@ Options: `x`, `y`, `facet` (names of case parameters; default the first three th
 Cases that differ only in further parameters share a field; the worst of them is shown.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from typing import Any

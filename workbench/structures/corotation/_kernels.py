@@ -6,8 +6,6 @@ deformations are (l - L, theta_1 - alpha, theta_2 - alpha), local forces (N, M_1
 Source: Heng 2017, chapter 5; discrete gradients after Simo and Tarnow 1992 and Gonzalez 1996.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

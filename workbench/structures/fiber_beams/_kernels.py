@@ -4,8 +4,6 @@ Symbols: eps = u/L - y (b1 theta_1 + b2 theta_2) with b1 = (6 xi - 4)/L and b2 =
 the point xi along the element; N = sum(sigma A), M = -sum(sigma y A). Source: Heng 2017, chapter 5.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

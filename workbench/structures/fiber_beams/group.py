@@ -1,7 +1,5 @@
 """The group object: all fiber beams of a structure, and where their sections are sampled."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

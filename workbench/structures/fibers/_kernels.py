@@ -4,8 +4,6 @@ Symbols: strains Gamma_1 of the axis, Gamma_2 of shear, curvature kappa; forces 
 strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
 """
 
-from __future__ import annotations
-
 from numba import njit
 
 from workbench.structures.uniaxial._kernels import (

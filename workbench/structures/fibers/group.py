@@ -1,7 +1,5 @@
 """What all beams with fiber sections have in common, whatever their kinematics."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """A layered cross section with its law, its shear stiffness and its initial stresses."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -5,8 +5,6 @@ mid-web in compression, the junctions in tension, each plate in equilibrium by i
 are then cut across their width too.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -9,8 +9,6 @@ are exact, so that the work of the element forces is that of the weighted sectio
 Sources: Reissner 1972; Simo 1985; discrete gradients after Simo, Tarnow and Doblare 1995.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

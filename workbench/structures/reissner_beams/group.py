@@ -1,7 +1,5 @@
 """The group object: all geometrically exact beams of a structure."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -7,8 +7,6 @@ bar that has inertia. Source: Heng 2017, papers III and IV; midpoint form of Ham
 principle for the rotary inertia after Simo and Tarnow 1992.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a superelement consists of: two hinges, the bar between them, its mass."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 

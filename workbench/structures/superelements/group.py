@@ -1,7 +1,5 @@
 """The group object: all superelements of a structure, with two state buffers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Steel laws of fibers as frozen values; their parameters and states are arrays of the kernels."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

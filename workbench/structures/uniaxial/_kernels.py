@@ -10,8 +10,6 @@ Sources: Simo and Hughes 1998, boxes 1.5 and 1.6, section 3.3; Menegotto and Pin
 et al. 1983.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the models of studs share: their tables, the split of the campaigns, their responses."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from abc import abstractmethod

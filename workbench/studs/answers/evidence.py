@@ -1,7 +1,5 @@
 """What stands beside the fits: tests, series, the mechanical stud, interaction laws."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

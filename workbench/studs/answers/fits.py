@@ -3,8 +3,6 @@
 Each is fitted to the calibrating tests and judged by the validating ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar

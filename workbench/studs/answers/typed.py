@@ -5,8 +5,6 @@ of a table lie along ``....row``; names are paths, ``answer.fit.sigma.value``. N
 not reported. Any netCDF reader gets numbers and units; `content_of` gives the nesting back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, is_dataclass
 from typing import Any

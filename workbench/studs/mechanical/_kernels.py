@@ -6,8 +6,6 @@ during a step. States: (largest s, smallest s) of bearings, (largest s, -) of th
 slide of the slide. Laws rise as f = F (1 - exp(-K s / F)) and unload with the slope K.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

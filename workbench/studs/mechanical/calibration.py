@@ -1,7 +1,5 @@
 """Calibration of the mechanical model on push-out tests, and its check on other campaigns."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Drive a stud: push-out, pull-out, and one after the other."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The concrete around a stud as an element group of the structures floor."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

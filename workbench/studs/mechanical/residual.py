@@ -4,8 +4,6 @@ The band runs over the parameters that no test at hand tells: what a cone takes 
 strength, where it ends, and the friction of the flange.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache

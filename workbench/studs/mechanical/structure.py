@@ -10,8 +10,6 @@ The flange turns nothing and moves with the base along x. While it rests on the 
 head closes over the contact, so that the cone is not loaded; when the flange is lifted, it is.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from workbench.errors import OutOfDomainError

@@ -6,8 +6,6 @@ known standard deviation t is replaced by the normal quantile. This reproduces t
 Source: EN 1990:2002, D.8.2 and D.8.3 (recalled, not read again).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import exp, inf, log, prod, sqrt

@@ -7,8 +7,6 @@ z = sqrt(w) and phi = 1 - (1 + lambda sum w)^(-1/2). Source: Pinheiro and Bates 
 and 7; degrees of freedom after Satterthwaite (see `satterthwaite`).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -7,8 +7,6 @@ fewer the integral does not exist and no prediction for a new campaign is made.
 Relations are chosen by cross-validation over campaigns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What a regression with campaign effects is asked: observations, prediction, bounds, weights."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
