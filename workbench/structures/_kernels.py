@@ -1,4 +1,4 @@
-"""Band storage: products, and rows that are held; largest entries."""
+"""Band storage: products, and rows that are held; largest entries; small dense systems."""
 
 import numpy as np
 from numba import njit
@@ -56,3 +56,31 @@ def add_inertia(mass, width, moved, factor, start, force, held, result):
         result[i] = result[i] * factor - start[i] + force[i]
     for h in held:
         result[h] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def solve_dense(A, b):
+    """Solve A x = b in place by Gaussian elimination with row pivoting; False if singular."""
+    n = b.size
+    for i in range(n):
+        pivot = i
+        for r in range(i + 1, n):
+            if abs(A[r, i]) > abs(A[pivot, i]):
+                pivot = r
+        if A[pivot, i] == 0.0 or not np.isfinite(A[pivot, i]):
+            return False
+        if pivot != i:
+            for k in range(n):
+                A[i, k], A[pivot, k] = A[pivot, k], A[i, k]
+            b[i], b[pivot] = b[pivot], b[i]
+        for r in range(i + 1, n):
+            factor = A[r, i] / A[i, i]
+            if factor != 0.0:
+                for k in range(i, n):
+                    A[r, k] -= factor * A[i, k]
+                b[r] -= factor * b[i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= A[i, k] * b[k]
+        b[i] /= A[i, i]
+    return True

@@ -11,6 +11,7 @@ from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
+from workbench.structures._kernels import solve_dense
 
 _EPS = 2.220446049250313e-16
 _PIECES = 64  # into which a step may be cut
@@ -87,7 +88,7 @@ def solve_step(column, dt, nested, closed, jump, state, work):
         for i in range(4):
             step[i], old[i] = -work.R[i], q[i]
         factor, new, better = 1.0, norm, False
-        for _half in range(12 if statics.solve(work.J, step) else 0):
+        for _half in range(12 if solve_dense(work.J, step) else 0):
             for i in range(4):
                 q[i] = old[i] + factor * step[i]
             new = step_residual(column, dt, nested, closed, jump, state, work)

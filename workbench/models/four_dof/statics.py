@@ -11,6 +11,7 @@ from numba import njit
 from workbench.hinges._kernels import Hinges, newton_in_bracket, project
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
+from workbench.structures._kernels import solve_dense
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load
@@ -152,33 +153,6 @@ def balance_rotation(column, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def solve(A, b):
-    """Solve A x = b in place by Gaussian elimination with row pivoting; False if singular."""
-    for i in range(4):
-        pivot = i
-        for r in range(i + 1, 4):
-            if abs(A[r, i]) > abs(A[pivot, i]):
-                pivot = r
-        if A[pivot, i] == 0.0 or not np.isfinite(A[pivot, i]):
-            return False
-        if pivot != i:
-            for k in range(4):
-                A[i, k], A[pivot, k] = A[pivot, k], A[i, k]
-            b[i], b[pivot] = b[pivot], b[i]
-        for r in range(i + 1, 4):
-            factor = A[r, i] / A[i, i]
-            if factor != 0.0:
-                for k in range(i, 4):
-                    A[r, k] -= factor * A[i, k]
-                b[r] -= factor * b[i]
-    for i in range(3, -1, -1):
-        for k in range(i + 1, 4):
-            b[i] -= A[i, k] * b[k]
-        b[i] /= A[i, i]
-    return True
-
-
-@njit(cache=True, error_model="numpy")
 def hold(A, i):
     """Take the unknown i out of a system: its row and column become those of the identity."""
     for k in range(4):
@@ -217,7 +191,7 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
                 if not ((i == U1 and free_u1) or (i == U2 and free_u2)):
                     hold(J, i)
             factor = 1.0
-            for _half in range(12 if solve(J, step) else 0):
+            for _half in range(12 if solve_dense(J, step) else 0):
                 for i in range(4):
                     q[i] = old[i] + factor * step[i]
                 balance_rotation(column, state, work)
