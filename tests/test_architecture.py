@@ -85,3 +85,12 @@ def test_packages_have_no_import_cycles() -> None:
 
     for module in graph:
         visit(module, ())
+
+
+def test_tests_use_public_names() -> None:
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("workbench"):
+                words = [*node.module.split("."), *(alias.name for alias in node.names)]
+                private = [w for w in words if w.startswith("_") and not w.endswith("__")]
+                assert not private, f"{path.name} imports {private}"

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.hinges import GeneralizedHinge, YieldSurface, _kernels, _pair_kernels
+from workbench.hinges import GeneralizedHinge, YieldSurface, kernels, pair_kernels
 
 NP, MP = 3133230.0, 284720.0
 KN, KT = 4.7775e9, 1.2743325e8
-ELASTIC, CURVE, APEX, AXIS = _kernels.ELASTIC, _kernels.CURVE, _kernels.APEX, _kernels.AXIS
+ELASTIC, CURVE, APEX, AXIS = kernels.ELASTIC, kernels.CURVE, kernels.APEX, kernels.AXIS
 
 
 class Pair:
@@ -35,8 +35,8 @@ class Pair:
 
     def solve(self, elastic):
         forces, tangent, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
-        pair = _pair_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
-        branch = _pair_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
+        pair = pair_kernels.Pair(self.flexibility, self.bounds, self.exponents, self.pinned)
+        branch = pair_kernels.project_pair(pair, np.array(elastic), forces, tangent, flow)
         return forces, tangent, flow.reshape(2, 2), branch
 
     def used(self, forces) -> np.ndarray:

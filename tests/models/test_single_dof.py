@@ -20,7 +20,7 @@ from workbench.models.resistance import (
     mechanism_of,
     resistance_curve,
 )
-from workbench.models.single_dof import SingleDof, _kernels
+from workbench.models.single_dof import SingleDof, kernels
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find
@@ -42,8 +42,8 @@ def subjects(response: Response) -> set[str]:
 
 def followed(curve: ResistanceCurve, path: np.ndarray) -> np.ndarray:
     """Force, elastic energy and dissipation of the spring along a path."""
-    records = np.zeros(len(path), _kernels.RECORD)
-    _kernels.follow(path, curve.elastic_limit, curve.pieces, records)
+    records = np.zeros(len(path), kernels.RECORD)
+    kernels.follow(path, curve.elastic_limit, curve.pieces, records)
     return np.array([records[name] for name in ("force", "elastic", "dissipated")])
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.structures.fibers import BeamSection, _kernels
+from workbench.structures.fibers import BeamSection, kernels
 from workbench.structures.fibers.section import section_tables
 
 
@@ -12,7 +12,7 @@ def response(section: BeamSection, strain: float, curvature: float, old: np.ndar
     """Forces and tangent of a section (see `section_response`), and its new states (states, f)."""
     tables = section_tables(np.zeros(1, dtype=np.int64), [section])
     new = np.zeros_like(old)
-    return _kernels.section_response(tables, 0, np.inf, strain, 0.0, curvature, old, new), new
+    return kernels.section_response(tables, 0, np.inf, strain, 0.0, curvature, old, new), new
 
 
 def stress_path(law, strains, duration: float = np.inf) -> np.ndarray:
@@ -22,7 +22,7 @@ def stress_path(law, strains, duration: float = np.inf) -> np.ndarray:
     old, new = np.zeros((2, law.states, 1))
     result = []
     for strain in np.asarray(strains, dtype=float):
-        found = _kernels.section_response(tables, 0, duration, strain, 0.0, 0.0, old, new)
+        found = kernels.section_response(tables, 0, duration, strain, 0.0, 0.0, old, new)
         result.append((found[0], found[3]))
         old, new = new, old
     return np.array(result)

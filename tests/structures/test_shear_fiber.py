@@ -10,7 +10,7 @@ from section_cases import stress_path
 
 from workbench.errors import InputError
 from workbench.structures.uniaxial import LinearHardening, ShearYielding
-from workbench.structures.uniaxial._kernels import sheared
+from workbench.structures.uniaxial.kernels import sheared
 
 E, FY = 210e9, 355e6
 G = E / 2.6

@@ -26,7 +26,7 @@ from workbench.structures.superelements import (
     HingeEnd,
     Superelement,
     Superelements,
-    _kernels,
+    kernels,
     sway_stiffness,
 )
 from workbench.structures.superelements.group import HingeTables, SuperelementState
@@ -151,7 +151,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             empty = (np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 3)))
             state = SuperelementState(*empty, total[None].copy(), np.zeros(1))
             scratch = np.zeros(3), np.zeros(4)
-            _kernels.hinge_bar_law(0, tables, plastic[None], state, k, *scratch)
+            kernels.hinge_bar_law(0, tables, plastic[None], state, k, *scratch)
             local, carried = state.local[0], state.carried[0]
             pair = plastic.reshape(2, 2)
             if kind == "rigid":

@@ -18,9 +18,9 @@ from workbench.studs.mechanical import (
     MechanicalFit,
     Stud,
     Surroundings,
-    _kernels,
     calibrate,
     interaction_points,
+    kernels,
     pull_out,
     pull_then_push,
     push_out,
@@ -47,8 +47,8 @@ def test_bearing_slope_is_its_derivative(
     s: float, large: float, small: float, k: float, f: float
 ) -> None:
     h = 1e-9
-    force, slope, _, _ = _kernels.bearing(s, large, small, k, f)
-    ends = [_kernels.bearing(s + e, large, small, k, f)[0] for e in (-h, h)]
+    force, slope, _, _ = kernels.bearing(s, large, small, k, f)
+    ends = [kernels.bearing(s + e, large, small, k, f)[0] for e in (-h, h)]
     kink = min(abs(s - large), abs(s - small), abs(s)) < 3 * h
     gap = min(abs(ends[0]), abs(ends[1]), abs(force)) == 0.0
     if not (kink or gap):
@@ -60,22 +60,22 @@ def test_bearing_slope_is_its_derivative(
 def test_cone_unloads_below_its_envelope_and_returns_to_it(s: float, large: float) -> None:
     strength, peak, end = 80e3, 4e-4, 5e-3
     k = 2.0 * strength / peak
-    force, _, kept = _kernels.cone(s, large, k, strength, peak, end)
-    envelope, _ = _kernels.cone_envelope(s, strength, peak, end)
+    force, _, kept = kernels.cone(s, large, k, strength, peak, end)
+    envelope, _ = kernels.cone_envelope(s, strength, peak, end)
     assert kept == max(s, large)
     if s <= large:
         assert force <= envelope + 1e-6 * strength or s > peak
-        again, _, _ = _kernels.cone(large, large, k, strength, peak, end)
-        top, _ = _kernels.cone_envelope(large, strength, peak, end)
+        again, _, _ = kernels.cone(large, large, k, strength, peak, end)
+        top, _ = kernels.cone_envelope(large, strength, peak, end)
         assert again == pytest.approx(top)
     else:
         assert force == pytest.approx(envelope)
 
 
 def test_cone_envelope_has_its_peak_and_a_small_rest() -> None:
-    peak, slope = _kernels.cone_envelope(4e-4, 80e3, 4e-4, 5e-3)
+    peak, slope = kernels.cone_envelope(4e-4, 80e3, 4e-4, 5e-3)
     assert (peak, slope) == pytest.approx((80e3, 0.0))
-    assert _kernels.cone_envelope(6e-3, 80e3, 4e-4, 5e-3) == pytest.approx((1.6e3, 0.0))
+    assert kernels.cone_envelope(6e-3, 80e3, 4e-4, 5e-3) == pytest.approx((1.6e3, 0.0))
 
 
 def test_round_section_has_the_properties_of_a_circle() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
-from workbench.hinges import _kernels
+from workbench.hinges import kernels
 from workbench.hinges.surface import YieldSurface
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ class GeneralizedHinge:
         if not (np.all(np.isfinite(total)) and np.all(np.isfinite(old))):
             raise InputError("hinge.deformation", total.tolist(), "must be finite")
         surface = self.surface
-        hinges = _kernels.Hinges(
+        hinges = kernels.Hinges(
             stiffness[0],
             stiffness[1:],
             np.array(surface.axial_bounds),
@@ -75,7 +75,7 @@ class GeneralizedHinge:
             surface.beta,
         )
         forces, tangent = np.empty_like(stiffness), np.empty((stiffness.size, stiffness.size))
-        branch = _kernels.project(hinges, stiffness * (total - old), forces, tangent)
+        branch = kernels.project(hinges, stiffness * (total - old), forces, tangent)
         elastic = np.divide(forces, stiffness, out=total - old, where=stiffness > 0.0)
-        new = old if branch == _kernels.ELASTIC else total - elastic
+        new = old if branch == kernels.ELASTIC else total - elastic
         return HingeUpdate(forces, new, tangent, _BRANCHES[branch])

@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from workbench.errors import InputError
-from workbench.structures import _kernels
+from workbench.structures import kernels
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 
 Array = NDArray[np.float64]
@@ -206,13 +206,13 @@ class PlanarAssembly:
     def mass_times(self, x: Array) -> Array:
         """Product of the mass matrix with x (dofs,)."""
         result = np.empty(self.size)
-        _kernels.band_product(self.mass, self.width, x, result)
+        kernels.band_product(self.mass, self.width, x, result)
         return result
 
     def residual(self, moved: Array, factor: float, start: Array, force: Array) -> Array:
         """Residual (dofs,) of a time step: M moved factor - start + force, zero at held dofs."""
         result = np.empty(self.size)
-        _kernels.add_inertia(self.mass, self.width, moved, factor, start, force, self._held, result)
+        kernels.add_inertia(self.mass, self.width, moved, factor, start, force, self._held, result)
         return result
 
     def allowed_residual(self, tolerance: float, start: Array, residual: Array) -> float:
@@ -223,7 +223,7 @@ class PlanarAssembly:
         forces yet); displacements `start`, whose rounding leaves a residual by itself, as does
         that of the chords.
         """
-        largest = _kernels.largest
+        largest = kernels.largest
         scale = max(self._largest_force, largest(self.load), 1e-3 * largest(residual))
         diagonal = self.band[2 * self.width :: self._rows]
         rounded = max(largest(start), self._shortest)
@@ -233,7 +233,7 @@ class PlanarAssembly:
     def tangent_times(self, x: Array) -> Array:
         """Product of the tangent in `band` with x (dofs,)."""
         result = np.empty(self.size)
-        _kernels.band_product(self.band, self.width, x, result)
+        kernels.band_product(self.band, self.width, x, result)
         return result
 
     def solve(self, right: Array, held: Indices | None = None) -> Array | None:
@@ -242,14 +242,14 @@ class PlanarAssembly:
         The tangent in `band` is used up.
         """
         held = self._held if held is None else held
-        _kernels.hold(self.band, self.width, held, self.size)
+        kernels.hold(self.band, self.width, held, self.size)
         x = right.copy()
         x[held] = 0.0
         matrix = self.band.reshape((self._rows, self.size), order="F")
         _, _, x, info = lapack.dgbsv(
             self.width, self.width, matrix, x, overwrite_ab=1, overwrite_b=1
         )
-        return x if info == 0 and isfinite(_kernels.largest(x.ravel(order="K"))) else None
+        return x if info == 0 and isfinite(kernels.largest(x.ravel(order="K"))) else None
 
     def account(self, end: Array, weight: float) -> StepEnergies:
         """Energies of the step to the trial state at displacements `end`; springs are stored."""
@@ -264,7 +264,7 @@ class PlanarAssembly:
         for group in self.groups:
             group.commit()
         self.displacement = end.copy()
-        self._largest_force = max(self._largest_force, float(_kernels.largest(self._force)))
+        self._largest_force = max(self._largest_force, float(kernels.largest(self._force)))
         if velocity is not None:
             self.velocity = velocity
 

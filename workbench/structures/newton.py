@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import SolverError
-from workbench.structures._kernels import largest
+from workbench.structures.kernels import largest
 
 Array = NDArray[np.float64]
 Taken = TypeVar("Taken")

@@ -11,7 +11,7 @@ from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
-from workbench.structures._kernels import solve_dense
+from workbench.structures.kernels import solve_dense
 
 _EPS = 2.220446049250313e-16
 _PIECES = 64  # into which a step may be cut

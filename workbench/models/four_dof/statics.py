@@ -8,10 +8,10 @@ over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, d
 import numpy as np
 from numba import njit
 
-from workbench.hinges._kernels import Hinges, newton_in_bracket, project
+from workbench.hinges.kernels import Hinges, newton_in_bracket, project
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures._kernels import solve_dense
+from workbench.structures.kernels import solve_dense
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import OutOfDomainError
-from workbench.models.resistance import _kernels
+from workbench.models.resistance import kernels
 from workbench.models.resistance.mechanism import Mechanism
 
 Array = NDArray[np.float64]
-Pieces: TypeAlias = Any  # array of _kernels.PIECE
+Pieces: TypeAlias = Any  # array of kernels.PIECE
 START, YIELDS, LOAD, LAST, NO_AXIAL_FORCE, TENSION, CATENARY = range(7)  # events
 _NAMES = (
     "mechanism load",
@@ -47,7 +47,7 @@ class ResistanceCurve:
     elastic_limit: float
 
     def __post_init__(self) -> None:
-        _kernels.sum_up(self.pieces)
+        kernels.sum_up(self.pieces)
 
     @property
     def initial_stiffness(self) -> float:
@@ -77,7 +77,7 @@ class ResistanceCurve:
     @cached_property
     def lost_at(self) -> float:
         """Displacement at which the resistance falls to zero, in m (inf: it never does)."""
-        return float(_kernels.lost_at(self.pieces))
+        return float(kernels.lost_at(self.pieces))
 
     def _local(self, displacement: ArrayLike) -> tuple[Pieces, Array, Array]:
         """Pieces at displacements, distances from their starts, and coefficients of the force."""
@@ -109,7 +109,7 @@ class ResistanceCurve:
         slender column in tension), its steepest slope, or unloading would return more energy
         than was put in.
         """
-        return float(_kernels.unloading_stiffness(self.pieces, abs(displacement)))
+        return float(kernels.unloading_stiffness(self.pieces, abs(displacement)))
 
     def residual(self, displacement: float) -> float:
         """Permanent displacement (m) after unloading from `displacement` (m)."""
@@ -131,7 +131,7 @@ class ResistanceCurve:
                 f"the resistance of the column is lost at {lost:.4g} m, after "
                 f"{float(self.work(lost)) / 1e3:.4g} kJ of the {energy / 1e3:.4g} kJ to absorb"
             )
-        return float(_kernels.displacement_at(self.pieces, energy, lost))
+        return float(kernels.displacement_at(self.pieces, energy, lost))
 
     def axial_force(self, displacement: ArrayLike) -> Array:
         """Axial force (N, tension positive) at displacements (m) on the curve.

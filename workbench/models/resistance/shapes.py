@@ -14,8 +14,8 @@ from numba import njit
 
 from workbench.errors import OutOfDomainError
 from workbench.models.resistance import curve as events
-from workbench.models.resistance._kernels import PIECE, falling_root
 from workbench.models.resistance.curve import Pieces, ResistanceCurve
+from workbench.models.resistance.kernels import PIECE, falling_root
 from workbench.models.resistance.mechanism import Groups, Mechanism
 
 RESISTANCES = ("analytic", "cubic", "linear")

@@ -29,12 +29,12 @@ from workbench.models.resistance.limits import (
     reached_findings,
     shear_utilisation,
 )
-from workbench.models.single_dof import _kernels
+from workbench.models.single_dof import kernels
 from workbench.responses import Finding, Response, build_response, peak_contact_force, peak_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
-_SCHEMES = {"midpoint": _kernels.MIDPOINT, "moreau": _kernels.MOREAU}
+_SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _SEGMENTS = ("below", "above")
 _STEPS_PER_PERIOD = 50  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
@@ -48,7 +48,7 @@ _BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_fo
 class _Run(NamedTuple):
     time: Array
     records: Any
-    state: _kernels.Spring
+    state: kernels.Spring
     curve: ResistanceCurve
 
 
@@ -143,18 +143,18 @@ class SingleDof(Declared, table="option"):
         curve = self.curve(column)
         steps = self._steps(scenario, curve)
         step, scheme = scenario.duration / steps, _SCHEMES[self.integrator]
-        records = np.zeros(steps + 1, _kernels.RECORD)
+        records = np.zeros(steps + 1, kernels.RECORD)
         limit = min(reach(column), curve.lost_at)
         mass = column.properties.impact_mass
-        blow = _kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
-        status, last, residual, state = _kernels.impact(
+        blow = kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
+        status, last, residual, state = kernels.impact(
             scheme, step, blow, curve.elastic_limit, limit, curve.pieces, records
         )
         where, v = f"{last * step:.4g} s", records["displacement"]
-        if status == _kernels.NO_CONVERGENCE:
+        if status == kernels.NO_CONVERGENCE:
             tried = "Newton with bisection; the resistance may soften too fast for the step"
             raise SolverError(f"time {where} (step of {step:.3g} s)", residual, tried)
-        if status == _kernels.COLLAPSE:
+        if status == kernels.COLLAPSE:
             reason = (
                 "the column has lost its resistance"
                 if curve.lost_at <= limit
@@ -181,9 +181,9 @@ class SingleDof(Declared, table="option"):
         records, curve = run.records, run.curve
         top = float(records["displacement"].max())
         companion = analytic_companion(curve)
-        spent = (records[name] for name in _kernels.HISTORIES[-4:])  # energies
+        spent = (records[name] for name in kernels.HISTORIES[-4:])  # energies
         values: dict[str, Any] = {
-            **{name: records[name] for name in _kernels.HISTORIES},
+            **{name: records[name] for name in kernels.HISTORIES},
             "balance_error": reduce(np.subtract, spent, scenario.input_energy),
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear_utilisation(companion, scenario.column, top),
@@ -258,8 +258,8 @@ def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
 
 def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[str, Any]:
     """Energies along a push: work by quadrature of the force, the rest from the spring's law."""
-    records = np.zeros(len(path), _kernels.RECORD)
-    _kernels.follow(path, curve.elastic_limit, curve.pieces, records)
+    records = np.zeros(len(path), kernels.RECORD)
+    kernels.follow(path, curve.elastic_limit, curve.pieces, records)
     middle = curve.force(0.5 * (path[1:] + path[:-1]))
     pieces = np.diff(path) * (force[1:] + 4.0 * middle + force[:-1]) / 6.0
     work = np.concatenate([[0.0], np.cumsum(pieces)])

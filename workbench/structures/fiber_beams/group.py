@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.structures.elements import Step, StepEnergies
-from workbench.structures.fiber_beams import _kernels
+from workbench.structures.fiber_beams import kernels
 from workbench.structures.fibers import BeamSection, FiberElements
 
 Array = NDArray[np.float64]
@@ -94,12 +94,12 @@ class FiberBeams(FiberElements):
 
     def assemble(self, step: Step) -> None:
         """Add forces and tangent of a step from the committed state; keep the trial state."""
-        _kernels.assemble(step, self.bars, self._points, self._sections, self._old, self._new)
+        kernels.assemble(step, self.bars, self._points, self._sections, self._old, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
         group = self.bars, self._points, self._sections
-        return StepEnergies(*_kernels.account(weight, *group, self._old, self._new))
+        return StepEnergies(*kernels.account(weight, *group, self._old, self._new))
 
     @property
     def local_forces(self) -> Array:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from workbench.structures.elements import Step, StepEnergies
 from workbench.structures.fibers import FiberElements
-from workbench.structures.reissner_beams import _kernels
+from workbench.structures.reissner_beams import kernels
 
 Array = NDArray[np.float64]
 
@@ -33,12 +33,12 @@ class ReissnerBeams(FiberElements):
 
     def assemble(self, step: Step) -> None:
         """Add forces, and the tangent where it is wanted, of a step from the committed state."""
-        _kernels.assemble(step, self.bars, self._sections, self._old, self._new)
+        kernels.assemble(step, self.bars, self._sections, self._old, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
         group = self.bars, self._sections
-        return StepEnergies(*_kernels.account(weight, *group, self._old, self._new))
+        return StepEnergies(*kernels.account(weight, *group, self._old, self._new))
 
     @property
     def section_forces(self) -> Array:

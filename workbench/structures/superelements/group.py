@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
-from workbench.structures.superelements import _kernels
+from workbench.structures.superelements import kernels
 from workbench.structures.superelements.element import Superelement
 
 Array = NDArray[np.float64]
@@ -97,11 +97,11 @@ class Superelements(ElementGroup):
 
     def assemble(self, step: Step) -> None:
         """Add forces and tangent; a time step has the forces of the nonlinear rotary inertia."""
-        _kernels.assemble(step, self.bars, self._hinges, self._old, self._new)
+        kernels.assemble(step, self.bars, self._hinges, self._old, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
-        return StepEnergies(*_kernels.account(weight, self._hinges, self._old, self._new))
+        return StepEnergies(*kernels.account(weight, self._hinges, self._old, self._new))
 
     def masses(self) -> tuple[Array, Array]:
         """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""

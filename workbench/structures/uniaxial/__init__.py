@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.fields import Declared, Number, checked
-from workbench.structures.uniaxial import _kernels
+from workbench.structures.uniaxial import kernels
 
 Array = NDArray[np.float64]
 _MODULUS = Number(0.0, 1e30, "Pa", low_included=False)
@@ -56,7 +56,7 @@ class LinearHardening(Declared, table="law"):
     @property
     def code(self) -> int:
         """Number of the kernel."""
-        return _kernels.LINEAR if self.rate is None else _kernels.LINEAR_RATE
+        return kernels.LINEAR if self.rate is None else kernels.LINEAR_RATE
 
     def parameters(self) -> Array:
         """Numbers for the kernels, (8,)."""
@@ -91,7 +91,7 @@ class MenegottoPinto(Declared, table="law"):
     softening: float = checked(_SHARE, 0.925)
     softening_strain: float = checked(_ABOVE_ZERO, 0.15)
 
-    code: ClassVar[int] = _kernels.MENEGOTTO_PINTO
+    code: ClassVar[int] = kernels.MENEGOTTO_PINTO
     states: ClassVar[int] = 9
     rate: ClassVar[None] = None
 
@@ -116,7 +116,7 @@ class ShearYielding(Declared, table="law"):
     yield_stress: float = checked(_MODULUS)
     kinematic_modulus: float = checked(_HARDENING, 0.0)
 
-    code: ClassVar[int] = _kernels.SHEARED
+    code: ClassVar[int] = kernels.SHEARED
     states: ClassVar[int] = 2
     rate: ClassVar[None] = None
 

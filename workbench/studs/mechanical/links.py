@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
-from workbench.studs.mechanical import _kernels
+from workbench.studs.mechanical import kernels
 from workbench.studs.quantities import Array
 
 Indices = NDArray[np.int64]
@@ -93,10 +93,10 @@ class Links(ElementGroup):
         if step.dynamic:
             raise OutOfDomainError("the links of a stud are made for statics")
         tables, end, new = self._tables, step.end, self._new
-        _kernels.evaluate(end, tables, self.factor, self.cap, self._old, new)
+        kernels.evaluate(end, tables, self.factor, self.cap, self._old, new)
         joined = np.where(tables.second >= 0, end[tables.second], 0.0)
         new.deformation[:] = tables.sign * (end[tables.first] - joined)
-        _kernels.scatter(step.force, step.band, tables, self._chosen, new)
+        kernels.scatter(step.force, step.band, tables, self._chosen, new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step by the trapezoidal rule; stored is f^2 / 2 K."""

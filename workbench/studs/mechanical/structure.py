@@ -18,7 +18,7 @@ from workbench.structures.fiber_beams import FiberBeams
 from workbench.structures.fibers import BeamSection
 from workbench.structures.meshing import graded_lengths
 from workbench.structures.uniaxial import LinearHardening
-from workbench.studs.mechanical import _kernels
+from workbench.studs.mechanical import kernels
 from workbench.studs.mechanical.links import AXIAL, LATERAL, Link, Links
 from workbench.studs.mechanical.parameters import (
     DENSITY,
@@ -109,7 +109,7 @@ class StudStructure:
         peak = around.cone_peak * stud.embedment
         links = [
             Link(
-                _kernels.BEARING,
+                kernels.BEARING,
                 node,
                 abs(node - 1),
                 LATERAL,
@@ -123,17 +123,17 @@ class StudStructure:
         self.pressure, self.crack, self.contact = (len(links) + k for k in (2, 3, 4))
         return [
             *links,
-            Link(_kernels.SLIDE, self.flange, 0, LATERAL, rigid, stud.shear_strength),
-            Link(_kernels.BEARING, self.flange, 0, LATERAL, modulus * max(collar_h, 1e-6),
+            Link(kernels.SLIDE, self.flange, 0, LATERAL, rigid, stud.shear_strength),
+            Link(kernels.BEARING, self.flange, 0, LATERAL, modulus * max(collar_h, 1e-6),
                  pressure * collar_d * max(collar_h, 1e-6), grounded=True),
             # u of the head falls when it is pulled: the cone is the first end
-            Link(_kernels.BEARING, self.cone, self.head, AXIAL, ec * np.sqrt(head),
+            Link(kernels.BEARING, self.cone, self.head, AXIAL, ec * np.sqrt(head),
                  around.head_factor * fc * head),
-            Link(_kernels.CONE, self.cone, self.head, AXIAL, 2.0 * cone / peak, cone, -1.0,
+            Link(kernels.CONE, self.cone, self.head, AXIAL, 2.0 * cone / peak, cone, -1.0,
                  peak, around.cone_end * stud.embedment, grounded=True),
-            Link(_kernels.CONTACT, 0, self.cone, AXIAL, rigid),
+            Link(kernels.CONTACT, 0, self.cone, AXIAL, rigid),
             # bond of the shank: little, but it keeps a stud in place that has come loose
-            Link(_kernels.SLIDE, self.cone, self.head, AXIAL, 0.1 * ec * np.sqrt(head),
+            Link(kernels.SLIDE, self.cone, self.head, AXIAL, 0.1 * ec * np.sqrt(head),
                  BOND_SHARE * stud.tensile_strength),
         ]  # fmt: skip
 
@@ -168,7 +168,7 @@ class StudStructure:
         link = self.links.links[self.crack]
         if opened <= link.peak:
             return 0.0
-        left, _ = _kernels.cone_envelope(opened, link.strength, link.peak, link.end)
+        left, _ = kernels.cone_envelope(opened, link.strength, link.peak, link.end)
         return float(1.0 - left / link.strength)
 
     @property

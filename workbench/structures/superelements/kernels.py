@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba import njit
 
-from workbench.hinges._pair_kernels import Pair, project_pair
-from workbench.structures.corotation._kernels import add_element, chord_at
+from workbench.hinges.pair_kernels import Pair, project_pair
+from workbench.structures.corotation.kernels import add_element, chord_at
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.impact import contact_loss, explicit_percussion, rebound, touches
-from workbench.models.resistance._kernels import on_curve, unloading_stiffness, work_between
+from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between
 
 MIDPOINT, MOREAU = 0, 1
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2

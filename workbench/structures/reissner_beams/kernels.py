@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numba import njit
 
-from workbench.structures.fibers._kernels import section_energies, section_response
+from workbench.structures.fibers.kernels import section_energies, section_response
 
 SMALL_TURN = 1e-3  # rad; below it sin(x)/x is taken from its series
 

@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from workbench.hinges import _kernels as surface
-from workbench.hinges._kernels import APEX, AXIS, CURVE, ELASTIC, capacity
+from workbench.hinges import kernels as surface
+from workbench.hinges.kernels import APEX, AXIS, CURVE, ELASTIC, capacity
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -6,7 +6,7 @@ strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
 
 from numba import njit
 
-from workbench.structures.uniaxial._kernels import (
+from workbench.structures.uniaxial.kernels import (
     LINEAR,
     LINEAR_RATE,
     SHEARED,
