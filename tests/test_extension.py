@@ -74,9 +74,6 @@ METRIC = '''
 def squared_error(response: Response, reference: Response, quantity: str) -> float:
     """Relative error squared."""
     return relative_error(response, reference, quantity) ** 2
-
-
-SCALAR_METRICS += (squared_error,)
 '''
 USE = """
 import json

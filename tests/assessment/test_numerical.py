@@ -89,20 +89,15 @@ def test_unusable_ladders_are_refused(values, ratio):
 
 
 def test_uncertainties_combine_by_the_root_of_squares():
-    found = expand(
-        1.1, 1.0, simulation_uncertainty=0.03, input_uncertainty=0.0, data_uncertainty=0.04
-    )
+    found = expand(1.1, 1.0, 0.03, 0.04)
     assert found.error == pytest.approx(0.1)
     assert found.uncertainty == pytest.approx(0.05)
     assert found.relative == pytest.approx(0.1)
     assert found.relative_uncertainty == pytest.approx(np.hypot(0.03, 1.1 * 0.04))
-    assert found.resolved
 
 
-def test_unknown_and_unresolved_errors():
-    assert expand(1.0, 2.0, data_uncertainty=None).uncertainty is None
-    assert not expand(1.0, 2.0, data_uncertainty=None).resolved
-    assert not expand(1.0, 1.05, data_uncertainty=0.1).resolved
+def test_unknown_errors():
+    assert expand(1.0, 2.0, 0.0, None).uncertainty is None
     assert expand(1.0, 0.0).relative is None
     with pytest.raises(InputError, match="negative"):
-        expand(1.0, 1.0, data_uncertainty=-1.0)
+        expand(1.0, 1.0, 0.0, -1.0)

@@ -298,9 +298,9 @@ def test_the_cells_table(toy_study: Study, tmp_path: Path) -> None:
 
 def test_bad_studies_are_refused(toy_study: Study, tmp_path: Path) -> None:
     run_study(toy_study, tmp_path, jobs=0)
-    wrong = dataclasses.replace(toy_study, gates=(gate("soft", "fine", 0.1, metric="relative"),))
+    gates = (gate("soft", "fine", 0.1, metric="relative"),)
     with pytest.raises(InputError, match=r"gate\.metric.*relative_error"):
-        assess(wrong, tmp_path)
+        dataclasses.replace(toy_study, gates=gates)
     cases = tuple(dataclasses.replace(c, parameters={"value": 1}) for c in toy_study.cases)
     with pytest.raises(InputError, match="is the name of a column"):
         assess(dataclasses.replace(toy_study, cases=cases), tmp_path)
@@ -324,7 +324,7 @@ def test_the_rules_are_derivatives(metric: str) -> None:
 
     by_model = (value(s + u, d) - value(s - u, d)) / 2.0
     by_data = (value(s, d + 2 * u) - value(s, d - 2 * u)) / 2.0
-    interval = expand(s, d, simulation_uncertainty=u, data_uncertainty=2 * u)
+    interval = expand(s, d, u, 2 * u)
     rule = METRICS[metric].spread
     assert rule is not None
     width = rule(interval, s / d)

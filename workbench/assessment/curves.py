@@ -104,6 +104,3 @@ def _resampled(x: Array, y: Array) -> Array:
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
     at = np.linspace(0.0, length[-1], _SAMPLES)
     return np.stack([np.interp(at, length, x), np.interp(at, length, y)])
-
-
-CURVE_METRICS = (area_difference, work_difference, arc_length_distance)

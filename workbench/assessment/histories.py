@@ -105,12 +105,3 @@ def residual_deviation(response: Response, reference: Response, quantity: str) -
     span = time[-1] - time[0]
     centred = residual - np.trapezoid(residual, time) / span
     return float(np.sqrt(product_integral(time, centred, centred) / span))
-
-
-HISTORY_METRICS = (
-    sprague_geers_magnitude,
-    sprague_geers_phase,
-    sprague_geers_comprehensive,
-    residual_mean,
-    residual_deviation,
-)

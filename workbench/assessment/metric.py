@@ -1,19 +1,59 @@
-"""What a metric is: a number with a meaning, a range, a perfect value and a source."""
+"""What a metric is: a number with a meaning, a range, a perfect value and a source.
+
+A comparison error comes with its interval.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.assessment.numerical import ErrorInterval
 from workbench.errors import InputError
 from workbench.responses import Response
 
 Array = NDArray[np.float64]
 Compute = Callable[[Response, Response, str], float]
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorInterval:
+    """A comparison error with its uncertainty (ASME V&V 20).
+
+    `error` = S - D and `uncertainty` (None: unknown) in the unit of the quantity; `relative`
+    and `relative_uncertainty` are the same of S/D - 1 (None if D is zero).
+    """
+
+    error: float
+    uncertainty: float | None
+    relative: float | None
+    relative_uncertainty: float | None
+
+
+def expand(
+    simulation: float, data: float, own: float | None = 0.0, other: float | None = 0.0
+) -> ErrorInterval:
+    """Comparison error E = S - D with the interval that its ingredients leave (ASME V&V 20).
+
+    Arguments, all in the unit of the quantity: `simulation` S and `data` D (a test, a published
+    number or a reference solution); the uncertainties of both, `own` and `other`, expanded to the
+    same coverage (a grid convergence index stands for about 95 %); they combine by the root of
+    their squares. None means unknown and makes the result's uncertainty unknown.
+    Raises `InputError` for negative uncertainties.
+    """
+    if any(part is not None and not part >= 0.0 for part in (own, other)):
+        raise InputError("uncertainty", (own, other), "must not be negative")
+    error, relative = simulation - data, None if data == 0.0 else (simulation - data) / abs(data)
+    if own is None or other is None:
+        return ErrorInterval(error, None, relative, None)
+    # S/D: a relative change of D acts with the weight S/D
+    spread = None if data == 0.0 else hypot(own / data, simulation / data * other / data)
+    return ErrorInterval(error, hypot(own, other), relative, spread)
+
+
 # (error of value and reference with a known uncertainty, value over reference) -> half-width
 Spread = Callable[[ErrorInterval, float], float | None]
 
@@ -76,8 +116,13 @@ class Metric:
         return self.compute(response, reference, quantity)
 
 
+METRICS: dict[str, Metric] = {}
+
+
 def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Compute], Metric]:
-    """Make a metric of a function: its name, and the first sentence of its docstring as meaning.
+    """Make a metric of a function, and list it in `METRICS`.
+
+    The function gives its name, and the first sentence of its docstring as meaning.
 
     Arguments: those of `Metric`, `more` by name.
     """
@@ -86,7 +131,9 @@ def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Co
         first, _, _ = (compute.__doc__ or "").partition("\n\n")
         meaning = " ".join(first.split()).rstrip(".")
         meaning = meaning[:1].lower() + meaning[1:]
-        return Metric(compute.__name__, title, meaning, compute, scope, citation, **more)
+        name = compute.__name__
+        METRICS[name] = Metric(name, title, meaning, compute, scope, citation, **more)
+        return METRICS[name]
 
     return made
 

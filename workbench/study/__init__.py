@@ -8,12 +8,12 @@ from workbench.study.cells import cells_of as cells_of
 from workbench.study.definition import Case as Case
 from workbench.study.definition import Figure as Figure
 from workbench.study.definition import Study as Study
-from workbench.study.gather import gather as gather
 from workbench.study.loading import LoadedStudy as LoadedStudy
 from workbench.study.loading import load_study as load_study
 from workbench.study.loading import study_files as study_files
 from workbench.study.manifest import CellStatus as CellStatus
 from workbench.study.manifest import State as State
+from workbench.study.manifest import gather as gather
 from workbench.study.manifest import survey as survey
 from workbench.study.runner import RunSummary as RunSummary
 from workbench.study.runner import run_study as run_study

@@ -8,11 +8,11 @@ from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
 from workbench.errors import InputError
 from workbench.responses import SCALARS, TIMES, Response, energy_error, findings_of, scalars_of
 from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
-from workbench.study.answers import Answers
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import LADDER_COLUMNS, comparison_rows, ladder_row
 from workbench.study.definition import Study
 from workbench.study.files import Row, csv_bytes, write_atomically
+from workbench.study.sides import Answers
 from workbench.study.store import Presence, Store
 from workbench.study.verdicts import CASE_COLUMNS, case_rows, verdict_row, verdicts_of
 from workbench.study.verdicts import COLUMNS as VERDICT_COLUMNS
@@ -136,10 +136,10 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
         ]
         # numerical errors have one sign over the cases: they shift the bias, they do not scatter
         common = sum(known) / len(known) if known else 0.0
-        notes = [found.note] if found.note else []
+        note = ""
         if len(known) < len(rows):
             unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
-            notes.append(f"numerical uncertainty unknown in {unknown}")
+            note = f"numerical uncertainty unknown in {unknown}"
         yield {
             "model": model,
             "against": reference,
@@ -148,5 +148,5 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
             "low": None if found.low is None else found.low * (1.0 - common),
             "high": None if found.high is None else found.high * (1.0 + common),
             "uncertainty": common if known else None,
-            "note": "; ".join(notes),
+            "note": note,
         }

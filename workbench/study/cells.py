@@ -14,7 +14,6 @@ from workbench.errors import InputError
 from workbench.models.base import Model, options_of
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
-from workbench.study.verdicts import check_gates
 
 STORE_FORMAT = 2
 
@@ -77,7 +76,7 @@ def cells_of(study: Study) -> list[Cell]:
 
     Raises `InputError` for names that files cannot carry, for models that do not
     keep the contract, for options that cannot be stored or models that cannot be sent to a
-    worker process, for gates on unknown metrics, and for a study without cells.
+    worker process and for a study without cells.
     """
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", study.name):
         raise InputError(
@@ -88,7 +87,6 @@ def cells_of(study: Study) -> list[Cell]:
             raise InputError("study.cases and labels", name, "must not be empty")
     for label, model in study.models.items():
         _check_model(label, model)
-    check_gates(study)
     cells = []
     for case, label in study.cells():
         model = study.models[label]

@@ -27,10 +27,9 @@ from workbench.assessment import METRICS, Metric, Scope, expand
 from workbench.errors import InputError
 from workbench.responses import Response
 from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
-from workbench.study.answers import Answers
 from workbench.study.definition import Case, Study
 from workbench.study.files import Row
-from workbench.study.sides import by_metric, joined, of_side, own_note, quantity_ladder
+from workbench.study.sides import Answers, by_metric, joined, of_side, own_note, quantity_ladder
 
 LADDER_COLUMNS = (
     *("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note"),
@@ -73,7 +72,7 @@ def compare(
     own, note = of_side(answers, model, quantity)
     other, other_note = of_side(answers, against, quantity)
     notes = joined(note, other_note)
-    interval = expand(*pair, simulation_uncertainty=own, data_uncertainty=other)
+    interval = expand(*pair, own, other)
     if interval.uncertainty is None:
         return Comparison(value, None, notes, *pair)
     ratio = pair[0] / pair[1] if pair[1] else inf

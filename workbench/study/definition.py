@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from workbench.assessment.gates import Gate
+from workbench.assessment import METRICS, Gate, Scope
 from workbench.errors import InputError
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
@@ -62,7 +62,7 @@ class Study:
     `quantities` compared; `gates`; `figures`; `quick_models`, labels that the quick form keeps
     (empty: all); `notes`, paragraphs for the report about what is reconstructed, inferred or
     outside a domain.
-    Raises `InputError` for labels or names that do not fit together.
+    Raises `InputError` for labels or names that do not fit together, and for unknown metrics.
     """
 
     name: str
@@ -93,6 +93,11 @@ class Study:
         for label in labels:
             if label not in self.models:
                 raise InputError("study label", label, "must be one of " + ", ".join(self.models))
+        for gate in self.gates:
+            if gate.metric not in METRICS:
+                raise InputError("gate.metric", gate.metric, "must be one of " + ", ".join(METRICS))
+            if METRICS[gate.metric].scope is Scope.RUN and gate.model != gate.against:
+                raise InputError("gate.against", gate.against, f"must be {gate.model} as well")
         if self.ladder and self.ladder[-1] != self.reference:
             raise InputError("study.ladder", self.ladder, "must end with the reference")
 

@@ -1,7 +1,7 @@
-"""Where cells are answered: in this process, or in worker processes of this machine.
+"""Where cells are answered: in this process, in worker processes, or on a Dask cluster.
 
 An executor is anything with ``run(tasks) -> iterator of results``, in any order. All of them
-call `work.perform` with one numerical thread, so their numbers are bit-identical.
+call `work.perform`, so their numbers are bit-identical.
 """
 
 import multiprocessing
@@ -13,9 +13,9 @@ from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
-from typing import Protocol
+from typing import Any, Protocol
 
-from workbench.errors import WorkbenchError
+from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
 from workbench.study.work import Result, Task, is_late, perform, timed_out, unanswered
 
@@ -27,6 +27,7 @@ THREAD_VARIABLES = (
     "VECLIB_MAXIMUM_THREADS",
 )
 READY = "ready"
+CONNECT_SECONDS = 10.0  # to a cluster
 
 
 class Executor(Protocol):
@@ -46,15 +47,8 @@ class InProcess:
 
     def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
         """Answer every task in turn."""
-        from threadpoolctl import threadpool_limits
-
         warm: set[str] = set()
-        for task in tasks:
-            begin = time.perf_counter()
-            with threadpool_limits(1):
-                result = perform(task, warm)
-            seconds = time.perf_counter() - begin
-            yield timed_out(task, seconds) if is_late(task, seconds) else result
+        yield from (perform(task, warm) for task in tasks)
 
 
 @dataclass(frozen=True)
@@ -166,24 +160,21 @@ class _Worker:
 
 def serve(pipe: Connection) -> None:
     """The main loop of a worker process: say ready, then answer tasks until the pipe closes."""
-    from threadpoolctl import threadpool_limits
-
     # Ctrl-C reaches the whole process group; the parent decides what happens then.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     warm: set[str] = set()
-    with threadpool_limits(1):
-        pipe.send(READY)
-        while True:
-            try:
-                task = pipe.recv()
-            except EOFError:
-                return
-            try:
-                answer: Result | str = perform(task, warm)
-            except Exception as error:  # not the model's: its failures are results
-                answer = f"{type(error).__name__}: {error}"
-            pipe.send(answer)
+    pipe.send(READY)
+    while True:
+        try:
+            task = pipe.recv()
+        except EOFError:
+            return
+        try:
+            answer: Result | str = perform(task, warm)
+        except Exception as error:  # not the model's: its failures are results
+            answer = f"{type(error).__name__}: {error}"
+        pipe.send(answer)
 
 
 def _end_with_parent() -> None:
@@ -217,3 +208,60 @@ def _one_thread_environment() -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+@dataclass(frozen=True)
+class DaskCluster:
+    """Answers cells on the Dask cluster whose scheduler listens at `address` (``tcp://host:8786``).
+
+    The workers need this package in the same version and, for models that a study file defines,
+    the study file at the same path. Results come back to this process, which alone writes the
+    store. A time limit is judged when the cell is back: a cluster stops no running task.
+    """
+
+    address: str
+
+    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
+        """Answer every task.
+
+        Raises `InputError` if `distributed` is not installed or the scheduler does not answer.
+        """
+        distributed = _library()
+        try:
+            client = distributed.Client(self.address, timeout=CONNECT_SECONDS, set_as_default=False)
+        except (OSError, ValueError) as error:
+            said, advice = f"does not answer: {error}", "start it, or leave it out"
+            raise InputError("--scheduler", self.address, said, advice) from error
+        with client, client.as_current():
+            by_key = {task.key: task for task in tasks}
+            futures = [
+                client.submit(perform_remotely, task, key=f"workbench-{task.key}", pure=False)
+                for task in tasks
+            ]
+            for future in distributed.as_completed(futures):
+                task = by_key[future.key.removeprefix("workbench-")]
+                lost = future.exception()
+                if lost is None:
+                    yield future.result()
+                else:
+                    message = f"the cluster lost this cell: {type(lost).__name__}: {lost}"
+                    yield unanswered(task, Outcome.CRASHED, message, 0.0)
+                future.release()
+
+
+def perform_remotely(task: Task) -> Result:
+    """Answer a task on a Dask worker."""
+    worker: Any = _library().get_worker()
+    if not hasattr(worker, "workbench_warm"):
+        worker.workbench_warm = set()
+    return perform(task, worker.workbench_warm)
+
+
+def _library() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        said = "needs the library distributed, which is not installed"
+        advice = 'pip install "workbench[scale]"'
+        raise InputError("--scheduler", "dask", said, advice) from error
+    return distributed

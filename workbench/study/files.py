@@ -3,8 +3,6 @@
 Equal content gives equal bytes, in JSON, CSV and netCDF-4 alike.
 """
 
-import csv
-import io
 import json
 import os
 import tempfile
@@ -12,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import xarray as xr
 
 from workbench.responses import Response
@@ -55,17 +54,13 @@ def _plain(value: Any) -> Any:
 
 def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
     """Rows as CSV with a header; None is an empty field, floats keep all digits, lists are JSON."""
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, columns, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: _field(value) for name, value in row.items()})
-    return stream.getvalue().encode()
 
+    def field(value: Any) -> Any:
+        plain = not isinstance(value, (bool, list))
+        return value if plain else json.dumps(value, ensure_ascii=False)
 
-def _field(value: Any) -> Any:
-    """What a CSV file holds of a value; numbers and None as the writer has them."""
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, (bool, list)) else value
+    table = pd.DataFrame(rows, columns=list(columns), dtype=object).map(field)
+    return table.to_csv(index=False, lineterminator="\n").encode()
 
 
 def to_netcdf_bytes(response: Response) -> bytes:
@@ -83,8 +78,4 @@ def to_netcdf_bytes(response: Response) -> bytes:
 
 def read_netcdf(path: Path) -> Response:
     """Read a stored response into memory (times stay in seconds)."""
-    response: Response = xr.load_dataset(path, engine="netcdf4", decode_times=False)
-    for variable in response.variables.values():
-        variable.encoding = {}
-    response.encoding = {}
-    return response
+    return xr.load_dataset(path, engine="netcdf4", decode_times=False).drop_encoding()

@@ -69,11 +69,10 @@ def study_in(path: Path) -> Study:
         sys.modules[name] = module
         try:
             specification.loader.exec_module(module)
-        except InputError:
-            del sys.modules[name]
-            raise
         except (Exception, SystemExit) as error:
             del sys.modules[name]
+            if isinstance(error, InputError):
+                raise
             trace = extract_tb(error.__traceback__)
             lines = [frame.lineno for frame in trace if frame.filename == str(path)]
             where = f"line {lines[-1]}: " if lines else ""

@@ -1,23 +1,27 @@
-"""The manifest of a stored study, and what has to be answered (again) and why."""
+"""A stored study: its manifest, what has to be answered (again) and why, all as one tree."""
 
 import json
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
+
+import xarray as xr
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.models.base import options_of
 from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
-from workbench.study.cells import Cell, Ingredients, key_of
+from workbench.study.cells import Cell, Ingredients, cells_of, key_of
 from workbench.study.definition import Study
 from workbench.study.files import canonical_json, write_atomically
 from workbench.study.store import Presence, Store
 
 Manifest = dict[str, Any]
 
+_DESCRIBED = ("title", "question", "reference", "ladder", "quantities")
 _CHANGES = {
     "model": "another model",
     "model_version": "model version",
@@ -89,12 +93,7 @@ def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
     answered = _last_answers(read_manifest(store), store)
     entries = []
     for cell in cells:
-        entry = {
-            "case": cell.case,
-            "label": cell.label,
-            "key": cell.key,
-            "ingredients": cell.ingredients,
-        }
+        entry = {name: getattr(cell, name) for name in ("case", "label", "key", "ingredients")}
         last = answered.get((cell.case, cell.label))
         if store.presence(cell.key) is not Presence.FINISHED and last is not None:
             entry["answered"] = last
@@ -106,11 +105,7 @@ def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
 def _description(study: Study) -> Manifest:
     return {
         "study": study.name,
-        "title": study.title,
-        "question": study.question,
-        "reference": study.reference,
-        "ladder": list(study.ladder),
-        "quantities": list(study.quantities),
+        **{name: getattr(study, name) for name in _DESCRIBED},
         "cases": [
             {
                 "name": case.name,
@@ -127,8 +122,8 @@ def _description(study: Study) -> Manifest:
                 "model": model.name,
                 "version": model.version,
                 "options": options_of(model),
-                "assumptions": list(model.assumptions),
-                "sources": list(model.sources),
+                "assumptions": model.assumptions,
+                "sources": model.sources,
             }
             for label, model in study.models.items()
         },
@@ -210,3 +205,30 @@ def _changes(before: Mapping[str, Any], after: Mapping[str, Any], head: str = ""
 
 def _shown(value: Any) -> str:
     return "default" if value is None else str(value)
+
+
+def gather(study: Study, root: Path) -> xr.DataTree:
+    """The stored responses of a study as ``tree["case/label"]``.
+
+    A slash within a case or label, as in "10 m/s", becomes an underscore there.
+    Arguments: `study`; `root`, the directory of all stores. The attributes of the tree hold the
+    `study` name, the `manifest` (JSON) and the `missing` cells (JSON list), which are absent;
+    every cell has the attributes `wall_time` (s) and `provenance` (JSON) of its record.
+    Raises `WorkbenchError` if a stored cell cannot be read.
+    """
+    store = Store(Path(root) / study.name)
+    tree = xr.DataTree(name=study.name)
+    missing = []
+    for cell in cells_of(study):
+        if store.presence(cell.key) is not Presence.FINISHED:
+            missing.append(cell.name)
+            continue
+        response, record = store.response(cell.key), store.record(cell.key)
+        response.attrs["wall_time"] = record["wall_time"]
+        response.attrs["provenance"] = json.dumps(record["provenance"], sort_keys=True)
+        path = "/".join(name.replace("/", "_") for name in (cell.case, cell.label))
+        tree[path] = xr.DataTree(response)
+    tree.attrs["study"] = study.name
+    tree.attrs["manifest"] = json.dumps(read_manifest(store), sort_keys=True)
+    tree.attrs["missing"] = json.dumps(missing)
+    return tree

@@ -11,7 +11,7 @@ from workbench.errors import InputError
 from workbench.responses import Outcome
 from workbench.study.cells import Cell, cells_of, select
 from workbench.study.definition import Study
-from workbench.study.executors import Executor, InProcess, Workers
+from workbench.study.executors import DaskCluster, Executor, InProcess, Workers
 from workbench.study.manifest import write_manifest
 from workbench.study.progress import Progress
 from workbench.study.store import Presence, Store
@@ -102,8 +102,6 @@ def run_study(
 
 def _executor(jobs: int | None, scheduler: str | None) -> Executor:
     if scheduler is not None:
-        from workbench.study.scheduler import DaskCluster
-
         return DaskCluster(scheduler)
     if jobs is None:
         jobs = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()

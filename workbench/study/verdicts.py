@@ -6,13 +6,13 @@ The rule itself stands in `assessment/gates`.
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
-from workbench.assessment import METRICS, CaseVerdict, Gate, GateVerdict, Scope, Verdict, judge
+from workbench.assessment import METRICS, CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.errors import InputError
 from workbench.responses import Outcome, outcome_of
-from workbench.study.answers import Answers
 from workbench.study.comparisons import compare
 from workbench.study.definition import Study
 from workbench.study.files import Row
+from workbench.study.sides import Answers
 
 _GATE = ("number", "gate", "model", "against", "quantity", "metric")
 CASE_COLUMNS = (*_GATE, "case", "value", "uncertainty", "bound", "verdict", "note")
@@ -77,12 +77,3 @@ def case_rows(found: GateVerdict) -> Iterator[Row]:
 
 def _columns(found: GateVerdict) -> dict[str, object]:
     return {"number": found.number, "gate": found.gate.name, **asdict(found.gate)}
-
-
-def check_gates(study: Study) -> None:
-    """Hold the gates to metrics that exist. Raises `InputError`."""
-    for gate in study.gates:
-        if gate.metric not in METRICS:
-            raise InputError("gate.metric", gate.metric, "must be one of " + ", ".join(METRICS))
-        if METRICS[gate.metric].scope is Scope.RUN and gate.model != gate.against:
-            raise InputError("gate.against", gate.against, f"must be {gate.model} as well")

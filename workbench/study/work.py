@@ -9,6 +9,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from workbench.errors import InputError, told
 from workbench.models.base import Model, signature
 from workbench.responses import (
@@ -65,11 +67,20 @@ def task_of(cell: Cell, limit: float | None = None, file: Path | None = None) ->
 
 
 def perform(task: Task, warm: set[str]) -> Result:
-    """Answer a task in this process. Every failure of a model becomes an outcome.
+    """Answer a task in this process, with one numerical thread. It never fails.
 
-    `warm` collects the kinds of cell that this process has answered before: the first of a kind
-    may compile kernels, so its wall time is that of a second call if the first was short.
+    Arguments: `warm` collects the kinds of cell that this process has answered before. The time
+    limit is judged here for executors that cannot stop a cell.
     """
+    begin = time.perf_counter()
+    with threadpool_limits(1):
+        result = _performed(task, warm)
+    seconds = time.perf_counter() - begin
+    return timed_out(task, seconds) if is_late(task, seconds) else result
+
+
+def _performed(task: Task, warm: set[str]) -> Result:
+    """The first of a kind may compile kernels: if it was short, a second call gives its time."""
     model, scenario = _unpacked(task)
     started = datetime.now(UTC)
     begin = time.perf_counter()
