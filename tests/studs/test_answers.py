@@ -26,10 +26,10 @@ from workbench.studs.answers import (
 )
 from workbench.studs.answers.common import content_of
 from workbench.studs.fit_protocol import judge
+from workbench.studs.interaction import combined_tests
 from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import joined, split_table
-from workbench.studs.tension import combined_tests
 from workbench.testing import check_model
 
 Maker = Callable[..., pd.DataFrame]

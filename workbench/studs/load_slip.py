@@ -1,7 +1,8 @@
-"""Load-slip laws of a stud under first loading, and their fit to one measured curve.
+"""Load-slip laws of a stud under first loading, their fit to one measured curve, stiffness.
 
 A law gives the load over its largest value, q = Q / Q_max, as a function of the slip (`ratio`), and
-the slip of its ascending branch at a load (`slip_at`). Units: SI.
+the slip of its ascending branch at a load (`slip_at`). Stiffness is that of the chord from 10 to
+40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). Units: SI.
 """
 
 from collections.abc import Mapping
@@ -238,3 +239,43 @@ def fit_curve(
     stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
     at_bound = tuple(name for name, on in zip(names, stuck, strict=True) if on)
     return CurveFit(best, parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)
+
+
+CHORD = (0.1, 0.4)  # of the largest load
+
+
+def ascending(slip: ArrayLike, load: ArrayLike) -> tuple[Array, Array]:
+    """The ascending branch of a measured curve from the origin: slips (n,) m and loads (n,) N.
+
+    The branch starts at the origin, ends at the largest load, and keeps only points that exceed
+    all loads before, so that unloading loops and noise below the envelope drop out. Raises
+    `InputError` for fewer than two points or no positive load.
+    """
+    s, q = np.atleast_1d(np.asarray(slip, float)), np.atleast_1d(np.asarray(load, float))
+    if s.shape != q.shape or s.ndim != 1 or len(s) < 2 or not np.all(np.isfinite([s, q])):
+        raise InputError("curve", (s.shape, q.shape), "must be two or more points (slip, load)")
+    order = np.argsort(s, kind="stable")
+    s, q = s[order], q[order]
+    end = int(np.argmax(q))
+    if q[end] <= 0.0:
+        raise InputError("curve", float(q[end]), "must hold a positive load")
+    s, q = s[: end + 1], q[: end + 1]
+    keep = (q > np.concatenate([[0.0], np.maximum.accumulate(q)[:-1]])) & (s >= 0.0)
+    return np.concatenate([[0.0], s[keep]]), np.concatenate([[0.0], q[keep]])
+
+
+def chord_stiffness(slip: ArrayLike, load: ArrayLike) -> float:
+    """Chord stiffness of a measured curve in N/m; NaN where both levels are reached at one slip.
+
+    Between points the curve is linear, and a level counts where it is first reached.
+    """
+    s, q = ascending(slip, load)
+    start, end = np.interp(np.array(CHORD) * q[-1], q, s)
+    low, high = CHORD
+    return float((high - low) * q[-1] / (end - start)) if end > start else float("nan")
+
+
+def law_stiffness(law: Law, load: float) -> float:
+    """Chord stiffness in N/m of a law with the largest `load` in N."""
+    low, high = CHORD
+    return (high - low) * load / (law.slip_at(high) - law.slip_at(low))

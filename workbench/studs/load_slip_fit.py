@@ -15,14 +15,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from workbench.errors import InputError, OutOfDomainError
+from workbench.errors import InputError
 from workbench.responses import Finding
 from workbench.studs.fit_protocol import Content, Fitted, Judgement, content_of_fit, fitted, judge
 from workbench.studs.load_slip import (
     CurveFit,
     Law,
     OllgaardLaw,
+    chord_stiffness,
     fit_curve,
+    law_stiffness,
     make_law,
     misfit,
     parameter_names,
@@ -30,7 +32,6 @@ from workbench.studs.load_slip import (
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import location
-from workbench.studs.stiffness import chord_stiffness, law_stiffness
 
 HELD = {"rational": {"softening": 0.0}}
 ENDLESS = 0.5  # m: beyond the slip of any test
@@ -73,7 +74,7 @@ class LoadSlipFit:
     def shape(self) -> Law:
         """The law with the median parameters and without the end of the bilinear law.
 
-        A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_table`).
+        A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_series`).
         """
         return make_law(self.law_name, self.medians, ENDLESS)
 
@@ -205,17 +206,9 @@ def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
         "points": fit.points, **fit.parameters, "rms": fit.rms, "bias": fit.bias,
         "published_rms": published_rms, "published_bias": published_bias,
         "strength": top, "slip_at_max": float(slip[int(np.argmax(load))]),
-        "chord_stiffness": _chord(slip, load), "near_interpolation": fit.near_interpolation,
-        "at_bound": ", ".join(fit.at_bound),
+        "chord_stiffness": chord_stiffness(slip, load),
+        "near_interpolation": fit.near_interpolation, "at_bound": ", ".join(fit.at_bound),
     }  # fmt: skip
-
-
-def _chord(slip: Array, load: Array) -> float:
-    """Chord stiffness in N/m, NaN where both levels are at one slip: the curve does not tell."""
-    try:
-        return chord_stiffness(slip, load)
-    except OutOfDomainError:
-        return float("nan")
 
 
 def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
@@ -313,7 +306,7 @@ def judge_curves(
             low, high = fit.band(np.maximum(slip, 0.0), confidence)
             inside = float(np.mean((ratio >= low) & (ratio <= high)))
         rows.append({**name, "points": len(slip), "rms": rms, "bias": bias, "inside": inside})
-        measured = _chord(slip, load)
+        measured = chord_stiffness(slip, load)
         if np.isfinite(measured):
             stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
     if not rows:

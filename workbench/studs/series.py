@@ -5,7 +5,7 @@ Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -55,9 +55,11 @@ def evaluate_series(
     Arguments: `resistances` per stud (n,) in N; `specified_strength` (minimum) and
     `measured_strength` of the stud material in Pa; `curves` (slip in m, load in N) of the tests in
     the same order, or none; `partial_factor` gamma_V. Raises `InputError` for fewer than three
-    tests, for tests off the mean by over 10 %, or curves that do not belong to the tests.
+    tests or one off the mean by over 10 %, an unknown strength, curves of other tests.
     """
     p = np.atleast_1d(np.asarray(resistances, float))
+    if not np.isfinite(measured_strength):
+        raise InputError("fu_MPa", None, "must be given: P_Rd is related to the measured strength")
     if len(p) < 3 or not np.all(p > 0.0):
         raise InputError("tests", len(p), "must be three or more positive resistances (B.2.5)")
     mean, lowest = float(np.mean(p)), float(np.min(p))
@@ -123,24 +125,26 @@ def evaluate_groups(
     specified_strength: float,
     partial_factor: float = 1.25,
 ) -> list[Series]:
-    """Every group of nominally equal tests of a table, evaluated or refused with the reason.
+    """Every group of nominally equal undamaged headed studs, evaluated or refused with the reason.
 
-    Arguments as in `evaluate_table`; curves are used where all tests of a group have one. Raises
+    Arguments: `table` (schema `TESTS`); `points` (schema `POINTS`) with load-slip curves to beyond
+    the maximum, used where all tests of a group have one; the rest as in `evaluate_series`. Raises
     `InputError` for a table without undamaged headed studs.
     """
-    rows = undamaged_headed_studs(table)
-    curved = set() if points is None else set(_names(points))
+    curves = {} if points is None else _curves(points)
     result = []
-    for _, group in rows.groupby(list(EQUAL), sort=False, dropna=False):
+    for _, group in undamaged_headed_studs(table).groupby(list(EQUAL), sort=False, dropna=False):
         first = group.iloc[0]
         words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
         words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
+        names = list(zip(group["campaign"], group["specimen"], strict=True))
         found, why = None, ""
         try:
-            found = evaluate_table(
-                group,
-                points if set(_names(group)) <= curved else None,
+            found = evaluate_series(
+                1e3 * group["shear_kN"].to_numpy(float),
                 specified_strength=specified_strength,
+                measured_strength=1e6 * float(first["fu_MPa"]),
+                curves=[curves[n] for n in names] if all(n in curves for n in names) else [],
                 partial_factor=partial_factor,
             )
         except InputError as error:
@@ -149,46 +153,10 @@ def evaluate_groups(
     return result
 
 
-def evaluate_table(
-    table: pd.DataFrame,
-    points: pd.DataFrame | None = None,
-    *,
-    specified_strength: float,
-    partial_factor: float = 1.25,
-) -> AnnexB:
-    """Evaluate the undamaged headed studs of a table as one series (see `evaluate_series`).
-
-    Arguments: `table` (schema `TESTS`) with the rows of the series only; `points` (schema `POINTS`)
-    with their load-slip curves to beyond the maximum, for the slip capacity; minimum
-    `specified_strength` of the stud material in Pa; `partial_factor`. Raises `InputError` when the
-    rows are not nominally equal, or a curve is missing.
-    """
-    rows = undamaged_headed_studs(table)
-    for column in EQUAL:
-        values = sorted(set(rows[column].astype(str)))
-        if len(values) > 1:
-            reason = "differs: a series of Annex B has nominally equal tests"
-            raise InputError(column, ", ".join(values), reason, "choose the rows of one kind")
-    measured = float(rows["fu_MPa"].iloc[0])
-    if not np.isfinite(measured):
-        raise InputError("fu_MPa", None, "must be given: P_Rd is related to the measured strength")
-    return evaluate_series(
-        1e3 * rows["shear_kN"].to_numpy(float),
-        specified_strength=specified_strength,
-        measured_strength=1e6 * measured,
-        curves=[] if points is None else [_curve(points, *name) for name in _names(rows)],
-        partial_factor=partial_factor,
-    )
-
-
-def _names(table: pd.DataFrame) -> list[tuple[str, str]]:
-    return list(zip(table["campaign"], table["specimen"], strict=True))
-
-
-def _curve(points: pd.DataFrame, campaign: str, specimen: str) -> tuple[Array, Array]:
-    own = points[(points["campaign"] == campaign) & (points["specimen"] == specimen)]
-    own = own[own["branch"] != "low-load reading"]
-    if own.empty:
-        advice = "give the curves of all tests, or none"
-        raise InputError("points", f"{campaign} {specimen}", "has no curve", advice)
-    return 1e-3 * own["slip_mm"].to_numpy(float), 1e3 * own["load_kN"].to_numpy(float)
+def _curves(points: pd.DataFrame) -> dict[Any, tuple[Array, Array]]:
+    """Slips in m and loads in N of every curve, by campaign and specimen."""
+    read = points[points["branch"] != "low-load reading"]
+    return {
+        name: (1e-3 * own["slip_mm"].to_numpy(float), 1e3 * own["load_kN"].to_numpy(float))
+        for name, own in read.groupby(["campaign", "specimen"], sort=False)
+    }

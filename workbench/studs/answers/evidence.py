@@ -13,6 +13,7 @@ from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.fit_protocol import judge
+from workbench.studs.interaction import INTERACTIONS, combined_tests
 from workbench.studs.load_slip_fit import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points, push_out
 from workbench.studs.mechanical.calibration import complete_rows, stud_of
@@ -20,7 +21,6 @@ from workbench.studs.quantities import Array, undamaged_headed_studs
 from workbench.studs.residual_fit import damaged_rows
 from workbench.studs.series import evaluate_groups
 from workbench.studs.tables import campaigns_of
-from workbench.studs.tension import INTERACTIONS, combined_tests
 
 _MEANING = {
     "strength": "the strength of undamaged studs",
@@ -238,7 +238,7 @@ class StudInteraction(StudModel):
             findings = (Finding("evidence", fit.basis),)
         else:
             tension = np.linspace(0.0, 1.0, 101)
-            shear = np.append(INTERACTIONS[self.law].shear_left(tension), 0.0)
+            shear = np.append(INTERACTIONS[self.law](tension), 0.0)
             tension = np.append(tension, 1.0)
         held = not split.validation.empty
         tests = combined_tests(split.validation if held else split.calibration)

@@ -68,6 +68,11 @@ class Stud(Declared, table="stud"):
         return 0.25 * pi * self.diameter**2
 
     @property
+    def head_area(self) -> float:
+        """Area of the head that presses on the concrete, in m2."""
+        return 0.25 * pi * (float(self.head_diameter or 0.0) ** 2 - self.diameter**2)
+
+    @property
     def embedment(self) -> float:
         """Effective embedment, from the slab's surface to the underside of the head, in m."""
         return self.height - float(self.head_height or 0.0)

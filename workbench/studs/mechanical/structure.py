@@ -28,7 +28,6 @@ from workbench.studs.mechanical.parameters import (
     Surroundings,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.tension import Cone, head_area
 
 LAYERS = 16
 SMALLEST_SHARE, LARGEST_SHARE = 0.2, 0.6  # element lengths over the diameter
@@ -92,10 +91,10 @@ class StudStructure:
 
     @property
     def cone_strength(self) -> float:
-        """Mean strength of the concrete cone, in N."""
-        return Cone(self.stud.embedment).resistance(
-            self.stud.concrete_strength, self.around.cone_factor
-        )
+        """Mean strength of the concrete cone, k sqrt(f_c) h_ef^1.5 (EN 1992-4, N and mm)."""
+        stud = self.stud
+        root = np.sqrt(stud.concrete_strength / 1e6)
+        return float(self.around.cone_factor * root * (1e3 * stud.embedment) ** 1.5)
 
     def _make_links(self) -> list[Link]:
         stud, around = self.stud, self.around
@@ -104,7 +103,7 @@ class StudStructure:
         pressure = around.bearing_factor * fc
         rigid = STIFF * STEEL_MODULUS * stud.area / d
         collar_d, collar_h = float(stud.collar_diameter or d), float(stud.collar_height or 0.0)
-        head = head_area(d, float(stud.head_diameter or d))
+        head = stud.head_area
         cone = self.cone_strength
         peak = around.cone_peak * stud.embedment
         links = [

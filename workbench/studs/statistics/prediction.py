@@ -15,14 +15,12 @@ import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.intervals import Interval
 from workbench.studs.statistics.mixed import Estimate, criterion_at, fit
 from workbench.studs.statistics.problem import Problem, jacobian, subset
 
 LEAST_CAMPAIGNS = 3
 LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
 POINTS = 80
-_POSTERIOR = "posterior, flat densities"
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,11 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
     Arguments: `held`, a problem whose rows describe the new tests (its y is not used). Raises
     `InputError` for fewer than three campaigns behind the estimate.
     """
-    _need_campaigns(estimate)
+    count = estimate.problem.campaigns
+    if count < LEAST_CAMPAIGNS:
+        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
+        advice = "fewer do not tell how much campaigns differ"
+        raise InputError("campaigns", count, reason, advice)
     if estimate.is_exact:
         return held.predict(estimate.theta)
     mixture = _mixture(estimate)
@@ -101,33 +103,6 @@ def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Arra
         centre = own + (mixture.theta[:, free] - estimate.theta[free]) @ slope
         result.append(_quantile(mixture, share, float(own), centre, scale))
     return np.array(result)[index.ravel()]
-
-
-def posterior_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> Interval:
-    """Bayesian interval of a parameter: flat densities on parameters, ln(sigma) and tau / sigma.
-
-    Exact for linear predictions, otherwise with the prediction linear around each best fit.
-    Raises `InputError` for an unknown parameter or fewer than three campaigns.
-    """
-    k = estimate.problem.index(name)
-    _need_campaigns(estimate)
-    if estimate.is_exact:
-        exact = estimate.parameter(name)
-        return Interval(exact, exact, confidence, _POSTERIOR)
-    mixture = _mixture(estimate)
-    centre, scale = mixture.theta[:, k], np.sqrt(mixture.variance * mixture.inverse[:, k, k])
-    shares = (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-    near = estimate.parameter(name)
-    low, high = (_quantile(mixture, share, near, centre, scale) for share in shares)
-    return Interval(low, high, confidence, _POSTERIOR)
-
-
-def _need_campaigns(estimate: Estimate) -> None:
-    count = estimate.problem.campaigns
-    if count < LEAST_CAMPAIGNS:
-        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
-        advice = "fewer do not tell how much campaigns differ"
-        raise InputError("campaigns", count, reason, advice)
 
 
 @dataclass(frozen=True, slots=True)
