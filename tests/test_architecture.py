@@ -11,9 +11,9 @@ import workbench
 
 ROOT = Path(workbench.__file__).parent
 FLOORS = (
-    *("errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios", "responses"),
-    *("impact", "structures", "frames", "models", "references", "evidence", "studs", "assessment"),
-    *("registry", "testing", "study", "content", "report", "cli"),
+    *("arrays", "errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios"),
+    *("responses", "impact", "structures", "frames", "models", "references", "evidence", "studs"),
+    *("assessment", "registry", "testing", "study", "content", "report", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))
 

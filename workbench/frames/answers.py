@@ -6,9 +6,9 @@ from math import pi, sqrt
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.frames.runs import OPEN_LEDGER, run_ground_motion, run_impact, run_static
 from workbench.frames.structure import FrameStructure
@@ -32,7 +32,6 @@ from workbench.structures.impact import MIDPOINT, impact
 from workbench.structures.paths import PathStep, follow_displacement, follow_load
 from workbench.structures.time_steps import PointMass, TimeStep
 
-Array = NDArray[np.float64]
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
 COLUMNS = (ColumnImpact, ColumnPushover)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")

@@ -9,13 +9,12 @@ from collections.abc import Collection, Sequence
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from workbench.arrays import Array
 from workbench.scenarios import Frame, Joint, Load, Member
 from workbench.scenarios.frame_parts import COMPONENT
 
-Array = NDArray[np.float64]
 UNBOUNDED = 3  # status of `linprog`
 
 

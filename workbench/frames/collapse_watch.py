@@ -1,13 +1,12 @@
 """When a frame has collapsed, so that its models mean nothing any more."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure
 
-Array = NDArray[np.float64]
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
 LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
 from workbench.frames.collapse_load import collapse_factor
 from workbench.frames.column_line import ColumnLine, column_line
@@ -27,7 +27,6 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.members import OVERRIDES
 
-Array = NDArray[np.float64]
 HEADS = ("joined", "pinned")
 HEAD_MASSES = ("column-line", "joint", "deflected-shape", "none")
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column

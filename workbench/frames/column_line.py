@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.frames.chains import chains
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
 from workbench.scenarios.members import OVERRIDES
 
-Array = NDArray[np.float64]
 OBLIQUE = 0.02  # sine of the largest angle between the strike and the normal of the column
 RIGID, PINNED = 8.0, 0.5  # stiffness of a joint over EI/L: EN 1993-1-8, 5.2.2.5 (braced frames)
 

@@ -7,15 +7,15 @@ geometric stiffness are consistent with the cubic deflection (Przemieniecki 1968
 from collections.abc import Collection, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
+from workbench.arrays import Array
 from workbench.frames.structure import hinge_names
 from workbench.scenarios import Frame, Load, Member
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS
 
-Array = NDArray[np.float64]
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none
 UNBALANCED = 1e-6  # share of a load that meets no stiffness
 LEAST_SOFTENING = 1e-9  # share of the stiffness; what is less is rounding

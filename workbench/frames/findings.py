@@ -3,15 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
 
-Array = NDArray[np.float64]
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
 

@@ -4,15 +4,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.frames.collapse_watch import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
-Array = NDArray[np.float64]
 LEAST_FLOW = 1e-9  # of the stored energy; below it a yield ratio says nothing
 
 

@@ -5,8 +5,8 @@ from math import isclose
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
@@ -17,7 +17,6 @@ from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
-Array = NDArray[np.float64]
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
 LEAST_STEPS_TO_PEAK = 30

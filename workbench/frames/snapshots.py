@@ -3,11 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.frames.structure import FrameStructure
 
-Array = NDArray[np.float64]
 Picture = tuple[Array, Array]  # shapes and utilisation
 FARTHER = 1.0 + 1e-9  # cycles of equal size: the first one counts
 EVENLY = 60  # snapshots over the record; one more at the peak

@@ -10,16 +10,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import ElementGroup
 from workbench.structures.paths import apply_loads
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
 
 
@@ -59,7 +57,7 @@ class MemberReader(ABC):
     def __init__(self, elements: MemberElements, first: Indices) -> None:
         self._elements, self._first = elements, first
         self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
-        self._at_start: NDArray[np.bool_] = np.resize([True, False], len(self._ends))
+        self._at_start: Flags = np.resize([True, False], len(self._ends))
 
     def axial_forces(self) -> Array:
         """Axial forces (hinges,)."""

@@ -9,16 +9,14 @@ from itertools import pairwise
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.superelements import HingeEnd, Superelement, Superelements
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 
 

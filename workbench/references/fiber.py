@@ -10,8 +10,8 @@ from functools import partial
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.frames.answers import Stepping, answer, as_frame
 from workbench.frames.chains import named
@@ -44,7 +44,6 @@ from workbench.scenarios import (
 from workbench.sections import Section
 from workbench.structures.fibers import FiberElements
 
-Array = NDArray[np.float64]
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
 WAVE_STEPS = 30.0  # time steps while an axial wave passes the longest member, at least

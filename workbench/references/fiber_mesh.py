@@ -9,15 +9,13 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Flags, Indices
 from workbench.frames.chains import chains, named
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
 from workbench.structures.meshing import graded_lengths, halved
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 LARGEST_SHARE = 1.0 / 40.0  # of the longest member; travelling hinges pass through inner elements
 LARGEST_IN_DYNAMICS = 0.06  # of the longest member
 MIDDLE = 0.5 + 1e-9  # of a member, seen from its start
@@ -122,7 +120,7 @@ class FrameMesh(NamedTuple):
         return tuple((master, slave) for _, _, master, slave in self.joints)
 
     @property
-    def upper(self) -> NDArray[np.bool_]:
+    def upper(self) -> Flags:
         """Which elements (elements,) lie nearer to the end of their member than to its start.
 
         One in the very middle belongs to the start, whatever the rounding of the lengths.

@@ -3,8 +3,8 @@
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
 from workbench.references.fiber_mesh import FrameMesh
 from workbench.scenarios import Frame
@@ -12,8 +12,6 @@ from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import FiberElements
 from workbench.structures.joints import JointSpring, JointSprings
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 ENVELOPE = 181  # points of the exact interaction curve
 STIFF = 1e3  # stiffness of a rigid joint of limited strength over that of its member
 

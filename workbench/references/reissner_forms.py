@@ -13,14 +13,12 @@ Source: Reissner 1972; Simo 1985; Simo, Tarnow and Doblare 1995.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Basis, ElementLineP1, ElementVector, LinearForm, MeshLine
 from skfem.helpers import grad
 
+from workbench.arrays import Array
 from workbench.structures.elements import Bars, Step
 from workbench.structures.reissner_beams import ReissnerBeams
-
-Array = NDArray[np.float64]
 
 
 @LinearForm  # type: ignore[untyped-decorator]

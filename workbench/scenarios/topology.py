@@ -5,8 +5,8 @@ from math import hypot
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.scenarios.frame_parts import COMPONENT, Joint, Member, Node
 
@@ -91,7 +91,7 @@ def _conditions(node: Node, loaded: bool) -> set[str]:
     return held
 
 
-def _words(motion: NDArray[np.float64], centre: NDArray[np.float64], size: float) -> str:
+def _words(motion: Array, centre: Array, size: float) -> str:
     along_x, along_y, turn = (float(value) for value in motion)
     if abs(turn) * size > FREE:
         x, y = centre + np.array([-along_y, along_x]) / turn

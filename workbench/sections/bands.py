@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from workbench.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +32,14 @@ class Band:
         """The band alone, in `count` equal layers."""
         return Layers((self,), tuple(np.linspace(self.bottom, self.top, count + 1).tolist()))
 
-    def width_at(self, height: ArrayLike) -> Floats:
+    def width_at(self, height: ArrayLike) -> Array:
         """Width of the material at a height (m), zero outside the band."""
         y = np.asarray(height, float)
         root = np.sqrt(np.maximum(self.radius**2 - (y - self.centre) ** 2, 0.0))
         inside = (y >= self.bottom) & (y < self.top)
         return np.where(inside, self.width + self.arc * root, 0.0)
 
-    def integrals(self, height: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    def integrals(self, height: ArrayLike) -> tuple[Array, Array, Array]:
         """Area (m2), first (m3) and second moment (m4) of the part below a height (m).
 
         Moments are about the centroid of the whole shape, y = 0.
@@ -60,7 +60,7 @@ class Band:
         return area, first, second
 
 
-def _arc_integrals(x: Floats, radius: float) -> tuple[Floats, Floats, Floats]:
+def _arc_integrals(x: Array, radius: float) -> tuple[Array, Array, Array]:
     """Antiderivatives of x**k sqrt(r**2 - x**2) for k = 0, 1, 2."""
     root = np.sqrt(np.maximum(radius**2 - x**2, 0.0))
     angle = np.arcsin(np.clip(x / radius, -1.0, 1.0))
@@ -70,7 +70,7 @@ def _arc_integrals(x: Floats, radius: float) -> tuple[Floats, Floats, Floats]:
     return f0, f1, f2
 
 
-def half_integrals(bands: tuple[Band, ...], height: ArrayLike) -> tuple[Floats, Floats, Floats]:
+def half_integrals(bands: tuple[Band, ...], height: ArrayLike) -> tuple[Array, Array, Array]:
     """Area, first and second moment of all bands between the centroid and a height (m)."""
     parts = [band.integrals(height) for band in bands]
     area, first, second = (np.sum(terms, axis=0) for terms in zip(*parts, strict=True))
@@ -84,7 +84,7 @@ class Layers:
     bands: tuple[Band, ...]
     edges: tuple[float, ...]
 
-    def strips(self) -> tuple[Floats, Floats]:
+    def strips(self) -> tuple[Array, Array]:
         """Centroid height (m) and area (m2) of each layer."""
         area, first, _ = half_integrals(self.bands, np.asarray(self.edges))
         areas = np.diff(area)

@@ -4,16 +4,16 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Flags
 from workbench.errors import SolverError
-from workbench.sections.bands import Floats, half_integrals
+from workbench.sections.bands import half_integrals
 from workbench.sections.shapes import Shape
 
 _LARGEST_EXPONENT = 20.0
 
 
-def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
+def envelope(shape: Shape, points: int) -> tuple[Array, Array]:
     """Axial force N/N_p and moment M/M_p of the fully plastic section, [points] each.
 
     The neutral axis moves from the centroid (pure bending) to the edge (pure axial force); the
@@ -23,13 +23,13 @@ def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
     half, bands = shape.height / 2.0, shape.bands
     whole_area, whole_first, _ = half_integrals(bands, half)
 
-    def resultants(axis: Floats) -> tuple[Floats, Floats]:
+    def resultants(axis: Array) -> tuple[Array, Array]:
         area, first, _ = half_integrals(bands, axis)
         return area / whole_area, 1.0 - first / whole_first
 
     angle = np.linspace(0.0, np.pi / 2.0, points)
 
-    def too_low(axis: Floats) -> NDArray[np.bool_]:
+    def too_low(axis: Array) -> Flags:
         n, m = resultants(axis)
         return n * np.cos(angle) < m * np.sin(angle)
 
@@ -38,17 +38,17 @@ def envelope(shape: Shape, points: int) -> tuple[Floats, Floats]:
     return n, m
 
 
-def superellipse_radius(angle: Floats, alpha: float, beta: float) -> Floats:
+def superellipse_radius(angle: Array, alpha: float, beta: float) -> Array:
     """Radius of |m|^alpha + |n|^beta = 1 at the angles atan2(n, m) in [0, pi/2]."""
     cosine, sine = np.cos(angle), np.sin(angle)
 
-    def inside(radius: Floats) -> NDArray[np.bool_]:
+    def inside(radius: Array) -> Flags:
         return np.asarray((radius * cosine) ** alpha + (radius * sine) ** beta < 1.0)
 
     return _bisect(inside, np.full_like(angle, np.sqrt(2.0)))
 
 
-def _bisect(below: Callable[[Floats], NDArray[np.bool_]], high: Floats) -> Floats:
+def _bisect(below: Callable[[Array], Flags], high: Array) -> Array:
     """Where `below` ends between 0 and `high`, to the last bit, for all places at once."""
     low = np.zeros_like(high)
     for _ in range(60):
@@ -70,7 +70,7 @@ def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
     n, m = envelope(shape, points)
     radius, angle = np.hypot(n, m), np.linspace(0.0, np.pi / 2.0, points)
 
-    def error(exponents: Floats) -> Floats:
+    def error(exponents: Array) -> Array:
         return superellipse_radius(angle, exponents[0], exponents[1]) - radius
 
     bounds = ([1.0, 1.0], [_LARGEST_EXPONENT, _LARGEST_EXPONENT])

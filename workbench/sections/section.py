@@ -8,10 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Declared, Instance, Number, Text, checked
 from workbench.materials import Steel
-from workbench.sections.bands import Floats, half_integrals
+from workbench.sections.bands import half_integrals
 from workbench.sections.catalogue import profiles
 from workbench.sections.envelope import envelope, fit_superellipse
 from workbench.sections.shapes import ISection, Shape
@@ -89,13 +90,13 @@ class Section(Declared, table="section"):
         """Plastic shear resistance A_v f_y / sqrt(3), in N."""
         return self.shear_area * steel.shear_yield_stress
 
-    def width_at(self, height: ArrayLike) -> Floats:
+    def width_at(self, height: ArrayLike) -> Array:
         """Width of the material (m) at heights above the centroid (m)."""
         y = np.abs(np.asarray(height, float))
-        width: Floats = np.sum([band.width_at(y) for band in self.shape.bands], axis=0)
+        width: Array = np.sum([band.width_at(y) for band in self.shape.bands], axis=0)
         return width
 
-    def fibers(self, layers: int = 20) -> tuple[Floats, Floats]:
+    def fibers(self, layers: int = 20) -> tuple[Array, Array]:
         """Cut the section into strips: their heights (m, rising) and areas (m2), [n] each.
 
         `layers`, an even number from 4, counts equal layers over the whole depth; an I section
@@ -114,7 +115,7 @@ class Section(Declared, table="section"):
         y, area = y[order], area[order]
         return np.concatenate((-y[::-1], y)), np.concatenate((area[::-1], area))
 
-    def interaction_envelope(self, points: int = 181) -> tuple[Floats, Floats]:
+    def interaction_envelope(self, points: int = 181) -> tuple[Array, Array]:
         """Exact plastic envelope: N/N_p rising from 0 to 1 and M/M_p, [points] each.
 
         The points lie at equal angles atan2(N/N_p, M/M_p). Raises `InputError`.

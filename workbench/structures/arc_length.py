@@ -11,14 +11,13 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.equilibrium import DisplacementControl, free_pattern
 from workbench.structures.paths import LARGEST_GAP, Course, PathStep
 
-Array = NDArray[np.float64]
 ITERATIONS = 15
 FARTHEST = 2.0  # of the radius, for a step that had to leave the cylinder
 WANTED_ITERATIONS = 8.0  # the radius adapts so that a step takes about this many

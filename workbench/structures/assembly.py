@@ -4,17 +4,16 @@ from collections.abc import Iterable, Sequence
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from workbench.arrays import Array, Indices
 from workbench.errors import InputError
 from workbench.structures import kernels
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 ROUNDINGS = 8 * float(np.finfo(float).eps)
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
 

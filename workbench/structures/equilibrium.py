@@ -3,14 +3,12 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Indices
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.newton import Solution, newton
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 ITERATIONS = 40
 
 

@@ -15,16 +15,15 @@ from dataclasses import replace
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.time_steps import PointMass, TimeStep
 
-Array = NDArray[np.float64]
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
 LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to be unstable
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule

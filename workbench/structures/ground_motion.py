@@ -10,13 +10,13 @@ of the step, so that the ledger closes with the input energy -r . M (x1 - x0) a 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import TimeStep, march, settle, solve_step
 
-Array = NDArray[np.float64]
 AXES = {"x": "u", "y": "v"}
 
 

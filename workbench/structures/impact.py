@@ -21,8 +21,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
@@ -36,7 +36,6 @@ from workbench.structures.time_steps import (
     solve_step,
 )
 
-Array = NDArray[np.float64]
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
 INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
 

@@ -6,12 +6,11 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,12 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from workbench.arrays import Array, Indices
 
 
 @njit(cache=True, error_model="numpy")
-def band_product(band: Vector, width: int, x: Vector, result: Vector) -> None:
+def band_product(band: Array, width: int, x: Array, result: Array) -> None:
     """Product of a matrix in flat band storage with x.
 
     Arguments: `band`, column by column with 3 * width + 1 entries each, entry (i, j) in row
@@ -25,7 +23,7 @@ def band_product(band: Vector, width: int, x: Vector, result: Vector) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def hold(band: Vector, width: int, held: Indices, n: int) -> None:
+def hold(band: Array, width: int, held: Indices, n: int) -> None:
     """Replace rows and columns of held dofs by those of the identity, in place."""
     rows = 3 * width + 1
     for h in held:
@@ -36,7 +34,7 @@ def hold(band: Vector, width: int, held: Indices, n: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def largest(x: Vector) -> float:
+def largest(x: Array) -> float:
     """Largest magnitude in x; NaN if there is one."""
     top = 0.0
     for value in x:

@@ -3,9 +3,8 @@
 from math import ceil, log
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from workbench.arrays import Array
 
 
 def graded_lengths(

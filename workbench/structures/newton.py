@@ -4,13 +4,10 @@ from collections.abc import Callable, Iterator
 from math import isfinite, isnan, nan
 from typing import NamedTuple, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.structures.kernels import largest
 
-Array = NDArray[np.float64]
 Taken = TypeVar("Taken")
 
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor

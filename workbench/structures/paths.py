@@ -10,8 +10,9 @@ from math import ceil, inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
 from workbench.structures.elements import StepEnergies
@@ -23,7 +24,6 @@ from workbench.structures.equilibrium import (
 )
 from workbench.structures.newton import pieces
 
-Array = NDArray[np.float64]
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
 MOST_CUTS = 16  # crossing a corner of a yield surface can take as much
 LARGEST_GAP = 5e-3  # of the energy turned over in a step; a structure that jumps leaves more

@@ -13,14 +13,13 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.newton import Solution, newton, pieces
 
-Array = NDArray[np.float64]
 ITERATIONS = 25
 
 

@@ -1,10 +1,10 @@
 """The discretised column with its state: residual, tangent, energies, commit."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
+from workbench.arrays import Array, Indices
 from workbench.materials import Steel
 from workbench.references.solid.material import (
     SQUEEZE_STIFFNESS,
@@ -15,8 +15,6 @@ from workbench.references.solid.material import (
 )
 from workbench.references.solid.mesh import SolidMesh
 from workbench.references.solid.supports import Supports
-
-Array = NDArray[np.float64]
 
 POISSON = 0.3
 
@@ -83,7 +81,7 @@ class SolidAssembly:
         residual[supports.head] += spring * (q[supports.head] - unstressed) - self.load
         return residual
 
-    def solve(self, right: Array, held: NDArray[np.int64]) -> Array | None:
+    def solve(self, right: Array, held: Indices) -> Array | None:
         """Tangent^-1 times `right` with the unknowns `held` kept; None if it is singular."""
         free = np.delete(np.arange(len(self.q)), held)
         try:

@@ -8,9 +8,9 @@ Source: Simo and Hughes 1998, section 3.4.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from workbench.arrays import Array
+
 RETURN_ITERATIONS = 50
 CLOSED = 2e-15  # of the yield stress: round-off; the iteration comes from below
 SQUEEZED = 0.2  # share of its area below which a point resists being squeezed to nothing

@@ -8,16 +8,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
+from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Column
 from workbench.sections import Section
 from workbench.sections.bands import half_integrals
 from workbench.structures.meshing import graded_lengths, halved
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _ROWS = 4  # per height of the section, before refinement; a flange has at least one
 SMALLEST, LARGEST = 1.0 / 6.0, 1.0  # element lengths over the section's height
@@ -122,9 +119,7 @@ def _thickness(section: Section, mesh: MeshQuad, basis: Basis) -> Array:
     return thickness
 
 
-def _section_dofs(
-    places: Array, horizontal: NDArray[np.bool_], at: float
-) -> tuple[Indices, Indices]:
+def _section_dofs(places: Array, horizontal: Flags, at: float) -> tuple[Indices, Indices]:
     """Horizontal and vertical dofs of the nodes of a section, both from left to right."""
     there = np.abs(places[1] - at) < 1e-9
     pair = []

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
 from workbench.materials import Steel
 from workbench.models.base import respond
@@ -28,7 +28,6 @@ from workbench.responses.uncertainty import SPACE
 from workbench.scenarios import ColumnPushover, ColumnScenario, Scenario, frame_of
 from workbench.sections import Section
 
-Array = NDArray[np.float64]
 STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
 LEAST_STEPS = 20
 FIRST_STEP, STEP_GROWTH = 0.125, 1.25  # the knee of the curve comes early

@@ -5,14 +5,11 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array, Indices
 from workbench.errors import SolverError
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.structures.newton import Solution, newton, pieces
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 TOLERANCE = 1e-8  # of the largest nodal force, or of the squash load if that is smaller
 ITERATIONS = 30

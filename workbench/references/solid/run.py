@@ -1,16 +1,15 @@
 """The push of a solid column, from the loaded state to the response."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
+from workbench.arrays import Array
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.material import SQUEEZED
 from workbench.references.solid.push import push
 from workbench.responses import Finding, Response, build_response, findings_of, set_findings
 from workbench.scenarios import Column
 
-Array = NDArray[np.float64]
 SEGMENTS = ("below", "above")
 KINKED = 0.05  # nominal strain beyond which forces fall by several per cent with each refinement
 REGULAR = 0.005  # hardening ratio from which on they do not

@@ -8,13 +8,10 @@ plate that turns about the centroid, exactly: its nodes at X move by R(turn) X -
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from workbench.arrays import Array, Indices
 from workbench.references.solid.mesh import SolidMesh
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class Plate(NamedTuple):

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.structures.elements import Step, StepEnergies
 from workbench.structures.fiber_beams import kernels
 from workbench.structures.fibers import BeamSection, FiberElements
-
-Array = NDArray[np.float64]
 
 
 class Points(NamedTuple):

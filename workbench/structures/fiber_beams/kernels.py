@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.structures.corotation.kernels import add_element, chord_at
 from workbench.structures.fibers.kernels import section_energies, section_response
 
-Array = NDArray[np.float64]
 BALANCE = 1e-13  # of squash load and of 6 EI / L: inner unknowns are solved to round-off
 INNER_ITERATIONS = 100
 

@@ -5,12 +5,11 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.structures.elements import ElementGroup
 from workbench.structures.fibers.section import BeamSection, section_tables
-
-Array = NDArray[np.float64]
 
 
 class FiberElements(ElementGroup):

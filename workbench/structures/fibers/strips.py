@@ -8,13 +8,12 @@ are then cut across their width too.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.sections import Section
 from workbench.sections.shapes import CircularTube, ISection, Rectangle
 
-Array = NDArray[np.float64]
 PATTERNS = ("none", "triangular", "parabolic")
 STOCKY = 1.2  # height over width up to which the stresses are the larger ones
 PEAK = {True: 0.5, False: 0.3}  # of the yield stress, for stocky and slender profiles

@@ -3,13 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.structures.elements import Step, StepEnergies
 from workbench.structures.fibers import FiberElements
 from workbench.structures.reissner_beams import kernels
-
-Array = NDArray[np.float64]
 
 
 class BeamState(NamedTuple):

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.hinges import YieldSurface
 
-Array = NDArray[np.float64]
 INERTIAS = ("nonlinear", "linear", "none")
 _MASS = Number(0.0, 1e9, "kg/m")
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array, Flags
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.structures.superelements import kernels
 from workbench.structures.superelements.element import Superelement
 
-Array = NDArray[np.float64]
 REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak changes by < 0.1 %
 
 
@@ -41,7 +41,7 @@ class HingeTables(NamedTuple):
     stiffness: Array
     bounds: Array
     exponents: Array
-    pinned: NDArray[np.bool_]
+    pinned: Flags
     rotary: Array
     eta: float
 
@@ -186,7 +186,7 @@ class Superelements(ElementGroup):
         )
 
 
-def _inverse(flexibility: Array, pinned: NDArray[np.bool_]) -> Array:
+def _inverse(flexibility: Array, pinned: Flags) -> Array:
     """Elastic stiffness k_N, k_11, k_14, k_44 (elements, 4), zero where an end is pinned."""
     f_n, f11, f14, f44 = flexibility.T
     coupled = np.where(np.any(pinned, axis=1), 0.0, f14)

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
 from workbench.structures.uniaxial import kernels
 
-Array = NDArray[np.float64]
 _MODULUS = Number(0.0, 1e30, "Pa", low_included=False)
 _HARDENING = Number(0.0, 1e30, "Pa")
 _ABOVE_ZERO = Number(0.0, 1e30, low_included=False)
