@@ -7,7 +7,7 @@ are those of the frame, and a reader of the members' states; everything else hap
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,34 +15,10 @@ from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.elements import ElementGroup
+from workbench.structures.elements import ElementGroup, MemberElements
 from workbench.structures.paths import apply_loads
 
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
-
-
-class MemberElements(Protocol):
-    """What is read off the elements of members, committed and in SI units."""
-
-    @property
-    def crumples(self) -> bool:
-        """Whether an element means nothing once a hinge has shortened it to nothing."""
-        ...
-
-    @property
-    def lengths(self) -> Array:
-        """Initial lengths (elements,)."""
-        ...
-
-    @property
-    def local_forces(self) -> Array:
-        """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
-        ...
-
-    @property
-    def elongations(self) -> Array:
-        """Changes of length along the axis or chord (elements,)."""
-        ...
 
 
 class MemberReader(ABC):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -113,3 +113,45 @@ class ElementGroup(ABC):
     def lengths(self) -> Array:
         """Initial lengths (elements,), in m."""
         return self.bars.lengths
+
+
+class MemberElements(ElementGroup):
+    """Elements of members with compiled kernels; what is read off them is committed, in SI units.
+
+    `kernels`, their module with `assemble` and `account`; `crumples`, whether an element means
+    nothing once a plastic hinge has shortened it to nothing, as the direction of a chord without
+    length is undefined. Forces are those of a co-rotational element unless a kind has its own.
+    """
+
+    kernels: ClassVar[Any]
+    crumples: ClassVar[bool] = True
+
+    @property
+    @abstractmethod
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+
+    def assemble(self, step: Step) -> None:
+        """Add forces and tangent of a step from the committed state; keep the trial state."""
+        self.kernels.assemble(step, self.bars, *self.tables, self._old, self._new)
+
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step from the committed state to the one assembled last."""
+        energies = self.kernels.account(weight, self.bars, *self.tables, self._old, self._new)
+        return StepEnergies(*energies)
+
+    @property
+    def local_forces(self) -> Array:
+        """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
+        return np.asarray(self._old.local)
+
+    @property
+    @abstractmethod
+    def elongations(self) -> Array:
+        """Changes of length along the axis or chord (elements,), in m."""
+
+    @property
+    def shear_forces(self) -> Array:
+        """Shear force (M1 + M2) / l of the elements (elements,), in N."""
+        chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
+        return np.asarray((self._old.local[:, 1] + self._old.local[:, 2]) / chord)

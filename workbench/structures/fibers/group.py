@@ -2,25 +2,22 @@
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
-from workbench.structures.elements import ElementGroup
+from workbench.structures.elements import MemberElements
 from workbench.structures.fibers.section import BeamSection, section_tables
 
 
-class FiberElements(ElementGroup):
-    """Beams with fiber sections, and what a member reads off them, committed and in SI units.
+class FiberElements(MemberElements):
+    """Beams with fiber sections.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
-    each element has; `sections`. `crumples`: whether an element means nothing once a plastic hinge
-    has shortened it to nothing.
+    each element has; `sections`.
     """
-
-    crumples: ClassVar[bool]
 
     def __init__(
         self, nodes: ArrayLike, section_of: ArrayLike, sections: Sequence[BeamSection]
@@ -42,19 +39,9 @@ class FiberElements(ElementGroup):
         return mass, mass * np.array([s.radius_squared for s in self.sections])[of]
 
     @property
-    @abstractmethod
-    def local_forces(self) -> Array:
-        """Committed N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
-
-    @property
-    @abstractmethod
-    def elongations(self) -> Array:
-        """Committed change of length along the axis of the elements (elements,), in m."""
-
-    @property
-    @abstractmethod
-    def shear_forces(self) -> Array:
-        """Committed shear force of the elements (elements,), in N."""
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states: the sections."""
+        return (self._sections,)
 
     @property
     @abstractmethod

@@ -1,13 +1,13 @@
 """The group object: all superelements of a structure, with two state buffers."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags
-from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
+from workbench.structures.elements import Bars, MemberElements
 from workbench.structures.superelements import kernels
 from workbench.structures.superelements.element import Superelement
 
@@ -46,7 +46,7 @@ class HingeTables(NamedTuple):
     eta: float
 
 
-class Superelements(ElementGroup):
+class Superelements(MemberElements):
     """Two-node superelements.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
@@ -55,9 +55,8 @@ class Superelements(ElementGroup):
     equilibrium of the undeformed structure (shapes are then drawn with the chords as they move).
     """
 
-    crumples = True  # the direction of a chord without length is undefined
+    kernels: ClassVar[Any] = kernels
     _old: SuperelementState
-    _new: SuperelementState
 
     def __init__(
         self,
@@ -95,13 +94,10 @@ class Superelements(ElementGroup):
         inertia = [s.rotary_inertia if s.rotation_inertia == kind else 0.0 for s in self._own]
         return np.array(inertia) * self.lengths
 
-    def assemble(self, step: Step) -> None:
-        """Add forces and tangent; a time step has the forces of the nonlinear rotary inertia."""
-        kernels.assemble(step, self.bars, self._hinges, self._old, self._new)
-
-    def account(self, weight: float) -> StepEnergies:
-        """Energies of the step from the committed state to the one assembled last."""
-        return StepEnergies(*kernels.account(weight, self._hinges, self._old, self._new))
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states: the hinges."""
+        return (self._hinges,)
 
     def masses(self) -> tuple[Array, Array]:
         """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
@@ -129,11 +125,6 @@ class Superelements(ElementGroup):
         self._old.rate[:] = (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0]) / np.sum(d**2, axis=1)
 
     @property
-    def local_forces(self) -> Array:
-        """Committed N, M1, M4 of the elements (elements, 3); internal moments are -M1 and M4."""
-        return self._old.local
-
-    @property
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4): u, theta of hinge 1, then of hinge 4.
 
@@ -149,13 +140,6 @@ class Superelements(ElementGroup):
     def elongations(self) -> Array:
         """Committed change of chord length of the elements (elements,), in m."""
         return self._old.deformation[:, 0]
-
-    @property
-    def shear_forces(self) -> Array:
-        """Committed shear force (M1 + M4) / l of the elements (elements,), in N."""
-        local = self._old.local
-        chord = self.lengths + (0.0 if self.first_order else self.elongations)
-        return np.asarray((local[:, 1] + local[:, 2]) / chord)
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""

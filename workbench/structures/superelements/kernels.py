@@ -110,7 +110,7 @@ def _quadratic(matrix, x):
 
 
 @njit(cache=True, error_model="numpy")
-def account(weight, hinges, old, new):
+def account(weight, bars, hinges, old, new):
     """Energies of a step from the committed to the trial state of a group, in J.
 
     Result: stored energy at the end; plastic dissipation of the step with forces weighted as in
@@ -120,7 +120,7 @@ def account(weight, hinges, old, new):
     eta, rest = hinges.eta, 1.0 - hinges.eta
     change = np.empty(3)
     moved = np.empty(3)
-    for e in range(hinges.flexibility.shape[0]):
+    for e in range(bars.lengths.shape[0]):
         stored += 0.5 * rest * _quadratic(hinges.flexibility[e], new.carried[e])
         stored += 0.5 * eta * _quadratic(hinges.stiffness[e], new.deformation[e])
         for i in range(3):
