@@ -25,6 +25,7 @@ from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, damaged_rows, fit_residual
 from workbench.studs.schema import TESTS
 from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.statistics.mixed import LOSSES
 from workbench.studs.strength_fit import fit_strength
 
 SOURCES = {
@@ -49,7 +50,7 @@ class StudStrength(StudModel):
 
     formula: str = checked(Choice(tuple(SHEAR_MODELS)), "roik-mean")
     corrected: bool = checked(Flag(), False)
-    loss: str = checked(Choice(("linear", "huber", "bisquare")), "linear")
+    loss: str = checked(Choice(tuple(LOSSES)), "linear")
 
     name: ClassVar[str] = "stud-strength"
     asks: ClassVar[tuple[str, ...]] = ("strength",)

@@ -25,8 +25,6 @@ LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
 LARGEST_RATIO, RATIOS, RATIO_SHIFT = 1000.0, 80, 0.05  # of r = tau / sigma and its spline
 DENSE = 1500  # points over which the smooth criterion is searched
-
-
 PROFILE = "profile likelihood"
 
 
@@ -44,56 +42,41 @@ class Interval(NamedTuple):
         return self._replace(low=low, high=high)
 
 
-def satterthwaite(estimate: Estimate, variance: Callable[[float, float], float]) -> float:
-    """Degrees of freedom of a variance g(sigma^2, tau^2) estimated by restricted likelihood.
+def freedom_of(estimate: Estimate, name: str) -> float:
+    """Satterthwaite's degrees of freedom behind the variance g(sigma^2, tau^2) of a parameter.
 
-    nu = 2 g^2 / (grad g' C grad g) with C the inverse expected information of (sigma^2, tau^2).
-    Source: Giesbrecht and Burns 1985, as in lmerTest. With tau at zero, sigma^2 alone; with one
-    test per campaign their sum.
+    nu = 2 g^2 / (grad g' C grad g) with C the inverse expected information of (sigma^2, tau^2) in
+    the restricted likelihood. With tau at zero, of sigma^2 alone; with one test per campaign of
+    their sum. Source: Giesbrecht and Burns 1985, as in lmerTest.
     """
-    given = estimate.problem
+    given, column = estimate.problem, estimate.problem.index(name)
+    if estimate.at_bound[column]:
+        return LEAST_FREEDOM
     s2, t2 = estimate.sigma**2, estimate.tau**2
     free = np.flatnonzero(~estimate.at_bound)
-    x = jacobian(given, estimate.theta, free)
-    n = given.count
-    g = variance(s2, t2)
     if not given.tells_campaigns or t2 <= 1e-8 * s2:
-        return float(max(n - len(free), LEAST_FREEDOM))
+        return float(max(given.count - len(free), LEAST_FREEDOM))
+    k = int(np.searchsorted(free, column))
+    x = jacobian(given, estimate.theta, free)
+
+    def variance(s2: float, t2: float) -> float:
+        """That of the parameter for other variances, at the same parameters."""
+        j = whiten(given, x, t2 / s2)
+        return float(s2 * np.linalg.pinv(j.T @ j)[k, k])
+
     indicator = (given.groups[:, None] == np.arange(given.campaigns)).astype(float)
-    between = indicator @ indicator.T
-    within = np.diag(1.0 / given.weights)
+    between, within = indicator @ indicator.T, np.diag(1.0 / given.weights)
     inverse = np.linalg.inv(s2 * within + t2 * between)
     ix = inverse @ x
     p = inverse - ix @ np.linalg.pinv(x.T @ ix) @ ix.T
     pw, pb = p @ within, p @ between
-    information = 0.5 * np.array(
-        [[np.sum(pw * pw.T), np.sum(pw * pb.T)], [np.sum(pb * pw.T), np.sum(pb * pb.T)]]
-    )
-    gradient = np.array(
-        [
-            (variance(s2 * 1.001, t2) - variance(s2 * 0.999, t2)) / (0.002 * s2),
-            (variance(s2, t2 * 1.001) - variance(s2, t2 * 0.999)) / (0.002 * t2),
-        ]
-    )
-    spread = float(gradient @ np.linalg.solve(information, gradient))
-    return max(2.0 * g * g / spread, LEAST_FREEDOM)
-
-
-def freedom_of(estimate: Estimate, name: str) -> float:
-    """Degrees of freedom behind the variance of a parameter."""
-    column = estimate.problem.index(name)
-    if estimate.at_bound[column]:
-        return LEAST_FREEDOM
-    free = np.flatnonzero(~estimate.at_bound)
-    k = int(np.searchsorted(free, column))
-    x = jacobian(estimate.problem, estimate.theta, free)
-
-    def variance(s2: float, t2: float) -> float:
-        """That of the parameter for other variances, at the same parameters."""
-        j = whiten(estimate.problem, x, t2 / s2)
-        return float(s2 * np.linalg.pinv(j.T @ j)[k, k])
-
-    return satterthwaite(estimate, variance)
+    information = 0.5 * np.array([[np.sum(a * b.T) for b in (pw, pb)] for a in (pw, pb)])
+    rises = [
+        (variance(s2 * 1.001, t2) - variance(s2 * 0.999, t2)) / (0.002 * s2),
+        (variance(s2, t2 * 1.001) - variance(s2, t2 * 0.999)) / (0.002 * t2),
+    ]
+    spread = float(rises @ np.linalg.solve(information, rises))
+    return max(2.0 * variance(s2, t2) ** 2 / spread, LEAST_FREEDOM)
 
 
 def profile_interval(estimate: Estimate, name: str, confidence: float = 0.9) -> Interval:
@@ -253,8 +236,7 @@ def bootstrap_by_campaign(
     """
     from scipy.special import ndtri, stdtrit
 
-    given = estimate.problem
-    count = given.campaigns
+    given, count = estimate.problem, estimate.problem.campaigns
     if count < 3:
         reason = "must be three or more for a bootstrap by campaign"
         advice = "specimens of one campaign are not independent: bring tests of other laboratories"
@@ -265,25 +247,20 @@ def bootstrap_by_campaign(
     else:
         members = [np.flatnonzero(given.groups == j) for j in range(count)]
         draws = np.array([_refit(estimate, [members[j] for j in row]) for row in chosen])
-    quantile = 0.5 + 0.5 * confidence
+    quantile, method = 0.5 + 0.5 * confidence, "bootstrap by campaign"
     widening = np.sqrt(count / (count - 1.0)) * stdtrit(count - 1.0, quantile) / ndtri(quantile)
     tails = np.nanquantile(draws, [1.0 - quantile, quantile], axis=0)
     centre = np.nanmedian(draws, axis=0)
-    low, high = centre + widening * (tails - centre)
-    return {
-        name: Interval(float(low[k]), float(high[k]), confidence, "bootstrap by campaign")
-        for k, name in enumerate(given.names)
-    }
+    ends = zip(given.names, *(centre + widening * (tails - centre)), strict=True)
+    return {name: Interval(float(a), float(b), confidence, method) for name, a, b in ends}
 
 
 def _refit(estimate: Estimate, members: list[Indices]) -> Array:
     """Parameters (p,) on drawn campaigns; one drawn twice counts as two campaigns."""
     groups = np.repeat(np.arange(len(members)), [len(m) for m in members])
-    drawn = replace(
-        subset(estimate.problem, np.concatenate(members)),
-        groups=groups,
-        labels=tuple(str(j) for j in range(len(members))),
-    )
+    labels = tuple(str(j) for j in range(len(members)))
+    chosen = subset(estimate.problem, np.concatenate(members))
+    drawn = replace(chosen, groups=groups, labels=labels)
     try:
         return solve_theta(drawn, estimate.ratio, estimate.theta, np.arange(len(drawn.names))).theta
     except (InputError, SolverError):

@@ -4,7 +4,7 @@ y_ij = f_ij(theta) + u_j + e_ij, u_j ~ N(0, tau^2) for campaign j, e_ij ~ N(0, s
 Restricted maximum likelihood, profiled over theta and sigma, so that one variable is left: the
 ratio lambda = tau^2 / sigma^2. Rows of a campaign are whitened by Z = I - phi z z' / z'z with
 z = sqrt(w) and phi = 1 - (1 + lambda sum w)^(-1/2). Source: Pinheiro and Bates 2000, chapters 2
-and 7; degrees of freedom after Satterthwaite (see `satterthwaite`).
+and 7.
 """
 
 from dataclasses import dataclass, replace
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.errors import InputError, SolverError
+from workbench.fields import Choice
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
 
@@ -24,6 +25,8 @@ ROUND_OFF = 1e-7  # a sum of squares is known to 1e-16 of the observations, its 
 NEAR = (0.625, 1.0, 1.6)  # times a lambda known to be near
 BEYOND = 100.0
 STEPS = 3  # of Brent's method from three of them
+LOSSES = {"linear": 0.0, "huber": 1.345, "bisquare": 4.685}
+REWEIGHTINGS = 30
 ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
 
 
@@ -31,16 +34,14 @@ ROUNDS, CUTS = 3, 41  # of the valley of a linear problem: 1/8000 of it is left
 class Estimate:
     """A fitted `Problem`.
 
-    `theta` (p,); `sigma` within and `tau` between campaigns; `criterion`, twice the negative
-    restricted log-likelihood (without constants); `covariance` (p, p) of theta; `at_bound` (p,);
-    `residuals` (n,), without the predicted effects of the campaigns.
+    `theta` (p,); `sigma` within and `tau` between campaigns; `covariance` (p, p) of theta;
+    `at_bound` (p,); `residuals` (n,), without the predicted effects of the campaigns.
     """
 
     problem: Problem
     theta: Array
     sigma: float
     tau: float
-    criterion: float
     covariance: Array
     at_bound: NDArray[np.bool_]
     residuals: Array
@@ -239,11 +240,10 @@ def best_ratio(
         return tried[ratio][0]
 
     linear = given.moments is not None
-    values = (
-        criteria_at(given, np.array(grid), start, free)[0]
-        if linear
-        else np.array([at(ratio) for ratio in grid])
-    )
+    if linear:
+        values, _ = criteria_at(given, np.array(grid), start, free)
+    else:
+        values = np.array([at(ratio) for ratio in grid])
     k = int(np.argmin(values))
     low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
     if hint is not None and k == len(grid) - 1:  # beyond what was thought near
@@ -253,11 +253,9 @@ def best_ratio(
     else:
         if hint is not None and k == 2 and values[2] < min(values[1], values[3]):
             # three points are known: a criterion with kinks need not repeat to the last digit
-            few, known = {"maxiter": STEPS}, dict(zip(np.log(grid[1:]), values[1:], strict=True))
+            few, seen = {"maxiter": STEPS}, dict(zip(np.log(grid[1:]), values[1:], strict=True))
             found = minimize_scalar(
-                lambda x: known[x] if x in known else at(float(np.exp(x))),
-                tuple(known),
-                options=few,
+                lambda x: seen[x] if x in seen else at(float(np.exp(x))), tuple(seen), options=few
             )
             ratio = float(np.exp(found.x))
         else:
@@ -293,7 +291,7 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     """
     free = np.arange(len(given.names))
     ratio, _, theta = best_ratio(given, given.start if start is None else start, free)
-    value, variance, solved = criterion_at(given, ratio, theta, free)
+    _, variance, solved = criterion_at(given, ratio, theta, free)
     theta = solved.theta
     own = np.flatnonzero(~solved.stuck)
     _check_influence(given, np.diag(solved.normal), own, theta)
@@ -305,29 +303,22 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     covariance[np.ix_(own, own)] = variance * np.linalg.pinv(solved.normal)
     residual = given.y - given.predict(theta)
     sums = np.bincount(given.groups, given.weights * residual, minlength=given.campaigns)
-    total = given.totals
-    effects = ratio * sums / (1.0 + ratio * total)
+    effects = ratio * sums / (1.0 + ratio * given.totals)
     sigma, tau = float(np.sqrt(variance)), float(np.sqrt(ratio * variance))
     rest = residual - effects[given.groups]
-    return Estimate(given, theta, sigma, tau, value, covariance, solved.stuck, rest)
+    return Estimate(given, theta, sigma, tau, covariance, solved.stuck, rest)
 
 
-def fit_robust(given: Problem, loss: str = "huber", *, rounds: int = 30) -> Estimate:
+def fit_robust(given: Problem, loss: str = "huber") -> Estimate:
     """Fit with a robust loss by iterated reweighting of the observations.
 
-    Arguments: `loss`, ``linear`` (none), ``huber`` (1.345) or ``bisquare`` (4.685); the scale is
-    the median absolute residual / 0.6745. The scatter found is that of the body of the tests;
-    outliers are down-weighted, not removed. Source: Huber and Ronchetti 2009. Raises
-    `InputError`.
+    Arguments: `loss`, a name in `LOSSES`; the scale is the median absolute residual / 0.6745. The
+    scatter found is that of the body of the tests; outliers are down-weighted, not removed. Source:
+    Huber and Ronchetti 2009. Raises `InputError`.
     """
-    losses = {"linear": None, "huber": 1.345, "bisquare": 4.685}
-    if loss not in losses:
-        raise InputError("loss", loss, "must be one of " + ", ".join(losses))
-    result = fit(given)
-    tuning = losses[loss]
-    if tuning is None:
-        return result
-    for _ in range(rounds):
+    Choice(tuple(LOSSES)).check("loss", loss)
+    result, tuning = fit(given), LOSSES[loss]
+    for _ in range(REWEIGHTINGS if tuning else 0):
         scale = float(np.median(np.abs(result.residuals))) / 0.6745
         if scale <= 0.0:
             return result

@@ -7,7 +7,7 @@ fewer the integral does not exist and no prediction for a new campaign is made.
 Relations are chosen by cross-validation over campaigns.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,49 +16,41 @@ import numpy as np
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import Estimate, criterion_at, fit
-from workbench.studs.statistics.problem import Problem, jacobian, subset
+from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset
 
 LEAST_CAMPAIGNS = 3
 LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
 POINTS = 80
 
 
-@dataclass(frozen=True)
-class _Mixture:
-    """Student distributions (points,) of the parameters, one per ratio tau / sigma.
-
-    `weight`; `theta` (points, p); `ratio`; `variance` sigma^2; `inverse` (points, p, p) of the
-    normal matrix; degrees of freedom `nu`.
-    """
+class _Mixture(NamedTuple):
+    """Student distributions (points,) of the parameters with `nu` degrees of freedom."""
 
     weight: Array
-    theta: Array
-    ratio: Array
-    variance: Array
-    inverse: Array
+    theta: Array  # (points, p)
+    ratio: Array  # tau / sigma
+    variance: Array  # sigma^2
+    inverse: Array  # (points, p, p), of the normal matrix
     nu: int
 
 
 def _mixture(estimate: Estimate) -> _Mixture:
+    """One distribution per ratio tau / sigma, weighing by its restricted likelihood."""
     given = estimate.problem
     free = np.flatnonzero(~estimate.at_bound)
     # fine near zero, where the likelihood changes; its tail falls like a power
     r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, POINTS)])
-    values, thetas, variances, inverses = [], [], [], []
-    theta = estimate.theta
+    theta, found = estimate.theta, []
     for each in r:
         value, variance, solved = criterion_at(given, float(each) ** 2, theta, free)
         if solved.stuck.any():
             raise InputError("prediction", given.names, "is not defined at a bound of a parameter")
-        values.append(value)
-        thetas.append(solved.theta)
-        variances.append(variance)
-        inverses.append(np.linalg.pinv(solved.normal))
         theta = solved.theta
-    likelihood = np.exp(-0.5 * (np.array(values) - min(values)))
-    weight = likelihood * np.gradient(r)
-    found = np.array(thetas), r, np.array(variances), np.array(inverses)
-    return _Mixture(weight / weight.sum(), *found, given.count - len(free))
+        found.append((value, theta, variance, np.linalg.pinv(solved.normal)))
+    values, thetas, variances, inverses = (np.array(each) for each in zip(*found, strict=True))
+    weight = np.exp(-0.5 * (values - values.min())) * np.gradient(r)
+    nu = given.count - len(free)
+    return _Mixture(weight / weight.sum(), thetas, r, variances, inverses, nu)
 
 
 def _quantile(mixture: _Mixture, share: float, near: float, centre: Array, scale: Array) -> float:
@@ -128,25 +120,28 @@ def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[Left
     if given.campaigns < 2:
         raise InputError("campaigns", given.campaigns, "must be two or more to leave one out")
     result = []
-    for k, label in enumerate(given.labels):
-        inside, outside = (np.flatnonzero(mask) for mask in (given.groups == k, given.groups != k))
-        estimate = fit(subset(given, outside))
-        held = subset(given, inside)
+    for label, (held, others) in zip(given.labels, _left_out(given, given.groups), strict=True):
+        estimate = fit(others)
         error = held.y - held.predict(estimate.theta)
         rms = float(np.sqrt(np.mean(error**2)))
         covered = coverage(estimate, held, confidence)
-        result.append(LeftOut(label, len(inside), float(np.mean(error)), rms, covered))
+        result.append(LeftOut(label, held.count, float(np.mean(error)), rms, covered))
     return result
+
+
+def _left_out(given: Problem, parts: Indices) -> Iterator[tuple[Problem, Problem]]:
+    """The tests of each part (n,), and all others."""
+    for part in np.unique(parts):
+        inside, outside = np.flatnonzero(parts == part), np.flatnonzero(parts != part)
+        yield subset(given, inside), subset(given, outside)
 
 
 def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | None:
     """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
     if estimate.problem.campaigns < LEAST_CAMPAIGNS:
         return None
-    low, high = (
-        predictive_quantile(estimate, held, share)
-        for share in (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-    )
+    shares = (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+    low, high = (predictive_quantile(estimate, held, share) for share in shares)
     return float(np.mean((held.y >= low) & (held.y <= high)))
 
 
@@ -168,17 +163,13 @@ class Score(NamedTuple):
 
 def _squares(given: Problem, by_campaign: bool) -> Array:
     """Mean square of the left-out tests of each part; infinite where the rest cannot be fitted."""
-    parts = given.groups if by_campaign else np.arange(given.count)
     result = []
-    for part in np.unique(parts):
-        inside, outside = np.flatnonzero(parts == part), np.flatnonzero(parts != part)
-        held = subset(given, inside)
+    for held, others in _left_out(given, given.groups if by_campaign else np.arange(given.count)):
         try:
-            theta = fit(subset(given, outside)).theta if given.names else np.zeros(0)
+            theta = fit(others).theta if given.names else np.zeros(0)
+            result.append(float(np.mean((held.y - held.predict(theta)) ** 2)))
         except (InputError, SolverError):
             result.append(np.inf)
-            continue
-        result.append(float(np.mean((held.y - held.predict(theta)) ** 2)))
     return np.array(result)
 
 
@@ -189,6 +180,7 @@ def score_relations(problems: Mapping[str, Problem]) -> list[Score]:
     when no candidate can be scored.
     """
     by_campaign = next(iter(problems.values())).campaigns > 1
+    by = "campaign" if by_campaign else "specimen"
     squares = {name: _squares(given, by_campaign) for name, given in problems.items()}
     means = {name: float(np.mean(each)) for name, each in squares.items()}
     best = min(means, key=lambda name: means[name])
@@ -200,7 +192,6 @@ def score_relations(problems: Mapping[str, Problem]) -> list[Score]:
         if np.isfinite(means[name]) and len(each) > 1:
             error = float(np.std(each - squares[best], ddof=1) / np.sqrt(len(each)))
         rms, behind = float(np.sqrt(means[name])), means[name] - means[best]
-        by = "campaign" if by_campaign else "specimen"
         count = len(problems[name].names)
         scores.append(Score(name, count, rms, behind, error, len(each), by))
     return sorted(scores, key=lambda score: score.rms)
@@ -208,9 +199,6 @@ def score_relations(problems: Mapping[str, Problem]) -> list[Score]:
 
 def choose(scores: list[Score]) -> Score:
     """The simplest candidate within one standard error of the best (Hastie et al. 2009, 7.10)."""
-    near = [
-        score
-        for score in scores
-        if score.behind <= (score.standard_error or 0.0) and np.isfinite(score.rms)
-    ]
+    known = (score for score in scores if np.isfinite(score.rms))
+    near = (score for score in known if score.behind <= (score.standard_error or 0.0))
     return min(near, key=lambda score: (score.parameters, score.rms))
