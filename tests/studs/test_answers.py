@@ -24,10 +24,9 @@ from workbench.studs.answers import (
     StudSeries,
     StudStrength,
 )
-from workbench.studs.answers.common import content_of
-from workbench.studs.fit_protocol import judge
+from workbench.studs.answers.typed import content_of
+from workbench.studs.fit_protocol import judge, plain
 from workbench.studs.interaction import combined_tests
-from workbench.studs.plain import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import joined, split_table
 from workbench.testing import check_model

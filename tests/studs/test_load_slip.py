@@ -18,6 +18,7 @@ from workbench.studs import (
     RationalLaw,
     fit_load_slip,
 )
+from workbench.studs.fit_protocol import plain
 from workbench.studs.load_slip import (
     ascending,
     chord_stiffness,
@@ -26,7 +27,6 @@ from workbench.studs.load_slip import (
     law_stiffness,
 )
 from workbench.studs.load_slip_fit import first_loading
-from workbench.studs.plain import plain
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from workbench.errors import InputError, OutOfDomainError
 from workbench.structures.paths import push
 from workbench.studs import Grade, fit_residual
+from workbench.studs.fit_protocol import plain
 from workbench.studs.mechanical import (
     MechanicalFit,
     Stud,
@@ -30,7 +31,6 @@ from workbench.studs.mechanical.driving import shear
 from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
 from workbench.studs.mechanical.residual import failing_uplift, uplift_at
 from workbench.studs.mechanical.structure import StudStructure, round_section
-from workbench.studs.plain import plain
 
 STUD = Stud(0.019, 0.1, 30e6, 26e9, 450e6)
 AROUND = Surroundings()

@@ -12,7 +12,7 @@ import pytest
 from workbench.errors import InputError
 from workbench.evidence import load
 from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFit, fit_residual
-from workbench.studs.plain import plain
+from workbench.studs.fit_protocol import plain
 from workbench.studs.reading import from_frame
 from workbench.studs.residual_fit import damaged_rows
 

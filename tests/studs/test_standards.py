@@ -10,7 +10,7 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.studs import POINTS, TESTS, evaluate_d8, evaluate_groups, evaluate_series
-from workbench.studs.plain import plain
+from workbench.studs.fit_protocol import plain
 from workbench.studs.reading import read_text
 from workbench.studs.series import slip_capacity
 from workbench.studs.statistics.annex_d import (

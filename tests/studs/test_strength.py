@@ -10,7 +10,7 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.studs import SHEAR_MODELS, TESTS, StrengthFit, fit_factors, fit_strength
-from workbench.studs.plain import plain
+from workbench.studs.fit_protocol import plain
 from workbench.studs.quantities import specimens, undamaged_headed_studs
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import identity_of

@@ -33,7 +33,7 @@ def show(
 ) -> Answer:
     """Show where a dataset is from, and its rows."""
     from workbench.evidence import dataset, load
-    from workbench.studs.plain import plain
+    from workbench.studs.fit_protocol import plain
 
     entry = dataclasses.asdict(dataset(name))
     rows = plain(load(name))

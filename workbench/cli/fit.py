@@ -126,7 +126,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     """
     from workbench.report.chapters import stud_answer
     from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points, shear_model
-    from workbench.studs.plain import plain
+    from workbench.studs.fit_protocol import plain
 
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
@@ -239,7 +239,7 @@ def _tables(
 
 def _judged(fit: Fit, held: pd.DataFrame, confidence: float) -> Content:
     """Everything that is known of a fit, and how it meets what was held out."""
-    from workbench.studs.plain import plain
+    from workbench.studs.fit_protocol import plain
 
     judged = None if held.empty else fit.judge(held, confidence)
     return dict(plain(fit.content(judged, confidence)))
@@ -250,7 +250,7 @@ def _formula(
 ) -> Content:
     """A formula fitted and judged, as it is and corrected, and its own factors if wanted."""
     from workbench.studs import fit_factors, fit_strength
-    from workbench.studs.plain import plain
+    from workbench.studs.fit_protocol import plain
 
     fit = fit_strength(
         fitted,

@@ -4,8 +4,9 @@ Strength, factors, load-slip and residual capacity are fitted by functions of th
 `Fit`, so that the command line, the models of a study and the pages treat them alike.
 """
 
-from collections.abc import Collection
-from dataclasses import dataclass
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, is_dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -25,6 +26,32 @@ from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS
 from workbench.studs.statistics.problem import location
 
 Content = dict[str, Any]
+
+
+def fields_of(value: Any) -> Any:
+    """A record (dataclass or named tuple) as the mapping of its fields, anything else as it is."""
+    if hasattr(value, "_asdict"):
+        return value._asdict()
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+
+
+def plain(value: Any) -> Any:
+    """Any nesting of mappings, records, sequences, arrays, frames and numbers as JSON types.
+
+    NaN and infinities become None; a data frame becomes a list of its rows.
+    """
+    if isinstance(value, pd.DataFrame):
+        return [plain(row) for row in value.to_dict("records")]
+    value = fields_of(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(each) for each in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, str) else value
 
 
 class Judged(Protocol):

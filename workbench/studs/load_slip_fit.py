@@ -6,7 +6,7 @@ random effect per campaign. So many points of one digitised curve count once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -33,7 +33,7 @@ from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import location
 
-HELD = {"rational": {"softening": 0.0}}
+HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
 ENDLESS = 0.5  # m: beyond the slip of any test
 GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are given
 FEW_CAMPAIGNS = 5
@@ -89,11 +89,9 @@ class LoadSlipFit:
         names, s = list(self.population), np.asarray(slip, float)
         own = [dict(zip(names, np.exp(row).tolist(), strict=True)) for row in self.logarithms]
         laws = [make_law(self.law_name, {**each, **self.held}, ENDLESS) for each in own]
-        ratios = np.array([law.ratio(s) for law in laws])
-        count = len(ratios)
-        points = self.curves["points"].to_numpy(float)
-        spread = self.curves["rms"].to_numpy(float)
-        spread = spread * np.sqrt(points / np.maximum(points - len(names), 1.0))
+        ratios, count = np.array([law.ratio(s) for law in laws]), len(laws)
+        points, rms = (self.curves[name].to_numpy(float) for name in ("points", "rms"))
+        spread = rms * np.sqrt(points / np.maximum(points - len(names), 1.0))
         scattered = ratios[:, None, :] + (spread[:, None] * _NORMAL)[:, :, None]
         tail = max((0.5 * (1.0 - share) * (count + 1.0) - 0.5) / count, 0.0)
         low, high = np.quantile(scattered.reshape(-1, len(s)), [tail, 1.0 - tail], axis=0)
@@ -161,7 +159,6 @@ def fit_load_slip(
     law: str = "ollgaard",
     *,
     loss: str = "linear",
-    held: Mapping[str, float] | None = None,
     least_points: int = 3,
     confidence: float = 0.9,
     resamples: int = 500,
@@ -169,31 +166,28 @@ def fit_load_slip(
 ) -> LoadSlipFit:
     """Fit a law to every curve of a table (schema `POINTS`) and to their population.
 
-    Arguments: `law`, a name in `LAWS`; `loss` of the points of a curve (see `fit_curve`); `held`,
-    parameters that are not fitted (default: the softening of the rational law, at 0, as few curves
-    go beyond their maximum); `least_points` of a curve; `confidence`, `resamples`, `seed` of the
-    intervals. Loads are taken over the largest load of the curve, so curves that
-    were stopped before their maximum do not belong here. Raises `InputError`.
+    Arguments: `law`, a name in `LAWS`; `loss` of the points of a curve (see `fit_curve`);
+    `least_points` of a curve; `confidence`, `resamples`, `seed` of the intervals. Loads are taken
+    over the largest load of the curve, so curves that were stopped before their maximum do not
+    belong here. Raises `InputError`.
     """
-    fixed = dict(HELD.get(law, {}) if held is None else held)
+    fixed = HELD.get(law, {})
     names = tuple(name for name in parameter_names(law) if name not in fixed)
-    fits: list[CurveFit] = []
     rows: list[dict[str, object]] = []
     skipped: list[str] = []
     for name, slip, load in _each(points, falling=law == "rational"):
         if len(slip) < max(least_points, len(names)):
             skipped.append(f"{name['campaign']} {name['specimen']}: {len(slip)} points")
             continue
-        fits.append(fit_curve(slip, load, law, loss=loss, held=fixed))
-        rows.append({**name, **_row(fits[-1], slip, load)})
-    if len(fits) < 2:
-        raise InputError("points", len(fits), "must hold two curves or more that can be fitted")
+        rows.append({**name, **_row(fit_curve(slip, load, law, loss=loss, held=fixed), slip, load)})
+    if len(rows) < 2:
+        raise InputError("points", len(rows), "must hold two curves or more that can be fitted")
     curves = pd.DataFrame(rows)
-    logarithms = np.log([[fit.parameters[name] for name in names] for fit in fits])
+    logarithms = np.log(curves[list(names)].to_numpy(float))
     how = {"confidence": confidence, "resamples": resamples, "seed": seed}
     population = {}
-    for k, parameter in enumerate(names):
-        estimate = fit_robust(location(logarithms[:, k], curves["campaign"].to_numpy(str)))
+    for parameter, own in zip(names, logarithms.T, strict=True):
+        estimate = fit_robust(location(own, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(estimate, ("median",), **how)  # type: ignore[arg-type]
     findings = tuple(_findings(curves))
     return LoadSlipFit(law, curves, population, fixed, logarithms, tuple(skipped), findings)
@@ -212,13 +206,12 @@ def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
 
 
 def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
-    few, stuck = int(curves["near_interpolation"].sum()), int((curves["at_bound"] != "").sum())
-    if few:
-        text = f"{few} of {len(curves)} curves have hardly more points than parameters"
-        yield Finding("points", text)
-    if stuck:
-        text = f"{stuck} of {len(curves)} curves rest on a bound of a parameter"
-        yield Finding("bounds", text)
+    for subject, which, words in (
+        ("points", curves["near_interpolation"], "have hardly more points than parameters"),
+        ("bounds", curves["at_bound"] != "", "rest on a bound of a parameter"),
+    ):
+        if which.any():
+            yield Finding(subject, f"{which.sum()} of {len(curves)} curves {words}")
     campaigns = curves["campaign"].nunique()
     if campaigns < FEW_CAMPAIGNS:
         text = f"{campaigns} campaigns: the scatter between them is hardly known"
@@ -242,9 +235,9 @@ class CurveJudgement:
 
     @property
     def coverage_half_width(self) -> float | None:
-        """Half-width of the interval of the coverage: curves are the observations, not points.
+        """Half-width of the interval of the coverage over curves; None with a single one.
 
-        At least one curve more or less; None with a single curve.
+        At least one curve more or less.
         """
         from scipy.special import stdtrit
 
@@ -279,10 +272,7 @@ class CurveJudgement:
 
 
 def judge_curves(
-    points: pd.DataFrame,
-    law: Law,
-    fit: LoadSlipFit | None = None,
-    confidence: float = 0.9,
+    points: pd.DataFrame, law: Law, fit: LoadSlipFit | None = None, confidence: float = 0.9
 ) -> CurveJudgement:
     """Judge a law by the first loading of every curve of a table (schema `POINTS`).
 

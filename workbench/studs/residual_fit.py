@@ -4,9 +4,10 @@ No shipped table holds a strength measured after pre-damage. Until one is given,
 the prediction of the mechanical model, and its grade says that nothing has validated it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -185,7 +186,6 @@ def fit_residual(
     predamage: str | None = None,
     measure: str | None = None,
     mechanical: MechanicalCurve | None = None,
-    candidates: Sequence[str] = tuple(RELATIONS),
     loss: str = "linear",
     confidence: float = 0.9,
     resamples: int = 300,
@@ -196,13 +196,13 @@ def fit_residual(
     Arguments: `table` (schema `TESTS`); `quantity`, ``strength`` or ``stiffness``; `predamage` and
     `measure`, which tests (None: all, if they are of one kind); `mechanical`, prediction of the
     mechanical model, one more candidate and the answer if the table holds no test after
-    pre-damage; `candidates`, names in `RELATIONS`; the rest as in `fit_strength`. The relation is
-    chosen by leaving out whole campaigns. Raises `InputError` without tests and prediction.
+    pre-damage; the rest as in `fit_strength`. The relation is chosen out of `RELATIONS` by leaving
+    out whole campaigns. Raises `InputError` without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
-    relations = _candidates(candidates, mechanical, rows, quantity)
+    relations = _candidates(mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
     problems = {r.name: _problem(y, level, rows["campaign"], r) for r in relations}
     scores = score_relations(problems)
@@ -232,61 +232,49 @@ def _predicted(
     predamage: str | None,
     measure: str | None,
 ) -> ResidualFit:
-    asked = " ".join(word for word in (predamage, measure) if word)
-    nothing = f"holds no test after pre-damage {asked}".rstrip()
-    where = ("table", f"{len(table)} rows", nothing)
+    asked = " ".join(word for word in ("pre-damage", predamage, measure) if word)
+    where = ("table", f"{len(table)} rows", f"holds no test after {asked}")
     if mechanical is None:
         advice = "give a table with such rows, or the prediction of the mechanical model"
         raise InputError(*where, advice)
     for wanted, predicted in ((predamage, mechanical.predamage), (measure, mechanical.measure)):
         if wanted not in (None, predicted):
-            advice = "the mechanical model predicts "
-            raise InputError(*where, f"{advice}{mechanical.predamage}, {mechanical.measure} only")
+            known = f"{mechanical.predamage}, {mechanical.measure}"
+            raise InputError(*where, f"the mechanical model predicts {known} only")
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
     none, kind = table.iloc[:0], (quantity, mechanical.predamage, mechanical.measure)
     levels = (float(mechanical.level[0]), float(mechanical.level[-1]))
-    texts = (_why_none(table, quantity), mechanical.basis)
-    findings = tuple(Finding("evidence", text) for text in texts)
+    why = "the table holds no test after pre-damage"
+    if damaged := int((table["predamage"] != NO_PREDAMAGE).sum()):
+        why = (
+            f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
+            f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
+        )
+    findings = tuple(Finding("evidence", text) for text in (why, mechanical.basis))
     answer = (*kind, mechanical.relation(), None, (), Grade.MECHANICAL, levels, none, findings)
     return ResidualFit(*answer, identity_of(none), mechanical)
 
 
-def _why_none(table: pd.DataFrame, quantity: str) -> str:
-    """Why a table gives no ratio of what is left."""
-    damaged = int((table["predamage"] != NO_PREDAMAGE).sum())
-    if not damaged:
-        return "the table holds no test after pre-damage"
-    return (
-        f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
-        f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
-    )
-
-
 def _candidates(
-    names: Sequence[str], mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
+    mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
 ) -> list[Relation]:
-    for name in names:
-        Choice(tuple(RELATIONS)).check("candidates", name)
-    result = [RELATIONS[name] for name in names]
+    """All relations, and the mechanical prediction where it is one of the same damage."""
+    damage = (quantity, *rows[["predamage", "predamage_measure"]].iloc[0])
     comparable = (
         mechanical is not None
-        and mechanical.quantity == quantity
-        and mechanical.predamage == rows["predamage"].iloc[0]
-        and mechanical.measure == rows["predamage_measure"].iloc[0]
+        and (mechanical.quantity, mechanical.predamage, mechanical.measure) == damage
         and float(rows["level"].max()) <= mechanical.level[-1]
     )
-    return [*result, mechanical.relation()] if mechanical and comparable else result
+    return [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
 
 
 def _problem(
     y: Array, level: Array, campaigns: ArrayLike, relation: Relation, *, fitted: bool = True
 ) -> Problem:
-    def predict(theta: Array) -> Array:
-        return relation(level, theta)
-
-    names, start, low, high = relation.parameters, relation.start, relation.lower, relation.upper
-    return problem(y, campaigns, predict, names, start, lower=low, upper=high, fitted=fitted)
+    predict, names, start = partial(relation, level), relation.parameters, relation.start
+    bounds = {"lower": relation.lower, "upper": relation.upper}
+    return problem(y, campaigns, predict, names, start, **bounds, fitted=fitted)
 
 
 def _grade(rows: pd.DataFrame) -> Grade:
@@ -307,8 +295,7 @@ def _findings(rows: pd.DataFrame, found: Fitted, relation: Relation) -> Iterator
         yield Finding("campaigns", "two campaigns: no band for a new campaign")
     if found.at_bound:
         yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
-    fatigue = rows["predamage"].iloc[0] == "fatigue"
     left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))
-    if fatigue and left >= 1.0:
+    if rows["predamage"].iloc[0] == "fatigue" and left >= 1.0:
         text = "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag"
         yield Finding("fatigue", f"{text} (2007)")

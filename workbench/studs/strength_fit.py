@@ -44,6 +44,7 @@ VARIATIONS = {
     "concrete_modulus": 0.10,
     "ultimate_strength": 0.05,
 }
+_SIZES = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
 ABOVE_STEEL = 1.0
 FEW_CAMPAIGNS = 5
 LEAST_FOR_DESIGN = 4  # tests, EN 1990 table D.2 for an unknown coefficient of variation
@@ -216,28 +217,24 @@ def _d8(
     reference: Mapping[str, float],
     variations: dict[str, float],
 ) -> D8:
-    means = {name: reference[name] for name in VARIATIONS if np.isfinite(reference[name])}
-    full = {name: means.get(name, np.nan) for name in VARIATIONS}
+    means = {name: reference[name] for name in variations if np.isfinite(reference[name])}
 
     def resistance(x: Mapping[str, float], formula: ShearModel = model) -> float:
-        now = {**full, **x}
-        d, fc, ec, fu = (now[name] for name in VARIATIONS)
-        return float(formula.resistance(d, reference["height"], fc, ec, fu))
+        d, h, fc, ec, fu = ({**reference, **x}[name] for name in _SIZES)
+        return float(formula.resistance(d, h, fc, ec, fu))
 
-    used = {name: v for name, v in variations.items() if name in means}
-    sensitivities = sensitivities_of(resistance, means)
     steel_known = np.isfinite(reference["ultimate_strength"])
     own = model.level is Level.CHARACTERISTIC or not steel_known
     code = model if own else shear_model("en1994")
     nominal = None
     if steel_known or np.isinf(code.steel_factor):
-        specified = float(characteristic_strength(means["concrete_strength"]))
+        specified = float(characteristic_strength(reference["concrete_strength"]))
         nominal = resistance({"concrete_strength": specified}, code)
     return evaluate_d8(
         tests.shear,
         model.of(tests),
-        variations=used,
-        sensitivities={name: s for name, s in sensitivities.items() if name in used},
+        variations={name: variations[name] for name in means},
+        sensitivities=sensitivities_of(resistance, means),
         resistance=resistance({}),
         nominal=nominal,
     )
@@ -302,18 +299,14 @@ def _findings(
 
 
 def _campaign_findings(given: Problem) -> Iterator[Finding]:
-    texts = []
     if given.count == given.campaigns > 1:
-        texts.append(
-            "one test per campaign: the scatter within and between campaigns cannot be told apart"
-        )
-    if given.campaigns == 1:
-        texts.append("one campaign: nothing can be said about the scatter between campaigns")
-    elif given.campaigns == 2:
-        texts.append(
-            "two campaigns: nothing tells how much campaigns differ; the interval of the bias is "
-            "too narrow and there is no value for a new campaign"
-        )
-    elif given.campaigns < FEW_CAMPAIGNS:
-        texts.append(f"{given.campaigns} campaigns: the scatter between campaigns is hardly known")
-    yield from (Finding("campaigns", text) for text in texts)
+        why = "one test per campaign: the scatter within and between campaigns cannot be told apart"
+        yield Finding("campaigns", why)
+    few = f"{given.campaigns} campaigns: the scatter between campaigns is hardly known"
+    texts = {
+        1: "one campaign: nothing can be said about the scatter between campaigns",
+        2: "two campaigns: nothing tells how much campaigns differ; the interval of the bias is "
+        "too narrow and there is no value for a new campaign",
+    }
+    if given.campaigns < FEW_CAMPAIGNS:
+        yield Finding("campaigns", texts.get(given.campaigns, few))

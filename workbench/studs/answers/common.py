@@ -16,16 +16,11 @@ from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud import CSV, StudTests
-from workbench.studs.answers.typed import content_of, with_content
-from workbench.studs.fit_protocol import Judged
-from workbench.studs.plain import plain
+from workbench.studs.answers.typed import with_content
+from workbench.studs.fit_protocol import Judged, plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
 from workbench.studs.tables import SHIPPED, check_campaigns, joined, shipped, split_table
-
-__all__ = ["Found", "Split", "StudModel", "content_of", "load_split"]
-
-SAMPLING = "sampling_uncertainty"  # attribute: half-widths of intervals over tests
 
 
 @dataclass(frozen=True)
@@ -144,8 +139,6 @@ class StudModel(Declared, table="option"):
         if not found.exact:
             own = found.judged.widths if found.judged else {}
             widths = {name: width for name, width in own.items() if width is not None}
-        response.attrs["data_uncertainty" if found.exact else SAMPLING] = json.dumps(
-            plain(widths), sort_keys=True
-        )
-        typed: Response = with_content(response, found.content, found.units)
-        return typed
+        kind = "data_uncertainty" if found.exact else "sampling_uncertainty"  # over tests
+        response.attrs[kind] = json.dumps(plain(widths), sort_keys=True)
+        return with_content(response, found.content, found.units)

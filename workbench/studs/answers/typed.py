@@ -6,7 +6,6 @@ not reported. Any netCDF reader gets numbers and units; `content_of` gives the n
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from workbench.responses import Response
-from workbench.studs.plain import plain
+from workbench.studs.fit_protocol import fields_of, plain
 
 ROOT, ROW, ITEM = "answer", "row", "item"
 UNITS = {
@@ -29,9 +28,12 @@ UNITS = {
 Named = Iterator[tuple[str, xr.Variable]]
 
 
-def with_content(response: Response, content: Mapping[str, Any], units: Mapping[str, str]) -> Any:
+def with_content(
+    response: Response, content: Mapping[str, Any], units: Mapping[str, str]
+) -> Response:
     """The response with the content of an answer; `units` of columns where they are not usual."""
-    return response.assign(dict(_variables(ROOT, content, {**UNITS, **units}, "")))
+    held: Response = response.assign(dict(_variables(ROOT, content, {**UNITS, **units}, "")))
+    return held
 
 
 def _variables(path: str, value: Any, units: Mapping[str, str], along: str) -> Named:
@@ -40,10 +42,7 @@ def _variables(path: str, value: Any, units: Mapping[str, str], along: str) -> N
         for name in value:
             yield _variable(f"{path}.{name}", value[name].tolist(), units, f"{path}.{ROW}")
         return
-    if hasattr(value, "_asdict"):
-        value = value._asdict()
-    elif is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
+    value = fields_of(value)
     if isinstance(value, Mapping):
         lengths = {len(each) for each in value.values() if isinstance(each, np.ndarray)}
         shared = f"{path}.{ITEM}" if len(lengths) == 1 else ""
@@ -71,11 +70,8 @@ def _variable(path: str, value: Any, units: Mapping[str, str], *dims: str) -> An
         array = np.array(values)
     else:
         array = np.array([np.nan if each is None else each for each in values], float)
-    name = path.rpartition(".")[2]
-    attributes = {
-        "units": units.get(name, "1"),
-        "long_name": path[len(ROOT) + 1 :].replace(".", " "),
-    }
+    unit = units.get(path.rpartition(".")[2], "1")
+    attributes = {"units": unit, "long_name": path[len(ROOT) + 1 :].replace(".", " ")}
     return path, xr.Variable(dims, array if dims else array[0], attributes)
 
 
