@@ -29,7 +29,7 @@ from workbench.studs.mechanical import (
 )
 from workbench.studs.mechanical.driving import shear
 from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
-from workbench.studs.mechanical.residual import failing_uplift, uplift_at
+from workbench.studs.mechanical.residual import uplift_at
 from workbench.studs.mechanical.structure import StudStructure, round_section
 
 STUD = Stud(0.019, 0.1, 30e6, 26e9, 450e6)
@@ -255,16 +255,16 @@ def test_tension_takes_shear_away() -> None:
 
 def test_levels_of_a_pull_out() -> None:
     pulled = pull_out(STUD, AROUND, steps=120)
-    fallen = failing_uplift(pulled, "displacement ratio")
+    fallen = uplift_at(pulled, 1.0, "displacement ratio")
     assert float(np.interp(fallen, pulled.uplift, pulled.load)) == pytest.approx(
         0.2 * pulled.strength, rel=1e-6
     )
-    assert failing_uplift(pulled, "load ratio") == pulled.uplift_at_strength
+    assert uplift_at(pulled, 1.0, "load ratio") == pulled.uplift[np.argmax(pulled.load)]
     half = uplift_at(pulled, 0.5, "load ratio")
     assert np.interp(half, pulled.uplift, pulled.load) == pytest.approx(0.5 * pulled.strength)
     assert uplift_at(pulled, 0.5, "displacement ratio") == pytest.approx(0.5 * fallen)
-    with pytest.raises(InputError, match="must be displacement ratio or load ratio"):
-        failing_uplift(pulled, "life fraction")
+    with pytest.raises(InputError, match="must be one of displacement ratio, load ratio"):
+        uplift_at(pulled, 1.0, "life fraction")
     with pytest.raises(InputError, match="from 0 to 1"):
         uplift_at(pulled, 1.5, "load ratio")
 
@@ -328,7 +328,7 @@ def test_residual_chart_is_graded_as_a_prediction(
     assert "calibrated on 24 undamaged push-outs of provines2019" in " ".join(
         finding.text for finding in chart.findings
     )
-    with pytest.raises(InputError, match="strength or stiffness"):
+    with pytest.raises(InputError, match="strength, stiffness"):
         residual_curve(STUD, fitted.around, "colour")
 
 

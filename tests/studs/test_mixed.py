@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import erf, sqrt
 from typing import Any
 
@@ -105,8 +106,7 @@ def test_nonlinear_and_linear_solvers_agree() -> None:
 
 def test_weights_act_like_repeated_rows() -> None:
     y = np.array([1.0, 2.0, 4.0])
-    single = problem(y, [0, 0, 0], None, ("mean",), [0.0], design=np.ones((3, 1)),
-                     weights=[2.0, 1.0, 1.0])  # fmt: skip
+    single = replace(mean_problem(y, np.zeros(3)), weights=np.array([2.0, 1.0, 1.0]))
     assert fit(single).theta[0] == pytest.approx((2 * 1.0 + 2.0 + 4.0) / 4.0)
 
 

@@ -20,33 +20,25 @@ from workbench.studs.statistics.annex_d import (
     sensitivities_of,
 )
 
-# EN 1990 tables D.1 and D.2: n, k_n known, k_n unknown, k_d,n known, k_d,n unknown (V_X)
+# EN 1990 tables D.1 and D.2 for an unknown coefficient of variation: n, k_n, k_d,n
 TABLE = {
-    1: (2.31, None, 4.36, None), 2: (2.01, None, 3.77, None), 3: (1.89, 3.37, 3.56, None),
-    4: (1.83, 2.63, 3.44, 11.40), 5: (1.80, 2.33, 3.37, 7.85), 6: (1.77, 2.18, 3.33, 6.36),
-    8: (1.74, 2.00, 3.27, 5.07), 10: (1.72, 1.92, 3.23, 4.51), 20: (1.68, 1.76, 3.16, 3.64),
-    30: (1.67, 1.73, 3.13, 3.44), inf: (1.64, 1.64, 3.04, 3.04),
+    3: (3.37, None), 4: (2.63, 11.40), 5: (2.33, 7.85), 6: (2.18, 6.36), 8: (2.00, 5.07),
+    10: (1.92, 4.51), 20: (1.76, 3.64), 30: (1.73, 3.44), inf: (1.64, None),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("n", TABLE)
 def test_characteristic_factors_follow_from_their_definition(n: float) -> None:
-    known, unknown, _, _ = TABLE[n]
     # the table is printed with two decimals, some cut and not rounded
-    assert fractile_factor(n, known=True) == pytest.approx(known, abs=0.018)
-    if unknown is not None:
-        assert fractile_factor(n) == pytest.approx(unknown, abs=0.013)
+    assert fractile_factor(n) == pytest.approx(TABLE[n][0], abs=0.013)
 
 
-@pytest.mark.parametrize("n", [n for n in TABLE if n != inf])
+@pytest.mark.parametrize("n", [n for n, (_, design) in TABLE.items() if design])
 def test_design_factors_follow_the_probability_0_999(n: float) -> None:
-    _, _, known, unknown = TABLE[n]
-    assert fractile_factor(n, TABLE_DESIGN, known=True) == pytest.approx(known, rel=0.011)
-    if unknown is None:
-        return
-    assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(unknown, rel=0.008)
+    printed = TABLE[n][1]
+    assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(printed, rel=0.008)
     # the limit quoted as 3.04 belongs to 0.99882, with which the table does not agree
-    assert fractile_factor(n, LIMIT_DESIGN) < unknown * 0.99
+    assert fractile_factor(n, LIMIT_DESIGN) < printed * 0.99
     assert fractile_factor(inf, LIMIT_DESIGN) == pytest.approx(3.04, abs=0.002)
     assert fractile_factor(inf, TABLE_DESIGN) == pytest.approx(3.09, abs=0.001)
 

@@ -125,13 +125,12 @@ def stud_strength(options: StrengthOptions) -> Answer:
     Annex B.2. Campaigns that validate are kept out of the fit.
     """
     from workbench.report.chapters import stud_answer
-    from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points, shear_model
+    from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points
     from workbench.studs.fit_protocol import plain
 
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
     for name in options.model or list(SHEAR_MODELS):
-        shear_model(name)
         try:
             contents.append(_formula(fitted, held, name, options))
         except (InputError, OutOfDomainError) as error:
@@ -155,15 +154,11 @@ def load_slip(options: LoadSlipOptions) -> Answer:
     """
     from workbench.report.chapters import stud_answer
     from workbench.studs import LAWS, POINTS, fit_load_slip
-    from workbench.studs.load_slip import law_kind
 
     fitted, held, head = _tables(options, "load-slip", POINTS, "stud-load-slip")
     how = {name: getattr(options, name) for name in ("loss", "least_points", "confidence")}
-    contents = []
-    for name in options.law or list(LAWS):
-        law_kind(name)
-        contents.append(_judged(fit_load_slip(fitted, name, **how), held, options.confidence))
-    result = {**head, "laws": contents}
+    fits = (fit_load_slip(fitted, name, **how) for name in options.law or LAWS)
+    result = {**head, "laws": [_judged(fit, held, options.confidence) for fit in fits]}
     return Answer(result, stud_answer.load_slip(result))
 
 

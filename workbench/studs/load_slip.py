@@ -54,9 +54,7 @@ class BilinearLaw(Declared, table="law"):
     def check(self) -> None:
         """Refuse what the fields cannot be together."""
         if self.slip_capacity < self.yield_slip:
-            raise InputError(
-                "law.slip_capacity", self.slip_capacity, f"must reach {self.yield_slip:g} m"
-            )
+            raise self.refusal("slip_capacity", f"must reach {self.yield_slip:g} m")
 
     def ratio(self, slip: ArrayLike) -> Array:
         """Load over the largest load at slips (m)."""

@@ -17,7 +17,16 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.studs.schema import EXTRA, POINTS, TESTS, Column, Row, Table, row_findings
+from workbench.studs.schema import (
+    EXTRA,
+    POINTS,
+    TESTS,
+    Column,
+    Row,
+    RowFinding,
+    Table,
+    row_findings,
+)
 
 LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
 MOST_ROWS = 50_000
@@ -166,9 +175,6 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
     return Examination(_frame(rows, columns, table), tuple(problems))
 
 
-Found = tuple[str, object, str, str]  # column, value, reason, advice
-
-
 @dataclass
 class _Seen:
     """What the rows before have named: keys, and the spelling of every campaign."""
@@ -177,7 +183,7 @@ class _Seen:
     lines: dict[tuple[str, ...], int] = field(default_factory=dict)
     spelling: dict[str, tuple[str, int]] = field(default_factory=dict)
 
-    def repeated(self, row: Row, line: int) -> Iterator[Found]:
+    def repeated(self, row: Row, line: int) -> Iterator[RowFinding]:
         """A specimen that stands twice, or else a campaign in another spelling."""
         key = tuple(str(row[part]) for part in self.table.key)
         first = self.lines.setdefault(tuple(part.casefold() for part in key), line)
@@ -219,13 +225,13 @@ def _columns(header: list[str] | None, name: str, table: Table) -> list[Column |
     return [name if name.startswith(EXTRA) else table.column(name) for name in names]
 
 
-def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[Found]]:
+def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[RowFinding]]:
     if len(cells) != len(columns):
         reason = f"has {len(cells)} cells where the header has {len(columns)}"
         advice = "put a text with commas in quotation marks, and write decimal points: 19.05"
         return {}, [("", ",".join(cells), reason, advice)]
     row: Row = {}
-    found: list[Found] = []
+    found: list[RowFinding] = []
     for cell, column in zip(cells, columns, strict=True):
         if isinstance(column, str):
             row[column] = cell.strip()

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,17 +56,10 @@ class MechanicalCurve:
             raise InputError("mechanical", shapes, "must be curves over rising levels")
 
     def relation(self) -> Relation:
-        """The prediction as a relation without parameters, linear between its levels.
-
-        Beyond the last level it has no value (NaN).
-        """
-
-        def value(d: Array, theta: Array) -> Array:
-            return np.interp(d, self.level, self.ratio, right=np.nan)
-
-        return Relation(
-            "mechanical", "prediction of the mechanical model", (), (), (), (), value, self.basis
-        )
+        """The prediction as a relation without parameters: linear, NaN beyond the last level."""
+        none, words = ((), (), (), ()), "prediction of the mechanical model"
+        left = partial(np.interp, xp=self.level, fp=self.ratio, right=np.nan)
+        return Relation("mechanical", words, *none, lambda d, p: np.asarray(left(d)), self.basis)
 
 
 RELATIONS: dict[str, Relation] = {

@@ -89,7 +89,7 @@ POINTS = Table("points", _declared("points"))
 
 
 Row = dict[str, object]
-Finding = tuple[str, object, str, str]  # column, value, reason, advice
+RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
 
 TOTAL_TOLERANCE = 0.02  # load per stud times studs against the total: both are rounded
 LEAST_STRESS, LARGEST_STRESS = 10.0, 2500.0  # MPa, load over shank area of any plausible test
@@ -98,7 +98,7 @@ _MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
 _LOADS = ("shear_kN", "tension_kN")  # both in a combined test
 
 
-def row_findings(row: Row, table: str) -> Iterator[Finding]:
+def row_findings(row: Row, table: str) -> Iterator[RowFinding]:
     """Contradictions within a row: column, value, reason and advice of each.
 
     Arguments: `row`, cells by column name, single cells already checked; `table`, name of its
@@ -115,7 +115,7 @@ def _value(row: Row, column: str) -> float | None:
     return None if not isinstance(value, float) or isnan(value) else value
 
 
-def _results(row: Row) -> Iterator[Finding]:
+def _results(row: Row) -> Iterator[RowFinding]:
     if _value(row, "strength_over_nominal") is None:
         for column in _MEASURED.get(str(row["test"]), _LOADS):
             if _value(row, column) is None:
@@ -136,7 +136,7 @@ def _results(row: Row) -> Iterator[Finding]:
                 yield column, load, reason, "loads are in kN per stud, diameters in mm"
 
 
-def _sizes(row: Row) -> Iterator[Finding]:
+def _sizes(row: Row) -> Iterator[RowFinding]:
     diameter, height = _value(row, "diameter_mm"), _value(row, "height_mm")
     if diameter and height:
         slenderness = height / diameter
@@ -150,7 +150,7 @@ def _sizes(row: Row) -> Iterator[Finding]:
         yield "head_diameter_mm", head, f"must exceed the shank, {diameter:g} mm", ""
 
 
-def _predamage(row: Row) -> Iterator[Finding]:
+def _predamage(row: Row) -> Iterator[RowFinding]:
     kind, level = row.get("predamage", NO_PREDAMAGE), _value(row, "predamage_level")
     if kind == NO_PREDAMAGE:
         if level:

@@ -8,7 +8,7 @@ characteristic or mean. Check the code before relying on a number. Units: SI.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,21 +22,13 @@ LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1
 
 
-class Level(StrEnum):
-    """What a strength value stands for."""
-
-    MEAN = "mean"
-    CHARACTERISTIC = "characteristic"
-    NOMINAL = "nominal"
-
-
 @dataclass(frozen=True, slots=True)
 class ShearModel:
     """A formula of shear resistance: min(c_s A_s f_u, c_c alpha X sqrt(f_c E_c)).
 
     `steel_factor` c_s (infinite: no steel term); `concrete_factor` c_c; `over_area`, X is A_s,
-    otherwise d^2; `reduces_stocky`, alpha = 0.2 (h/d + 1) for 3 <= h/d < 4 (EN 1994); `level` of
-    the value with the material values meant for it; `source`.
+    otherwise d^2; `reduces_stocky`, alpha = 0.2 (h/d + 1) for 3 <= h/d < 4 (EN 1994);
+    `characteristic`, whether the value is one with the material values meant for it; `source`.
     """
 
     name: str
@@ -45,7 +37,7 @@ class ShearModel:
     concrete_factor: float
     over_area: bool
     reduces_stocky: bool
-    level: Level
+    characteristic: bool
     source: str
 
     def steel(self, diameter: ArrayLike, ultimate_strength: ArrayLike) -> Array:
@@ -119,13 +111,10 @@ class ShearModel:
                 result.append(Finding("range", text))
         return result
 
-    def scaled(self, *, steel: float | None = None, concrete: float | None = None) -> ShearModel:
-        """The same formula with other factors (a fitted form of it)."""
-        return replace(
-            self,
-            steel_factor=self.steel_factor if steel is None else steel,
-            concrete_factor=self.concrete_factor if concrete is None else concrete,
-        )
+    def scaled(self, **factors: float) -> ShearModel:
+        """The same formula with another factor ``steel``, ``concrete`` or both (a fitted form)."""
+        changes: dict[str, Any] = {f"{name}_factor": value for name, value in factors.items()}
+        return replace(self, **changes)
 
 
 _ROUND = 1e-9  # bounds are quoted to few digits
@@ -142,15 +131,14 @@ _EN_SOURCE = "EN 1994-1-1:2004, 6.6.3.1 (secondary transcriptions)"
 SHEAR_MODELS: dict[str, ShearModel] = {
     model.name: model
     for model in (
-        ShearModel("en1994", "EN 1994-1-1", 0.8, 0.29, False, True, Level.CHARACTERISTIC,
-                   _EN_SOURCE),
+        ShearModel("en1994", "EN 1994-1-1", 0.8, 0.29, False, True, True, _EN_SOURCE),
         ShearModel("roik-mean", "Roik, mean values (the mean form of EN 1994-1-1)", 1.0, 0.374,
-                   False, True, Level.MEAN, "Roik et al., mean values behind EN 1994-1-1 "
+                   False, True, False, "Roik et al., mean values behind EN 1994-1-1 "
                    "(secondary transcription; another one prints 0.372)"),
         ShearModel("aisc360", "AISC 360-22, solid slab (Rg = 1, Rp = 0.75)", 0.75, 0.5, True,
-                   False, Level.NOMINAL, "AISC 360-22, I8.2a"),
+                   False, False, "AISC 360-22, I8.2a"),
         ShearModel("ollgaard", "Ollgaard, Slutter and Fisher 1971", np.inf, 0.5, True, False,
-                   Level.MEAN, "Ollgaard, Slutter and Fisher 1971, simplified form (recalled)"),
+                   False, "Ollgaard, Slutter and Fisher 1971, simplified form (recalled)"),
     )
 }  # fmt: skip
 

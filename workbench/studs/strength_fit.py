@@ -23,7 +23,7 @@ from workbench.studs.fit_protocol import (
     used_rows,
 )
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
-from workbench.studs.shear import Level, ShearModel, characteristic_strength, shear_model
+from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import (
@@ -224,7 +224,7 @@ def _d8(
         return float(formula.resistance(d, h, fc, ec, fu))
 
     steel_known = np.isfinite(reference["ultimate_strength"])
-    own = model.level is Level.CHARACTERISTIC or not steel_known
+    own = model.characteristic or not steel_known
     code = model if own else shear_model("en1994")
     nominal = None
     if steel_known or np.isinf(code.steel_factor):

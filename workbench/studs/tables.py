@@ -62,9 +62,7 @@ def campaigns_of(*tables: pd.DataFrame) -> list[str]:
 
 
 def split_table(
-    table: pd.DataFrame,
-    calibrate: Sequence[str] = (),
-    validate: Sequence[str] = (),
+    table: pd.DataFrame, calibrate: Sequence[str] = (), validate: Sequence[str] = ()
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Rows that a fit may use, and rows that it is judged by (either may be empty).
 
@@ -91,11 +89,9 @@ def split_table(
 
 def check_campaigns(wanted: Sequence[str], *tables: pd.DataFrame) -> None:
     """Refuse names of campaigns that no table has. Raises `InputError` with the nearest name."""
-    known = campaigns_of(*tables)
+    known = tuple(campaigns_of(*tables))
     for name in wanted:
-        if name not in known:
-            allowed = "must be one of " + ", ".join(known)
-            raise InputError("campaign", name, allowed, did_you_mean(name, known))
+        Choice(known, did_you_mean(name, known)).check("campaign", name)
 
 
 def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFrame:
@@ -103,14 +99,12 @@ def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFra
 
     `unique`: refuse a specimen that stands in two of them (`InputError`).
     """
-    seen: set[tuple[str, str]] = set()
-    for part in tables if unique else ():
-        names = set(zip(part["campaign"], part["specimen"], strict=True))
-        for campaign, specimen in sorted(seen & names):
-            advice = "give the campaign another name, or leave one table out"
-            raise InputError("tables", f"{campaign} {specimen}", "stands in two tables", advice)
-        seen |= names
-    return pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+    rows = pd.concat(tables, ignore_index=True) if len(tables) > 1 else tables[0]
+    names = rows["campaign"].str.cat(rows["specimen"], sep=" ")
+    for name in sorted(names[rows.duplicated(["campaign", "specimen"])] if unique else ()):
+        advice = "give the campaign another name, or leave one table out"
+        raise InputError("tables", name, "stands in two tables", advice)
+    return rows
 
 
 _CONTENT = [

@@ -39,11 +39,7 @@ def span(interval: Content | None, factor: float = 1.0) -> str:
 
 
 def _value(path: str, digits: int = 3, factor: float = 1.0) -> Finder:
-    return lambda record: valued(found(record, path), digits, factor=record.get("factor", factor))
-
-
-def _plain(path: str) -> Finder:
-    return lambda record: valued(found(record, path), 3)
+    return lambda record: valued(found(record, path), digits, factor=factor)
 
 
 def _span(path: str) -> Finder:
@@ -85,37 +81,33 @@ def fitted(named: Named) -> Iterator[Block]:
 
 def exponents(named: Named) -> Iterator[Block]:
     """Exponents that formulas miss, and factors of the formulas themselves, where fitted."""
-    kinds = (
-        ("trends", "Exponents that the formulas miss:", "exponent", _trends),
-        ("factors", "Fitted factors of the formulas:", "factor", _factors),
-    )
-    for key, caption, title, of in kinds:
-        columns = (
-            _NAME,
-            Column("variable", of="variable"),
-            Column(title, True, of=_value("value")),
-            Column("interval", True, of=_span("profile")),
-        )
-        yield from _table(key, caption, columns, _rows(named, of))
 
+    def trends(content: Content) -> Iterator[Content]:
+        for name, parameter in content["fit"]["parameters"].items():
+            if name != "bias":
+                yield {"variable": name, **parameter}
 
-def _trends(content: Content) -> Iterator[Content]:
-    for name, parameter in content["fit"]["parameters"].items():
-        if name != "bias":
-            yield {"variable": name, **parameter}
+    def factors(content: Content) -> Iterator[Content]:
+        own = content.get("factors") or {"factors": {}}
+        for name, value in own["factors"].items():
+            yield {"variable": name, "value": value, "profile": own["profile"][name]}
 
-
-def _factors(content: Content) -> Iterator[Content]:
-    own = content.get("factors") or {"factors": {}}
-    for name, value in own["factors"].items():
-        yield {"variable": name, "value": value, "profile": own["profile"][name]}
+    variable = Column("variable", of="variable")
+    interval = Column("interval", True, of=_span("profile"))
+    for of, title, caption in (
+        (trends, "exponent", "Exponents that the formulas miss:"),
+        (factors, "factor", "Fitted factors of the formulas:"),
+    ):
+        columns = (_NAME, variable, Column(title, True, of=_value("value")), interval)
+        yield from _table(f"{title}s", caption, columns, _rows(named, of))
 
 
 def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Block]:
     """Test over prediction in unseen tests; `kinds`, entry of a content: its words."""
-    rows = _rows(
-        named, lambda c: [{"kind": words, **c[key]} for key, words in kinds.items() if c.get(key)]
-    )
+
+    def judged(content: Content) -> Iterator[Content]:
+        return ({"kind": kinds[key], **content[key]} for key in kinds if content.get(key))
+
     columns = (
         _NAME,
         Column("prediction", of="kind"),
@@ -125,7 +117,7 @@ def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Blo
         Column("least", True, of=_value("least_test_over_prediction")),
         Column("which", of="worst"),
     )
-    return _table("unseen", caption, columns, rows)
+    return _table("unseen", caption, columns, _rows(named, judged))
 
 
 def design_values(named: Named) -> Iterator[Block]:
@@ -223,12 +215,12 @@ def load_slip(named: Named) -> Iterator[Block]:
     columns = (
         Column("law", width=3.0, of="name"),
         Column("parameter", width=1.7, of="parameter"),
-        Column("median", True, 0.9, _value("median")),
+        Column("median", True, 0.9, lambda r: valued(r["median"], 3, factor=r["factor"])),
         Column("profile interval", True, 1.5, _span("profile")),
         Column("bootstrap", True, 1.5, _span("bootstrap")),
-        Column("σ", True, 0.6, _plain("sigma.value")),
-        Column("τ", True, 0.6, _plain("tau.value")),
-        Column("misfit", True, 0.7, _plain("rms")),
+        Column("σ", True, 0.6, _value("sigma.value")),
+        Column("τ", True, 0.6, _value("tau.value")),
+        Column("misfit", True, 0.7, _value("rms")),
     )
     caption = (
         "Load-slip laws: median of each parameter over the curves with its intervals, scatter of "

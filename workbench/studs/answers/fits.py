@@ -21,6 +21,7 @@ from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
 from workbench.studs.mechanical.calibration import stud_of
+from workbench.studs.mechanical.residual import MEASURES
 from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, damaged_rows, fit_residual
 from workbench.studs.schema import TESTS
@@ -124,7 +125,6 @@ class StudLoadSlip(StudModel):
         return Found(content, (), judged, {"tests_fitted": 0.0})
 
 
-MEASURES = ("displacement ratio", "load ratio")
 ANY = "any"
 _LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 _STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")

@@ -1,6 +1,6 @@
 """Drive a stud: push-out, pull-out, and one after the other."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class ShearCurve:
     collar: Array
     tension: Array
     uplift: Array
-    failed: bool
+    failed: bool = field(kw_only=True)
 
     @property
     def strength(self) -> float:
@@ -68,11 +68,6 @@ class PullCurve:
         """Largest load, in N."""
         return float(np.max(self.load))
 
-    @property
-    def uplift_at_strength(self) -> float:
-        """Uplift at the largest load, in m."""
-        return float(self.uplift[int(np.argmax(self.load))])
-
 
 def _steps(end: float, first: float, count: int) -> Array:
     """Rising path to `end`, `first` m to begin with: fine at the start, where stiffness is read."""
@@ -93,8 +88,7 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
     assembly.release([dof])
     origin = float(assembly.displacement[dof])
     rows = [(0.0, 0.0, 0.0, 0.0, structure.base_tension, structure.uplift)]
-    failed = False
-    done = 0.0
+    failed, done = False, 0.0
     for target in _steps(slip, 2e-6, steps):
         try:
             (step,) = push(assembly, dof, np.array([target - done]))
@@ -113,9 +107,7 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
         failed = structure.ruptured
         if failed:
             break
-    columns = np.array(rows).T
-    names = [field.name for field in fields(ShearCurve)][:-1]
-    return ShearCurve(**dict(zip(names, columns, strict=True)), failed=failed)
+    return ShearCurve(*np.array(rows).T, failed=failed)
 
 
 def pull(
@@ -126,9 +118,7 @@ def pull(
     Ends where the shank tears. Raises `SolverError` when no equilibrium is found.
     """
     dof = structure.uplift_dof
-    rows = [(0.0, 0.0)]
-    failure = "none"
-    done = 0.0
+    rows, failure, done = [(0.0, 0.0)], "none", 0.0
     for target in _steps(uplift, 2e-6, steps):
         try:
             (step,) = push(structure.assembly, dof, np.array([-(target - done)]))
@@ -155,9 +145,7 @@ def _let_go(structure: StudStructure, load: float) -> None:
     """Lower the flange until it is free of load."""
     if load <= 0.0:
         return
-    dof = structure.uplift_dof
-    rest = load
-    step_size = 1e-6
+    dof, rest, step_size = structure.uplift_dof, load, 1e-6
     for _ in range(400):
         before = rest
         (step,) = push(structure.assembly, dof, np.array([step_size]))

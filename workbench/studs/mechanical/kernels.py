@@ -100,6 +100,7 @@ def evaluate(q, links, factor, cap, old, new):
     for i in range(a.shape[0]):
         s = q[a[i]] - (q[b[i]] if b[i] >= 0 else 0.0)
         s *= sign[i]
+        new.deformation[i] = s
         K, F = parameters[i, 0], parameters[i, 1]
         if law[i] == BEARING:
             f, k, large, small = bearing(s, old.inner[i, 0], old.inner[i, 1], K, F * cap[i])

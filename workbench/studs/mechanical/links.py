@@ -92,11 +92,8 @@ class Links(ElementGroup):
         """Add forces and tangent of a static step; keep the trial state."""
         if step.dynamic:
             raise OutOfDomainError("the links of a stud are made for statics")
-        tables, end, new = self._tables, step.end, self._new
-        kernels.evaluate(end, tables, self.factor, self.cap, self._old, new)
-        joined = np.where(tables.second >= 0, end[tables.second], 0.0)
-        new.deformation[:] = tables.sign * (end[tables.first] - joined)
-        kernels.scatter(step.force, step.band, tables, self._chosen, new)
+        kernels.evaluate(step.end, self._tables, self.factor, self.cap, self._old, self._new)
+        kernels.scatter(step.force, step.band, self._tables, self._chosen, self._new)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step by the trapezoidal rule; stored is f^2 / 2 K."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from workbench.errors import InputError
 from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import concrete_modulus
 
@@ -48,11 +47,9 @@ class Stud(Declared, table="stud"):
         if self.yield_stress is None:
             object.__setattr__(self, "yield_stress", YIELD_SHARE * self.ultimate_strength)
         if not self.head_diameter > self.diameter:  # type: ignore[operator]
-            raise InputError("stud.head_diameter", self.head_diameter, "must exceed the diameter")
+            raise self.refusal("head_diameter", "must exceed the diameter")
         if self.embedment < 2.0 * self.diameter:
-            raise InputError(
-                "stud.height", self.height, "must leave an embedment of two diameters or more"
-            )
+            raise self.refusal("height", "must leave an embedment of two diameters or more")
 
     @classmethod
     def of_concrete(
@@ -116,4 +113,4 @@ class Surroundings(Declared, table="surroundings"):
     def check(self) -> None:
         """Refuse what the fields cannot be together."""
         if self.cone_end <= self.cone_peak:
-            raise InputError("surroundings.cone_end", self.cone_end, "must exceed cone_peak")
+            raise self.refusal("cone_end", "must exceed cone_peak")

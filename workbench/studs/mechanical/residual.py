@@ -11,47 +11,40 @@ from functools import lru_cache
 import numpy as np
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.studs.mechanical.driving import PullCurve, pull_out, pull_then_push, push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve
 
 LEVELS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+MEASURES = ("displacement ratio", "load ratio")  # of damage
+QUANTITIES = ("strength", "stiffness")
 LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
 STEPS = 120
 # ends of the unknown parameters, which span the band one after the other
 UNKNOWN = {"cone_loss": (0.0, 1.0), "cone_end": (0.03, 0.12), "friction": (0.0, 0.6)}
 
 
-def failing_uplift(pulled: PullCurve, measure: str) -> float:
-    """Uplift (m) that counts as level 1 of a pull-out.
-
-    ``displacement ratio``: where the load has fallen to 20 % of its peak, or the shank tears;
-    ``load ratio``: at the peak. Raises `InputError` for other measures.
-    """
-    if measure == "load ratio":
-        return pulled.uplift_at_strength
-    if measure != "displacement ratio":
-        raise InputError("measure", measure, "must be displacement ratio or load ratio")
-    peak = int(np.argmax(pulled.load))
-    fallen = np.flatnonzero(pulled.load[peak:] <= LOST * pulled.strength)
-    if len(fallen) == 0:
-        return float(pulled.uplift[-1])
-    i = peak + int(fallen[0])
-    ends = slice(i, i - 2, -1)  # falling load: rising order for the interpolation
-    return float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
-
-
 def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
-    """Uplift (m) of a level of damage, 0 to 1, of a pull-out."""
+    """Uplift (m) of a level of damage, 0 to 1, of a pull-out.
+
+    ``displacement ratio``: share of the uplift where the load has fallen to 20 % of its peak, or
+    the shank tears; ``load ratio``: share of the peak before it. Raises `InputError` for others.
+    """
     if not 0.0 <= level <= 1.0:
         raise InputError("level", level, "damage lies from 0 to 1")
-    if measure == "displacement ratio":
-        return level * failing_uplift(pulled, measure)
-    failing_uplift(pulled, measure)
+    Choice(MEASURES).check("measure", measure)
     peak = int(np.argmax(pulled.load))
-    rising = np.maximum.accumulate(pulled.load[: peak + 1])
-    return float(np.interp(level * pulled.strength, rising, pulled.uplift[: peak + 1]))
+    if measure == "load ratio":
+        rising = np.maximum.accumulate(pulled.load[: peak + 1])
+        return float(np.interp(level * pulled.strength, rising, pulled.uplift[: peak + 1]))
+    fallen = np.flatnonzero(pulled.load[peak:] <= LOST * pulled.strength)
+    if len(fallen) == 0:
+        return level * float(pulled.uplift[-1])
+    i = peak + int(fallen[0])
+    ends = slice(i, i - 2, -1)  # falling load: rising order for the interpolation
+    return level * float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
 
 
 @lru_cache(maxsize=64)  # strength and stiffness come from the same runs
@@ -89,18 +82,16 @@ def residual_curve(
 ) -> MechanicalCurve:
     """Predict what is left after a pull-out to several levels, with a band.
 
-    Arguments: `quantity` ``strength`` or ``stiffness``; `measure` of the level (see
-    `failing_uplift`); rising `levels` from 0; `spread`, ends of the unknown parameters; `basis`,
-    what the parameters rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
+    Arguments: `quantity` ``strength`` or ``stiffness``; `measure` of the level (see `uplift_at`);
+    rising `levels` from 0; `spread`, ends of the unknown parameters; `basis`, what the parameters
+    rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
     """
-    if quantity not in ("strength", "stiffness"):
-        raise InputError("quantity", quantity, "must be strength or stiffness")
-    at = tuple(float(level) for level in levels)
-    which = 0 if quantity == "strength" else 1
+    Choice(QUANTITIES).check("quantity", quantity)
+    which, at = QUANTITIES.index(quantity), np.array(levels, float)
     ends = [replace(around, **{name: end}) for name, all_ in spread.items() for end in all_]
-    curves = np.array([residual_ratios(stud, each, at, measure)[which] for each in (around, *ends)])
-    low, high = curves.min(axis=0), curves.max(axis=0)
-    return MechanicalCurve(np.array(at), curves[0], low, high, "pull-out", measure, quantity, basis)
+    every = [residual_ratios(stud, each, levels, measure)[which] for each in (around, *ends)]
+    low, high = np.min(every, axis=0), np.max(every, axis=0)
+    return MechanicalCurve(at, every[0], low, high, "pull-out", measure, quantity, basis)
 
 
 def interaction_points(
@@ -112,11 +103,7 @@ def interaction_points(
     tension. Result: both ratios (n + 1,), the last point being the pull-out itself.
     """
     whole = push_out(stud, around, steps=STEPS)
-    end = float(whole.slip[-1])
-    strength = pull_out(stud, around, steps=STEPS).strength
-    shear = [
-        push_out(stud, around, tension=share * strength, steps=STEPS).strength_within(end)
-        / whole.strength
-        for share in shares
-    ]
+    end, strength = float(whole.slip[-1]), pull_out(stud, around, steps=STEPS).strength
+    held = (push_out(stud, around, tension=share * strength, steps=STEPS) for share in shares)
+    shear = [each.strength_within(end) / whole.strength for each in held]
     return np.array([*shares, 1.0]), np.array([*shear, 0.0])

@@ -106,17 +106,10 @@ class StudStructure:
         head = stud.head_area
         cone = self.cone_strength
         peak = around.cone_peak * stud.embedment
+        bearing = [(modulus * share, pressure * d * share) for share in self.tributary]
         links = [
-            Link(
-                kernels.BEARING,
-                node,
-                abs(node - 1),
-                LATERAL,
-                modulus * share,
-                pressure * d * share,
-                grounded=True,
-            )
-            for node, share in enumerate(self.tributary)
+            Link(kernels.BEARING, node, abs(node - 1), LATERAL, *laws, grounded=True)
+            for node, laws in enumerate(bearing)
         ]
         self.slide, self.collar = len(links), len(links) + 1
         self.pressure, self.crack, self.contact = (len(links) + k for k in (2, 3, 4))

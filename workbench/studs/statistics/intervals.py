@@ -152,72 +152,51 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
 
     tau may reach zero (low = 0); its upper end is open with one campaign.
     """
+    from scipy.interpolate import CubicSpline
     from scipy.special import chdtri
 
-    rise = float(chdtri(1.0, 1.0 - confidence))
     if estimate.is_exact:
         return dict.fromkeys(("sigma", "tau"), Interval(0.0, 0.0, confidence, PROFILE))
-    likelihood = _ScatterLikelihood(estimate)
-    s, least = estimate.sigma, likelihood.least
+    given, s, rise = estimate.problem, estimate.sigma, float(chdtri(1.0, 1.0 - confidence))
+    free = np.flatnonzero(~estimate.at_bound)
+    m, several = given.count - len(free), given.campaigns > 1
+    # at the best parameters, with r = tau / sigma: rest(r) + m ln(sigma^2) + size(r) / sigma^2
+    r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])[: None if several else 1]
+    values, variance = criteria_at(given, r * r, estimate.theta, free)
+    parts = np.column_stack([values - m - m * np.log(variance), np.log(variance * m)])
+    x = np.log(r + RATIO_SHIFT)
+    spline = CubicSpline(x, parts) if several else None
+    dense = parts.T if spline is None else spline(np.linspace(x[0], x[-1], DENSE)).T
+
+    def least(log_s2: Array | float, parts: Array) -> float:
+        rest, log_size = parts
+        return float(np.min(rest + m * log_s2 + np.exp(log_size - log_s2)))
+
+    def of_sigma(sigma: float) -> float:
+        return least(2.0 * np.log(sigma), dense)
+
+    lowest = of_sigma(s)
+    if several:
+        lowest = min(of_sigma(float(v)) for v in np.exp(np.linspace(-1.0, 1.0, 81)) * s)
     low, high = (
-        _crossing(lambda v: likelihood.of_sigma(np.exp(v)) - least - rise, np.log(s), step, bound)
+        _crossing(lambda v: of_sigma(np.exp(v)) - lowest - rise, np.log(s), step, bound)
         for step, bound in ((-0.3, -np.inf), (0.3, np.inf))
     )
     sigma = Interval(low, high, confidence, PROFILE).exponential()
-    if estimate.problem.campaigns < 2:
+    if spline is None:
         return {"sigma": sigma, "tau": Interval(0.0, None, confidence, PROFILE)}
+    log_s2 = 2.0 * np.log(s) + np.linspace(-4.0, 4.0, DENSE)
+
+    def of_tau(tau: float) -> float:
+        ratio = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
+        return least(log_s2, spline(np.log(ratio + RATIO_SHIFT)).T)
+
     step = max(estimate.tau, 0.2 * s)
-    lowest, highest = (
-        _crossing(lambda v: likelihood.of_tau(v) - least - rise, estimate.tau, sign * step, bound)
+    lowest_tau, highest = (
+        _crossing(lambda v: of_tau(v) - lowest - rise, estimate.tau, sign * step, bound)
         for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
     )
-    return {"sigma": sigma, "tau": Interval(lowest or 0.0, highest, confidence, PROFILE)}
-
-
-class _ScatterLikelihood:
-    """Restricted criterion of (sigma, tau), from its two parts as splines over r = tau / sigma.
-
-    With the parameters at their best, it is a(r) + m ln(sigma^2) + size(r) / sigma^2.
-    """
-
-    def __init__(self, estimate: Estimate) -> None:
-        from scipy.interpolate import CubicSpline
-
-        given = estimate.problem
-        free = np.flatnonzero(~estimate.at_bound)
-        self._m = given.count - len(free)
-        r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, RATIOS)])
-        if given.campaigns < 2:
-            r = r[:1]
-        values, variance = criteria_at(given, r * r, estimate.theta, free)
-        parts = np.column_stack(
-            [values - self._m - self._m * np.log(variance), np.log(variance * self._m)]
-        )
-        self._x = np.log(r + RATIO_SHIFT)
-        self._parts: Callable[[Array], Array] = (
-            CubicSpline(self._x, parts) if len(r) > 1 else lambda x: np.tile(parts, (len(x), 1))
-        )
-        dense = np.linspace(self._x[0], self._x[-1], DENSE) if len(r) > 1 else self._x
-        self._dense = self._parts(dense).T
-        self._log_s2 = 2.0 * np.log(estimate.sigma)
-        self.least = self.of_sigma(estimate.sigma)
-        if given.campaigns > 1:
-            around = np.exp(np.linspace(-1.0, 1.0, 81)) * estimate.sigma
-            self.least = min(self.of_sigma(float(each)) for each in around)
-
-    def of_sigma(self, sigma: float) -> float:
-        """Smallest criterion over tau."""
-        return self._least(2.0 * np.log(sigma), self._dense)
-
-    def of_tau(self, tau: float) -> float:
-        """Smallest criterion over sigma."""
-        log_s2 = self._log_s2 + np.linspace(-4.0, 4.0, DENSE)
-        r = np.minimum(tau / np.exp(0.5 * log_s2), LARGEST_RATIO)
-        return self._least(log_s2, self._parts(np.log(r + RATIO_SHIFT)).T)
-
-    def _least(self, log_s2: Array | float, parts: Array) -> float:
-        rest, log_size = parts
-        return float(np.min(rest + self._m * log_s2 + np.exp(log_size - log_s2)))
+    return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest, confidence, PROFILE)}
 
 
 def bootstrap_by_campaign(

@@ -94,7 +94,6 @@ def problem(
     *,
     lower: ArrayLike | float = -np.inf,
     upper: ArrayLike | float = np.inf,
-    weights: ArrayLike | None = None,
     design: ArrayLike | None = None,
     fitted: bool = True,
 ) -> Problem:
@@ -126,7 +125,7 @@ def problem(
         np.clip(np.asarray(start, float), lower, upper),
         np.broadcast_to(np.asarray(lower, float), p).copy(),
         np.broadcast_to(np.asarray(upper, float), p).copy(),
-        np.ones(len(observed)) if weights is None else np.asarray(weights, float),
+        np.ones(len(observed)),
         tuple(str(label) for label in labels),
         matrix,
     )
