@@ -138,7 +138,7 @@ BAD = {
 
 @pytest.mark.parametrize("bad", BAD)
 def test_a_bad_scenario_is_one_line_and_status_2(
-    bad: str, scenario_file: Path, thesis_impact: ColumnImpact
+    bad: str, scenario_file: Path, thesis_impact: ColumnImpact, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before, after, said = BAD[bad]
     text = scenario_file.read_text()
@@ -152,9 +152,19 @@ def test_a_bad_scenario_is_one_line_and_status_2(
         assert before in text
         text = text.replace(before, after)
     scenario_file.write_text(text)
+    assert run(["simulate", str(scenario_file), "--model", "four-dof", "--json"]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("workbench: ")
+    assert captured.err.count("\n") == 1
+    assert said in captured.err
+
+
+def test_a_process_says_the_same(scenario_file: Path) -> None:
+    before, after, said = BAD["negative mass"]
+    scenario_file.write_text(scenario_file.read_text().replace(before, after))
     done = process("simulate", str(scenario_file), "--model", "four-dof", "--json")
-    assert done.returncode == 2
-    assert done.stdout == ""
+    assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("workbench: ")
     assert done.stderr.count("\n") == 1
     assert said in done.stderr

@@ -98,9 +98,8 @@ def test_a_malformed_table_is_one_message_and_status_2(
     check_message(status, *capsys.readouterr(), name)
 
 
-@pytest.mark.parametrize("name", ["empty file", "UTF-16", "decimal commas", "negative load"])
-def test_a_process_says_the_same(tmp_path: Path, name: str) -> None:
-    file = tmp_path / "tests.csv"
+def test_a_process_says_the_same(tmp_path: Path) -> None:
+    name, file = "decimal commas", tmp_path / "tests.csv"
     file.write_bytes(MALFORMED[name][0])
     done = subprocess.run(command("stud-strength", str(file)), capture_output=True, text=True)
     check_message(done.returncode, done.stdout, done.stderr, name)
@@ -159,12 +158,13 @@ def test_a_gigabyte_of_nonsense_is_refused_early(tmp_path: Path) -> None:
     assert seconds[huge] < 2.0 * seconds[empty]  # of the processor, whatever else it has to do
 
 
-def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
+def test_a_byte_order_mark_does_no_harm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "tests.csv"
     lines = [
         f"lab {j},A{i},push-out,19,100,30,450,{100 + 3 * i + j}" for j in (1, 2) for i in (1, 2)
     ]
     file.write_bytes(b"\xef\xbb\xbf" + rows(*lines).replace(b"\n", b"\r\n"))
-    done = subprocess.run(command("stud-strength", str(file)), capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "4 tests of lab 1, lab 2" in done.stdout
+    assert run(["fit", "stud-strength", str(file)]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert "4 tests of lab 1, lab 2" in captured.out

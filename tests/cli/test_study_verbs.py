@@ -117,11 +117,12 @@ def processes_of_group(group: int) -> list[int]:
     return found
 
 
-def test_a_killed_run_goes_on_where_it_was(study_file: Path, tmp_path: Path) -> None:
+def test_a_killed_run_goes_on_where_it_was(
+    study_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     write(study_file, delay=0.1)
     store = tmp_path / "killed"
-    arguments = ["run", str(study_file), "--jobs", "2"]
-    running = start(*arguments, "--store", str(store))
+    running = start("run", str(study_file), "--jobs", "2", "--store", str(store))
     until(lambda: len(stamps(store)) >= 8)
     os.kill(running.pid, signal.SIGKILL)
     running.communicate()
@@ -131,9 +132,9 @@ def test_a_killed_run_goes_on_where_it_was(study_file: Path, tmp_path: Path) -> 
     until(lambda: not processes_of_group(running.pid))  # no worker stays behind
     (store / "slow-toy" / "cells" / "abc.nc.1.partial").write_bytes(b"half a cell")
 
-    again = start(*arguments, "--store", str(store))
-    said, progress = again.communicate()
-    assert again.returncode == 0
+    here = ["run", str(study_file), "--jobs", "0", "--store"]
+    assert run([*here, str(store)]) == 0
+    said, progress = capsys.readouterr()
     assert f"{12 - len(before) // 2} cells to answer, {len(before) // 2} already stored" in progress
     after = stamps(store)
     assert len(after) == 24
@@ -141,9 +142,7 @@ def test_a_killed_run_goes_on_where_it_was(study_file: Path, tmp_path: Path) -> 
     assert not list(store.glob("slow-toy/cells/*.partial"))
     assert "The results are in" in said
 
-    whole = start(*arguments[:-1], "1", "--store", str(tmp_path / "whole"))
-    whole.communicate()
-    assert whole.returncode == 0
+    assert run([*here, str(tmp_path / "whole")]) == 0
     assert contents(store) == contents(tmp_path / "whole")
     assert len(contents(store)) == 16
 

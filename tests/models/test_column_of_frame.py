@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import runpy
-import subprocess
-import sys
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -16,6 +14,7 @@ from builders import Answers, thesis_frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.cli import run
 from workbench.errors import InputError, OutOfDomainError
 from workbench.frames.collapse_load import collapse_factor
 from workbench.frames.column_estimate import HEAD_MASSES, SAME
@@ -566,19 +565,17 @@ def test_limit_of_the_restraint_is_the_mechanism_of_the_beams() -> None:
         assert limit == pytest.approx(4 * 2.0 * MOMENT / 3.0, rel=1e-6 if not dead else 0.02)
 
 
-def test_command_line(tmp_path: Path) -> None:
+def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "frame.toml"
     file.write_text(to_toml(profiles(velocity=5.0)), encoding="utf-8")
-    command = [sys.executable, "-c", "from workbench.cli import main; main()", "simulate"]
-    command += [str(file), "--json", "--model", "column-of-frame"]
+    command = ["simulate", str(file), "--json", "--model", "column-of-frame"]
     options = ["--option", "head_mass=joint", "--set", "time.duration=0.03"]
-    done = subprocess.run([*command, *options], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["peak_displacement"] > 0.01
-    wrong = subprocess.run([*command, "--option", "head_mass=all"], capture_output=True, text=True)
-    assert wrong.returncode == 2
-    assert "column-line" in wrong.stderr
-    assert "Traceback" not in wrong.stderr
+    assert run([*command, *options]) == 0
+    assert json.loads(capsys.readouterr().out)["peak_displacement"] > 0.01
+    assert run([*command, "--option", "head_mass=all"]) == 2
+    said = capsys.readouterr().err
+    assert "column-line" in said
+    assert "Traceback" not in said
 
 
 def test_the_study_sorts_its_cases_as_the_model_does() -> None:

@@ -225,7 +225,7 @@ def test_contract():
             0.02,
         ),
     ]
-    check_model(FiberCorotational(levels=1, smallest_element=0.05), scenarios)
+    check_model(FiberCorotational(levels=1, smallest_element=0.1), scenarios)  # on any mesh
 
 
 RANDOM_COLUMNS = given(
@@ -243,7 +243,8 @@ RANDOM_COLUMNS = given(
 )
 
 
-def columns_balance_their_energy(examples: int) -> None:
+def columns_balance_their_energy(examples: int, refinement: int) -> None:
+    """Energy is kept on any mesh, so that a coarse one serves."""
     answers = Answers()
 
     @settings(max_examples=examples)
@@ -263,7 +264,7 @@ def columns_balance_their_energy(examples: int) -> None:
             head_mass=head_mass,
         )
         scenario = ColumnImpact("any", column, Striker(mass, velocity, restitution), 0.01)
-        model = FiberCorotational(levels=1)
+        model = FiberCorotational(levels=1, refinement=refinement)
         response = model.simulate(scenario)
         if not answers.note(model, scenario, response):
             assert outcome_of(response) is Outcome.OUT_OF_DOMAIN, response.attrs["message"]
@@ -278,9 +279,9 @@ def columns_balance_their_energy(examples: int) -> None:
 
 
 def test_random_columns_balance_their_energy():
-    columns_balance_their_energy(12)
+    columns_balance_their_energy(20, refinement=-1)
 
 
 @pytest.mark.slow
 def test_two_hundred_random_columns_balance_their_energy():
-    columns_balance_their_energy(200)
+    columns_balance_their_energy(200, refinement=1)

@@ -236,8 +236,11 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
 
 
 def test_the_whole_report_repeats(frames, tmp_path):
-    one = build_report(frames.directory, frames.study, out=tmp_path / "one")
-    two = build_report(frames.directory, frames.study, out=tmp_path / "two")
+    film = next(figure for figure in frames.study.figures if figure.kind == "animation")
+    study = replace(frames.study, figures=(film,))  # still pictures repeat in other reports
+    one, two = (
+        build_report(frames.directory, study, out=tmp_path / name) for name in ("one", "two")
+    )
     for name in ("html", "pdf"):
         assert one[name].read_bytes() == two[name].read_bytes()
     html = one["html"].read_text(encoding="utf-8")

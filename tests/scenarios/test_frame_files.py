@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.cli import run
 from workbench.datafiles import data_directory
 from workbench.errors import InputError
 from workbench.registry import make_model, model_names
@@ -391,23 +390,20 @@ def test_canonical_tables_are_explicit_and_leave_out_defaults(tmp_path: Path) ->
     assert tables["time"] == {"duration": 0.1}
 
 
-def workbench(*arguments: str) -> subprocess.CompletedProcess[str]:
-    code = "from workbench.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=600
-    )
-
-
-def test_column_models_decline_frames_at_the_command_line(tmp_path: Path) -> None:
+def test_column_models_decline_frames_at_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "frame.toml"
     path.write_text(REGULAR)
-    done = workbench("simulate", str(path), "--model", "four-dof")
-    assert (done.returncode, done.stderr) == (1, "")
-    assert "four-dof answers column-impact, column-pushover, not frame-impact" in done.stdout
-    bad = workbench("simulate", str(path), "--model", "four-dof", "--set", "striker.node=Z9")
-    assert bad.returncode == 2
-    assert bad.stderr.startswith("workbench: striker.node = 'Z9': there is no node of this name")
-    assert "Traceback" not in bad.stderr
+    command = ["simulate", str(path), "--model", "four-dof"]
+    assert run(command) == 1
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert "four-dof answers column-impact, column-pushover, not frame-impact" in captured.out
+    assert run([*command, "--set", "striker.node=Z9"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("workbench: striker.node = 'Z9': there is no node of this name")
+    assert "Traceback" not in said
 
 
 def test_every_model_of_columns_alone_declines_every_kind_of_frame(tmp_path: Path) -> None:

@@ -188,7 +188,7 @@ def bootstraps(estimate: Estimate, run: int) -> dict[str, Interval]:
     return bootstrap_by_campaign(estimate, confidence=CONFIDENCE, resamples=300, seed=run)
 
 
-@pytest.mark.parametrize(("intervals_of", "runs"), [(profiles, 150), (bootstraps, 400)])
+@pytest.mark.parametrize(("intervals_of", "runs"), [(profiles, 60), (bootstraps, 150)])
 def test_coverage_of_a_line_is_not_off(intervals_of: Any, runs: int) -> None:
     for name, share in line_coverage(runs, intervals_of).items():
         assert abs(share - CONFIDENCE) <= allowance(runs), (name, share)
@@ -216,7 +216,7 @@ def nonlinear_coverage(runs: int) -> float:
 
 
 def test_coverage_of_a_nonlinear_parameter_is_not_off() -> None:
-    assert abs(nonlinear_coverage(120) - CONFIDENCE) <= allowance(120)
+    assert abs(nonlinear_coverage(50) - CONFIDENCE) <= allowance(50)
 
 
 @pytest.mark.slow

@@ -52,7 +52,7 @@ def test_serial_and_parallel_and_repeated_runs_give_the_same_bytes(
     assert digests(one.directory) == digests(two.directory) == digests(in_process.directory)
     assert len(digests(one.directory)) == 13
     before = digests(two.directory)
-    again = run_study(toy_study, tmp_path / "c", jobs=2, fresh=True)
+    again = run_study(toy_study, tmp_path / "c", jobs=0, fresh=True)
     assert again.answered == 12
     assert digests(two.directory) == before
 
@@ -140,9 +140,9 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         outcome = outcome_of(tree[f"v20.0/{label}"].to_dataset())
         assert message.endswith("" if outcome is Outcome.OK else outcome.advice)
     # crashed cells are tried again, timed-out ones only with more time
-    again = run_study(study, tmp_path, jobs=2, timeout=3.0)
+    again = run_study(study, tmp_path, jobs=1, timeout=3.0)
     assert again.answered == 8
-    more = run_study(study, tmp_path, jobs=2, timeout=3.1, only="hung")
+    more = run_study(study, tmp_path, jobs=1, timeout=3.1, only="hung")
     assert more.answered == 1
 
 
@@ -231,7 +231,7 @@ def test_an_interrupt_leaves_a_consistent_store(toy_study: Study, tmp_path: Path
     assert sum(entry.state is State.DONE for entry in states) == 5
     summary = run_study(toy_study, tmp_path, jobs=2)
     assert (summary.answered, summary.stored) == (7, 5)
-    whole = run_study(toy_study, tmp_path / "whole", jobs=1)
+    whole = run_study(toy_study, tmp_path / "whole", jobs=0)
     assert digests(tmp_path / "toy") == digests(whole.directory)
 
 

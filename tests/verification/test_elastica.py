@@ -43,5 +43,5 @@ def test_elastic_elements_are_of_second_order(kind, force) -> None:
         apply_loads(beam, steps=20, tolerance=1e-12)
         tip = beam.displacement[[beam.dof(elements, "v"), beam.dof(elements, "u")]]
         errors.append(np.hypot(*(tip * [1.0, -1.0] - elastica(force))))
-    assert orders(errors) == pytest.approx(2.0, abs=0.25)
+    assert orders(errors) == pytest.approx(2.0, abs=0.15)  # measured 0.147, on four elements
     assert errors[-1] <= 2.3e-4  # measured 1.1e-4

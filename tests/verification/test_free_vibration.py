@@ -17,7 +17,8 @@ CASES = {
 
 def roots(kind: str, case: str, elements: int) -> np.ndarray:
     base, head, _ = CASES[case]
-    beam = slender_chain(kind, along(1.0, elements))
+    # thinner, rounding drowns the lowest mode; thicker, its rotary inertia is seen
+    beam = slender_chain(kind, along(1.0, elements), radius=3e-4)
     hold(beam, 0, *base)
     if head:
         hold(beam, elements, *head)
@@ -35,5 +36,5 @@ def test_first_two_frequencies_at_second_order(kind, case) -> None:
     exact = np.array(CASES[case][2])
     errors = np.array([(roots(kind, case, n) / exact) ** 2 - 1.0 for n in (8, 16, 32, 64)])
     for mode in range(2):
-        assert orders(errors[:, mode]) == pytest.approx(2.0, abs=0.25)
+        assert orders(errors[:, mode]) == pytest.approx(2.0, abs=0.15)  # measured 0.137
     assert np.max(np.abs(errors[-1])) <= 4e-3  # measured 0.002

@@ -58,7 +58,7 @@ def test_joint_motion_after_a_plastic_collision_is_of_first_order() -> None:
         exact = common * np.cos(0.4 * np.pi)
         errors.append(last.striker.velocity / exact - 1.0)
     # the first step holds the collision, so that half a step of the swing is lost
-    assert orders(errors) == pytest.approx(1.0, abs=0.3)
+    assert orders(errors) == pytest.approx(1.0, abs=1.8e-3)  # measured 9.0e-4
     half_step = 0.5 * 0.4 * np.pi / 160 * np.tan(0.4 * np.pi)
     assert errors[-1] == pytest.approx(half_step, rel=8e-4)  # measured 3.5e-4
 
