@@ -1,6 +1,10 @@
-"""Shared fixtures: the thesis column, and the switch for long studies."""
+"""Shared fixtures: the thesis column, the switch for long studies, and kernels compiled once."""
 
 from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -19,6 +23,22 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("repeatable")
+
+
+# shares of about the same time
+KERNELS = (
+    ("four-dof",),
+    ("rigid-superelement", "single-dof", "fiber-reissner", "fiber-corotational"),
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile kernels into the cache before workers start, each of which would compile them all."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        script = str(Path(__file__).with_name("compile_kernels.py"))
+        started = [subprocess.Popen([sys.executable, script, *names]) for names in KERNELS]
+        for process in started:
+            process.wait()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
