@@ -1,4 +1,4 @@
-"""Answers one short case by each of the named models: what compiles their kernels into the cache."""
+"""Answer a short case by each of the named models, which compiles their kernels into the cache."""
 
 from __future__ import annotations
 
