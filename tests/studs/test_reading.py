@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from workbench.errors import InputError
-from workbench.studs import POINTS, TESTS, examine, read_points, read_tests
+from workbench.studs import POINTS, TESTS, examine, read_tests
 from workbench.studs.reading import LARGEST_FILE, from_frame, read_text
 
 HEADER = "campaign,specimen,test,diameter_mm,height_mm,fcm_MPa,fu_MPa,shear_kN"
@@ -231,7 +231,7 @@ def test_a_byte_order_mark_and_blank_lines_do_no_harm(tmp_path: Path) -> None:
 def test_the_same_specimen_may_have_many_points(tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text("campaign,specimen,slip_mm,load_kN\nlab,A,0.1,20\nlab,A,0.2,30\n")
-    points = read_points(path)
+    points = examine(path, POINTS).accept()
     assert points["single_specimen"].tolist() == [1.0, 1.0]
     assert points["branch"].tolist() == ["", ""]
 

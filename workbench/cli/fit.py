@@ -125,7 +125,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     Annex B.2. Campaigns that validate are kept out of the fit.
     """
     from workbench.report.chapters import stud_answer
-    from workbench.studs import SHEAR_MODELS, TESTS, evaluate_groups, read_points
+    from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
     from workbench.studs.fit_protocol import plain
 
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
@@ -139,7 +139,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
             left_out[name], why = str(error), error  # the others may need less of the table
     if not contents:
         raise why
-    curves = None if options.points is None else read_points(options.points)
+    curves = None if options.points is None else examine(options.points, POINTS).accept()
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
     groups = plain(series)
     result = {**head, "models": contents, "not_fitted": left_out, "series": groups}

@@ -11,7 +11,6 @@ from workbench.studs.load_slip import OllgaardLaw as OllgaardLaw
 from workbench.studs.load_slip import RationalLaw as RationalLaw
 from workbench.studs.load_slip_fit import fit_load_slip as fit_load_slip
 from workbench.studs.reading import examine as examine
-from workbench.studs.reading import read_points as read_points
 from workbench.studs.reading import read_tests as read_tests
 from workbench.studs.relations import RELATIONS as RELATIONS
 from workbench.studs.relations import MechanicalCurve as MechanicalCurve

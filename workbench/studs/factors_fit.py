@@ -84,16 +84,11 @@ def fit_factors(
     rows = undamaged_headed_studs(table)
     rows = rows[np.isfinite(chosen.of(specimens(rows)))].reset_index(drop=True)
     tests = specimens(rows)
-    start = {"steel": chosen.steel_factor, "concrete": chosen.concrete_factor}
-    given = problem(
-        np.log(tests.shear),
-        tests.campaign,
-        prediction(tests, chosen, tuple(factors)),
-        tuple(factors),
-        np.log([start[name] for name in factors]),
-        lower=np.log([FACTORS[name][0] for name in factors]),
-        upper=np.log([FACTORS[name][1] for name in factors]),
-    )
+    names, predict = tuple(factors), prediction(tests, chosen, tuple(factors))
+    start = np.log([getattr(chosen, f"{name}_factor") for name in names])
+    low, high = np.log([FACTORS[name] for name in names]).T
+    shear = np.log(tests.shear)
+    given = problem(shear, tests.campaign, predict, names, start, lower=low, upper=high)
     try:
         estimate = fit_robust(given, loss)
     except InputError as error:

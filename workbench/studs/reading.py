@@ -19,7 +19,6 @@ from workbench.errors import InputError
 from workbench.fields import Number
 from workbench.studs.schema import (
     EXTRA,
-    POINTS,
     TESTS,
     Column,
     Row,
@@ -84,11 +83,6 @@ def read_tests(path: str | Path, *, keep_good: bool = False) -> pd.DataFrame:
     """
     examination = examine(path, TESTS)
     return examination.rows if keep_good else examination.accept()
-
-
-def read_points(path: str | Path) -> pd.DataFrame:
-    """Table of points of load-slip curves (schema `POINTS`); see `read_tests`."""
-    return examine(path, POINTS).accept()
 
 
 def read_text(text: str, table: Table, name: str = "table") -> Examination:

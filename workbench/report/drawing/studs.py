@@ -14,6 +14,7 @@ from workbench.study.definition import Case
 
 KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
 Content = dict[str, Any]
+_KINDS = {"model": "prediction", "test": "test", "ratio": "ratio"}
 _SIZE = 4.2  # of a test's marker
 
 
@@ -35,6 +36,19 @@ def table_of(rows: Sequence[Content] | Content | None) -> pd.DataFrame:
     table = pd.DataFrame(rows or ())
     empty = table.columns[table.isna().all()]
     return table.astype(dict.fromkeys(empty, float))
+
+
+def judged_tests(label: str, content: Content) -> pd.DataFrame:
+    """Fitted tests and, of a model that is judged where it is calibrated elsewhere, `unseen` ones.
+
+    Columns: `label`, campaign, specimen, unseen, `prediction` and `test` (N) and their `ratio`.
+    """
+    names = {f"strength_{old}": new for old, new in _KINDS.items()}
+    tests = table_of(content["tests"]).rename(columns=names).assign(unseen=False)
+    if "basis" in content:
+        tests = pd.concat([tests, table_of(content["judged"]).assign(unseen=True)])
+    columns = ["label", "campaign", "specimen", "unseen", *_KINDS.values()]
+    return tests.assign(label=label)[columns]
 
 
 def measured(request: Request, case: Case, part: str) -> pd.DataFrame:

@@ -27,7 +27,7 @@ def draw(request: Request) -> Drawing:
             found.setdefault(label, content)
     if not found:
         return nothing("No formula of shear strength has answered these cases.")
-    tests = pd.concat([_tests(label, content) for label, content in found.items()])
+    tests = pd.concat([studs.judged_tests(*each) for each in found.items()]).drop(columns="ratio")
     looks = studs.campaign_looks(tests["campaign"])
     top = 1.06 * studs.KILO * float(np.max(tests[["test", "prediction"]].to_numpy(float)))
     sheet = Sheet.grid(len(found), height=2.45, sharex=True)
@@ -44,16 +44,6 @@ def draw(request: Request) -> Drawing:
     sheet.legend(*studs.test_entries(looks, "fitted"), *studs.test_entries(unseen, "unseen"))
     sheet.legend(entry("test = prediction", **_LINE), entry("± 20 %", **_BOUND))
     return sheet.finish(f"measured against predicted strength of push-outs for {', '.join(found)}")
-
-
-def _tests(label: str, content: studs.Content) -> pd.DataFrame:
-    """Fitted tests and unseen ones (N), whatever model they come from."""
-    names = {"strength_test": "test", "strength_model": "prediction"}
-    tests = studs.table_of(content["tests"]).rename(columns=names).assign(label=label, unseen=False)
-    if "basis" in content:  # a model that is judged where it is calibrated elsewhere
-        judged = studs.table_of(content["judged"])
-        tests = pd.concat([tests, judged.assign(label=label, unseen=True)])
-    return tests[["label", "campaign", "specimen", "unseen", "prediction", "test"]]
 
 
 def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float) -> None:

@@ -30,7 +30,8 @@ def draw(request: Request) -> Drawing:
     canvas = new_figure(2.9)
     widths = [1.05, *[1.0] * len(curves)]
     sheet = Sheet(canvas, canvas.subplots(1, len(widths), width_ratios=widths, squeeze=False)[0])
-    tests = _tests(content)
+    tests = studs.judged_tests(label, content)[["campaign", "specimen", "ratio", "unseen"]]
+    tests = tests.rename(columns={"ratio": "test_over_prediction"})
     looks = studs.campaign_looks(tests["campaign"])
     _ratios(sheet.panel, tests, list(looks), looks)
     sheet.record(tests)
@@ -50,14 +51,6 @@ def draw(request: Request) -> Drawing:
     return sheet.finish(
         "test over prediction of the mechanical stud, and its load-slip curves for unseen studs"
     )
-
-
-def _tests(content: studs.Content) -> pd.DataFrame:
-    """Campaign, specimen and test over prediction of fitted and of unseen tests."""
-    fitted = studs.table_of(content["tests"]).rename(columns={"strength_ratio": "ratio"})
-    both = [fitted.assign(unseen=False), studs.table_of(content["judged"]).assign(unseen=True)]
-    table = pd.concat(both)[["campaign", "specimen", "ratio", "unseen"]]
-    return table.rename(columns={"ratio": "test_over_prediction"})
 
 
 def _ratios(panel: Axes, tests: pd.DataFrame, names: list[str], looks: Mapping[str, Look]) -> None:

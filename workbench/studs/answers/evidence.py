@@ -116,16 +116,13 @@ class StudSeries(StudModel):
             partial_factor=self.partial_factor,
         )
         evaluated = sum(each.tests for each in series if each.result is not None)
-        findings = []
-        if not evaluated:
-            text = (
-                "no series of three nominally equal tests within 10 % of their mean: the largest "
-                f"of {len(series)} groups has {max(each.tests for each in series)}"
-            )
-            findings.append(Finding("series", text))
-        content = {"series": series}
-        scalars = {"tests_fitted": float(evaluated)}
-        return Found(content, findings, None, scalars, {"mean": "N", "lowest": "N", "slips": "m"})
+        text = (
+            "no series of three nominally equal tests within 10 % of their mean: the largest of "
+            f"{len(series)} groups has {max(each.tests for each in series)}"
+        )
+        findings = [] if evaluated else [Finding("series", text)]
+        units = {"mean": "N", "lowest": "N", "slips": "m"}
+        return Found({"series": series}, findings, None, {"tests_fitted": float(evaluated)}, units)
 
 
 CALIBRATION = "provines2019"  # the shipped campaign with strength, stiffness and slip

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Flag, Number, checked
+from workbench.fields import Choice, Flag, checked
 from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
@@ -21,6 +21,7 @@ from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
 from workbench.studs.mechanical.calibration import stud_of
+from workbench.studs.mechanical.parameters import LENGTH, STRESS
 from workbench.studs.mechanical.residual import MEASURES
 from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, damaged_rows, fit_residual
@@ -126,8 +127,6 @@ class StudLoadSlip(StudModel):
 
 
 ANY = "any"
-_LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
-_STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
 
 
 @dataclass(frozen=True)
@@ -143,10 +142,10 @@ class StudResidual(StudModel):
 
     predamage: str = checked(Choice((ANY, *TESTS.words("predamage")[1:])), ANY)
     measure: str = checked(Choice((ANY, *TESTS.words("predamage_measure"))), ANY)
-    diameter: float = checked(_LENGTH, 0.019)
-    height: float = checked(_LENGTH, 0.1)
-    concrete_strength: float = checked(_STRESS, 30e6)
-    ultimate_strength: float = checked(_STRESS, 450e6)
+    diameter: float = checked(LENGTH, 0.019)
+    height: float = checked(LENGTH, 0.1)
+    concrete_strength: float = checked(STRESS, 30e6)
+    ultimate_strength: float = checked(STRESS, 450e6)
 
     name: ClassVar[str] = "stud-residual"
     sources: ClassVar[tuple[str, ...]] = (

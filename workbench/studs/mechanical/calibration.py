@@ -68,12 +68,10 @@ def _compare(rows: pd.DataFrame, predicted: Array) -> pd.DataFrame:
     rupture in the model) in m.
     """
     observed = _observations(rows)
-    columns: dict[str, Any] = {"campaign": rows["campaign"], "specimen": rows["specimen"]}
-    for k, name in enumerate(OBSERVED):
-        columns[f"{name}_test"] = observed[:, k]
-        columns[f"{name}_model"] = predicted[:, k]
-        columns[f"{name}_ratio"] = observed[:, k] / predicted[:, k]
-    return pd.DataFrame(columns)
+    kinds = {"test": observed, "model": predicted, "ratio": observed / predicted}
+    named = [(f"{name}_{kind}", k, kind) for k, name in enumerate(OBSERVED) for kind in kinds]
+    columns = {name: kinds[kind][:, k] for name, k, kind in named}
+    return rows[["campaign", "specimen"]].assign(**columns)
 
 
 @dataclass(frozen=True)

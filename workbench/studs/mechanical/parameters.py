@@ -8,8 +8,8 @@ from math import pi, sqrt
 from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import concrete_modulus
 
-_LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
-_STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
+LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
+STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
 STEEL_MODULUS, SHEAR_MODULUS, DENSITY = 210e9, 81e9, 7850.0
 # usual proportions of a headed stud, ISO 13918, as shares of the diameter
 HEAD_DIAMETER, HEAD_HEIGHT, COLLAR_DIAMETER, COLLAR_HEIGHT = 1.65, 0.5, 1.25, 0.27
@@ -25,15 +25,15 @@ class Stud(Declared, table="stud"):
     head and weld collar in m (None: usual proportions of ISO 13918).
     """
 
-    diameter: float = checked(_LENGTH)
-    height: float = checked(_LENGTH)
-    concrete_strength: float = checked(_STRESS)
+    diameter: float = checked(LENGTH)
+    height: float = checked(LENGTH)
+    concrete_strength: float = checked(STRESS)
     concrete_modulus: float = checked(Number(3e9, 9e10, "Pa"))
-    ultimate_strength: float = checked(_STRESS)
-    yield_stress: float | None = checked(_STRESS, optional=True)
-    head_diameter: float | None = checked(_LENGTH, optional=True)
-    head_height: float | None = checked(_LENGTH, optional=True)
-    collar_diameter: float | None = checked(_LENGTH, optional=True)
+    ultimate_strength: float = checked(STRESS)
+    yield_stress: float | None = checked(STRESS, optional=True)
+    head_diameter: float | None = checked(LENGTH, optional=True)
+    head_height: float | None = checked(LENGTH, optional=True)
+    collar_diameter: float | None = checked(LENGTH, optional=True)
     collar_height: float | None = checked(Number(0.0, 0.05, "m"), optional=True)
 
     def check(self) -> None:

@@ -111,8 +111,8 @@ class StudStructure:
             Link(kernels.BEARING, node, abs(node - 1), LATERAL, *laws, grounded=True)
             for node, laws in enumerate(bearing)
         ]
-        self.slide, self.collar = len(links), len(links) + 1
-        self.pressure, self.crack, self.contact = (len(links) + k for k in (2, 3, 4))
+        places = range(len(links), len(links) + 5)
+        self.slide, self.collar, self.pressure, self.crack, self.contact = places
         return [
             *links,
             Link(kernels.SLIDE, self.flange, 0, LATERAL, rigid, stud.shear_strength),
