@@ -130,7 +130,7 @@ def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
 
 def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves, resamples=50)
-    assert len(fit.curves) == 24
+    assert len(fit.rows) == 24
     assert len(fit.skipped) == 4  # the noisy initial branches
     assert fit.to_dict()["campaigns"] == ["lehigh279", "mcgarraugh1971", "provines2019"]
     for found in fit.population.values():

@@ -106,18 +106,18 @@ def test_slip_at_maximum_and_initial_stiffness_of_provines(push_outs: pd.DataFra
 
 def test_shape_fits_of_the_load_slip_curves(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves)
-    found = fit.curves.set_index("specimen")
+    found = fit.rows.set_index("specimen")
     for specimen, b, a in (
         ("P8", 0.46, 0.42), ("P2", 0.50, 0.40), ("P4", 1.10, 0.66), ("P3", 1.38, 0.60),
     ):  # fmt: skip
         assert found.loc[specimen, "rate"] / KILO == pytest.approx(b, abs=0.006)
         assert found.loc[specimen, "exponent"] == pytest.approx(a, abs=0.006)
     # medians over all curves, quoted as 1.1 and 0.75; the second is 0.73 with the rows kept here
-    assert fit.curves["rate"].median() / KILO == pytest.approx(1.1, abs=0.05)
-    assert fit.curves["exponent"].median() == pytest.approx(0.75, abs=0.03)
+    assert fit.rows["rate"].median() / KILO == pytest.approx(1.1, abs=0.05)
+    assert fit.rows["exponent"].median() == pytest.approx(0.75, abs=0.03)
     # the published law: rms error 0.11 of the maximum, on the side of too much load
-    assert fit.curves["published_rms"].median() == pytest.approx(0.11, abs=0.005)
-    assert fit.curves["published_bias"].median() == pytest.approx(0.10, abs=0.011)
+    assert fit.rows["published_rms"].median() == pytest.approx(0.11, abs=0.005)
+    assert fit.rows["published_bias"].median() == pytest.approx(0.10, abs=0.011)
 
 
 def test_secants_of_the_table_follow_from_the_points(

@@ -12,29 +12,27 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, shear_model
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import Prediction, problem
-from workbench.studs.tables import RowIdentity, identity_of
+from workbench.studs.tables import identity_of
 
 FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensible fit reaches
 
 
 @dataclass(frozen=True)
-class FactorFit:
+class FactorFit(Fit):
     """Fitted factors of a formula.
 
     `model` with the fitted factors; `fitted`, the factors and the scatters of the log ratio;
-    `governed_by_steel`, share of the tests; `findings`.
+    `governed_by_steel`, share of the tests.
     """
 
     model: ShearModel
     fitted: Fitted
     governed_by_steel: float
-    findings: tuple[Finding, ...]
-    identity: RowIdentity
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Judge the fitted formula by tests that the fit has not used. Raises `InputError`."""
@@ -42,10 +40,6 @@ class FactorFit:
         rows = undamaged_headed_studs(table)
         tests = specimens(rows)
         return judge(rows, tests.shear, self.model.of(tests), confidence)
-
-    def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
-        """The fit, and how it meets unseen tests."""
-        return content_of_fit(self.to_dict(), judged)
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -99,9 +93,12 @@ def fit_factors(
     found = fitted(estimate, factors, confidence=confidence, resamples=resamples, seed=seed)
     best = chosen.scaled(**found.estimates)
     steel, concrete = best.terms(tests)
-    stuck = [Finding("bounds", f"the {name} factor rests on a bound") for name in found.at_bound]
-    share = float(np.mean(steel < concrete))
-    return FactorFit(best, found, share, tuple(stuck), identity_of(rows))
+    texts = (f"the {name} factor rests on a bound" for name in found.at_bound)
+    findings, share = (
+        tuple(Finding("bounds", text) for text in texts),
+        float(np.mean(steel < concrete)),
+    )
+    return FactorFit(best, found, share, rows=rows, findings=findings, identity=identity_of(rows))
 
 
 def prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -> Prediction:

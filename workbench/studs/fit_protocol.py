@@ -5,6 +5,7 @@ Strength, factors, load-slip and residual capacity are fitted by functions of th
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from functools import cached_property
@@ -24,6 +25,7 @@ from workbench.studs.statistics.intervals import (
 from workbench.studs.statistics.mixed import Estimate, fit
 from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS
 from workbench.studs.statistics.problem import location
+from workbench.studs.tables import RowIdentity
 
 Content = dict[str, Any]
 
@@ -55,10 +57,13 @@ def plain(value: Any) -> Any:
 
 
 class Judged(Protocol):
-    """How a fit meets tests that it has not used.
+    """How a fit meets tests that it has not used, row by row (`rows`).
 
     `scalars`, what models are compared by; `widths`, half-widths of their intervals over tests.
     """
+
+    @property
+    def rows(self) -> pd.DataFrame: ...  # noqa: D102
 
     @property
     def scalars(self) -> dict[str, float | None]: ...  # noqa: D102
@@ -71,25 +76,37 @@ class Judged(Protocol):
         ...
 
 
-class Fit(Protocol):
-    """A fit to tests: what it found, what it warns of, and how it meets unseen tests."""
+@dataclass(frozen=True, kw_only=True)
+class Fit(ABC):
+    """A fit to tests: the `rows` behind it, their `identity`, and what it warns of (`findings`)."""
 
-    @property
-    def findings(self) -> tuple[Finding, ...]:
-        """What a reader must know before relying on the fit."""
-        ...
+    rows: pd.DataFrame
+    findings: tuple[Finding, ...]
+    identity: RowIdentity
 
+    @abstractmethod
     def to_dict(self) -> Content:
         """Parameters, intervals, diagnostics: everything but the rows."""
-        ...
 
+    @abstractmethod
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judged:
         """Hold the fit against unseen tests. Raises `InputError` for rows that it has used."""
-        ...
 
-    def content(self, judged: Any, confidence: float = 0.9) -> Content:
-        """The fit, its rows and predictions, and a judgement (or None), for JSON and pages."""
-        ...
+    def parts(self, confidence: float) -> Content:
+        """What belongs to the content of the fit beside itself: rows, predictions."""
+        return {}
+
+    def content(self, judged: Judged | None, confidence: float = 0.9) -> Content:
+        """The fit, its parts, and a judgement (or None), for JSON and pages."""
+        return {"fit": self.to_dict(), **self.parts(confidence), **judgement_of(judged)}
+
+    def used(self) -> Content:
+        """What a fit to single tests says of the rows behind it."""
+        return {
+            "tests": len(self.rows),
+            "campaigns": sorted(self.identity.campaigns),
+            "warnings": [finding.text for finding in self.findings],
+        }
 
 
 class Parameter(NamedTuple):
@@ -254,17 +271,8 @@ def judge(
     return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
 
 
-def used_rows(fit: Any) -> Content:
-    """What every fit says of the rows behind it."""
-    return {
-        "tests": len(fit.rows),
-        "campaigns": sorted(fit.identity.campaigns),
-        "warnings": [finding.text for finding in fit.findings],
-    }
-
-
-def content_of_fit(found: Content | None, judged: Any, **parts: Any) -> Content:
-    """The content of a fit: what it `found`, its rows and curves, and a judgement (or None)."""
-    judgement = None if judged is None else judged.to_dict()
-    rows = None if judged is None else judged.rows
-    return {"fit": found, **parts, "judgement": judgement, "judged": rows}
+def judgement_of(judged: Judged | None) -> Content:
+    """The content of a judgement (or of None)."""
+    if judged is None:
+        return {"judgement": None, "judged": None}
+    return {"judgement": judged.to_dict(), "judged": judged.rows}

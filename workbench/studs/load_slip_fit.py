@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import Content, Fitted, Judgement, content_of_fit, fitted, judge
+from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
 from workbench.studs.load_slip import (
     CurveFit,
     Law,
@@ -32,6 +32,7 @@ from workbench.studs.load_slip import (
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import location
+from workbench.studs.tables import identity_of
 
 HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
 ENDLESS = 0.5  # m: beyond the slip of any test
@@ -42,23 +43,21 @@ _NORMAL = np.array([NormalDist().inv_cdf((k + 0.5) / 20.0) for k in range(20)])
 
 
 @dataclass(frozen=True)
-class LoadSlipFit:
+class LoadSlipFit(Fit):
     """A load-slip law over a table of curves.
 
-    `law_name`; `curves`, one row per curve: campaign, specimen, points, parameters (SI), rms and
+    `law_name`; `rows`, one per curve: campaign, specimen, points, parameters (SI), rms and
     bias of the fit and of the published Ollgaard law, strength (N), chord stiffness (N/m);
     `population`, the median of each parameter over the curves and the scatters of its logarithm;
     parameters `held`; `logarithms` (curves, p) behind it; `skipped`, curves that could not be
-    fitted, each with the reason; `findings`.
+    fitted, each with the reason.
     """
 
     law_name: str
-    curves: pd.DataFrame
     population: dict[str, Fitted]
     held: dict[str, float]
     logarithms: Array
     skipped: tuple[str, ...]
-    findings: tuple[Finding, ...]
 
     @property
     def medians(self) -> dict[str, float]:
@@ -90,7 +89,7 @@ class LoadSlipFit:
         own = [dict(zip(names, np.exp(row).tolist(), strict=True)) for row in self.logarithms]
         laws = [make_law(self.law_name, {**each, **self.held}, ENDLESS) for each in own]
         ratios, count = np.array([law.ratio(s) for law in laws]), len(laws)
-        points, rms = (self.curves[name].to_numpy(float) for name in ("points", "rms"))
+        points, rms = (self.rows[name].to_numpy(float) for name in ("points", "rms"))
         spread = rms * np.sqrt(points / np.maximum(points - len(names), 1.0))
         scattered = ratios[:, None, :] + (spread[:, None] * _NORMAL)[:, :, None]
         tail = max((0.5 * (1.0 - share) * (count + 1.0) - 0.5) / count, 0.0)
@@ -106,26 +105,27 @@ class LoadSlipFit:
         }  # fmt: skip
         return {
             "law": self.law_name,
-            "curves": len(self.curves),
-            "campaigns": sorted(set(self.curves["campaign"])),
+            "curves": len(self.rows),
+            "campaigns": sorted(set(self.rows["campaign"])),
             "held": self.held,
             "population": population,
-            "median_rms": float(self.curves["rms"].median()),
-            "median_rms_of_published_ollgaard": float(self.curves["published_rms"].median()),
-            "median_bias_of_published_ollgaard": float(self.curves["published_bias"].median()),
+            "median_rms": float(self.rows["rms"].median()),
+            "median_rms_of_published_ollgaard": float(self.rows["published_rms"].median()),
+            "median_bias_of_published_ollgaard": float(self.rows["published_bias"].median()),
             "skipped": self.skipped,
             "warnings": [finding.text for finding in self.findings],
         }
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:
         """Judge the law and its band by unseen curves (see `judge_curves`)."""
+        self.identity.refuse_overlap(table)
         return judge_curves(table, self.shape, self, confidence)
 
-    def content(self, judged: CurveJudgement | None, confidence: float = 0.9) -> Content:
-        """The fit, its curves, median and band over the slip, and how it meets unseen curves."""
+    def parts(self, confidence: float) -> Content:
+        """Its curves, median and band over the slip."""
         low, high = self.band(GRID, confidence)
         grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
-        return content_of_fit(self.to_dict(), judged, curves=self.curves, grid=grid)
+        return {"curves": self.rows, "grid": grid}
 
 
 def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
@@ -189,8 +189,8 @@ def fit_load_slip(
     for parameter, own in zip(names, logarithms.T, strict=True):
         estimate = fit_robust(location(own, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(estimate, ("median",), **how)  # type: ignore[arg-type]
-    findings = tuple(_findings(curves))
-    return LoadSlipFit(law, curves, population, fixed, logarithms, tuple(skipped), findings)
+    own, findings = (law, population, fixed, logarithms, tuple(skipped)), tuple(_findings(curves))
+    return LoadSlipFit(*own, rows=curves, findings=findings, identity=identity_of(curves))
 
 
 def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
@@ -276,16 +276,12 @@ def judge_curves(
 ) -> CurveJudgement:
     """Judge a law by the first loading of every curve of a table (schema `POINTS`).
 
-    Arguments: `law`; the `fit` that it is the median of, whose band is judged and whose own curves
-    are refused (None: a law as published, without a band). Raises `InputError`.
+    Arguments: `law`; the `fit` that it is the median of, whose band is judged (None: a law as
+    published, without a band). Raises `InputError`.
     """
-    known = [] if fit is None else fit.curves[["campaign", "specimen"]].to_numpy().tolist()
     rows: list[dict[str, Any]] = []
     stiffness: list[dict[str, Any]] = []
     for name, slip, load in _each(points, falling=law.name == "rational"):
-        if list(name.values()) in known:
-            advice = "validate on curves that the fit has not seen"
-            raise InputError("validation", " ".join(name.values()), "was used for the fit", advice)
         top = float(load.max())
         if len(slip) < 2 or top <= 0.0:
             continue

@@ -16,15 +16,7 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import (
-    Content,
-    Fitted,
-    Judgement,
-    content_of_fit,
-    fitted,
-    judge,
-    used_rows,
-)
+from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
@@ -37,7 +29,7 @@ from workbench.studs.statistics.prediction import (
     score_relations,
 )
 from workbench.studs.statistics.problem import Problem, problem
-from workbench.studs.tables import RowIdentity, identity_of
+from workbench.studs.tables import identity_of
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
@@ -57,12 +49,12 @@ class Grade(StrEnum):
 
 
 @dataclass(frozen=True)
-class ResidualFit:
+class ResidualFit(Fit):
     """What is left of `quantity` after a kind of `predamage` with levels of one `measure`.
 
     `relation` chosen; `fitted`, its parameters and the scatters of the ratio (None without tests:
-    a prediction); `scores` of all candidates; `grade`; `levels` covered; `rows` behind it;
-    `mechanical`, the prediction that is a candidate or the answer; `findings`.
+    a prediction); `scores` of all candidates; `grade`; `levels` covered; `mechanical`, the
+    prediction that is a candidate or the answer.
     """
 
     quantity: str
@@ -73,9 +65,6 @@ class ResidualFit:
     scores: tuple[Score, ...]
     grade: Grade
     levels: tuple[float, float]
-    rows: pd.DataFrame
-    findings: tuple[Finding, ...]
-    identity: RowIdentity
     mechanical: MechanicalCurve | None
 
     @property
@@ -130,23 +119,21 @@ class ResidualFit:
             **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
-            **used_rows(self),
+            **self.used(),
         }
 
-    def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
-        """The fit, its tests, what is left over the damage, and how it meets unseen tests."""
+    def parts(self, confidence: float) -> Content:
+        """Its tests, and what is left over the damage."""
         low, high = self.band(LEVELS, confidence) or (None, None)
         curve = self.mechanical
         names = ("level", "ratio", "low", "high", "basis")
         columns = ["campaign", "specimen", "level", "ratio", "origin"]
-        return content_of_fit(
-            self.to_dict(),
-            judged,
-            validated=self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
-            curve={"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
-            tests=self.rows.reindex(columns=columns),
-            mechanical=None if curve is None else {n: getattr(curve, n) for n in names},
-        )
+        return {
+            "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
+            "curve": {"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
+            "tests": self.rows.reindex(columns=columns),
+            "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
+        }
 
 
 def damaged_rows(
@@ -243,17 +230,17 @@ def _predicted(
             raise InputError(*where, f"the mechanical model predicts {known} only")
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
-    none, kind = table.iloc[:0], (quantity, mechanical.predamage, mechanical.measure)
-    levels = (float(mechanical.level[0]), float(mechanical.level[-1]))
     why = "the table holds no test after pre-damage"
     if damaged := int((table["predamage"] != NO_PREDAMAGE).sum()):
         why = (
             f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
             f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
         )
+    kind = (quantity, mechanical.predamage, mechanical.measure, mechanical.relation())
+    levels, none = (float(mechanical.level[0]), float(mechanical.level[-1])), table.iloc[:0]
     findings = tuple(Finding("evidence", text) for text in (why, mechanical.basis))
-    answer = (*kind, mechanical.relation(), None, (), Grade.MECHANICAL, levels, none, findings)
-    return ResidualFit(*answer, identity_of(none), mechanical)
+    answer = (*kind, None, (), Grade.MECHANICAL, levels, mechanical)
+    return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
 
 
 def _candidates(

@@ -13,15 +13,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import (
-    Content,
-    Fitted,
-    Judgement,
-    content_of_fit,
-    fitted,
-    judge,
-    used_rows,
-)
+from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
@@ -34,7 +26,7 @@ from workbench.studs.statistics.prediction import (
     predictive_quantile,
 )
 from workbench.studs.statistics.problem import Problem, problem
-from workbench.studs.tables import RowIdentity, identity_of
+from workbench.studs.tables import identity_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own
@@ -51,7 +43,7 @@ LEAST_FOR_DESIGN = 4  # tests, EN 1990 table D.2 for an unknown coefficient of v
 
 
 @dataclass(frozen=True)
-class StrengthFit:
+class StrengthFit(Fit):
     """A strength formula judged by tests.
 
     `model`; `fitted`: ``bias`` (median of test over prediction), the exponents of the trends asked
@@ -59,8 +51,7 @@ class StrengthFit:
     EN 1990 D.8 on the same rows (which takes all tests as independent) at the `reference` stud;
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
     (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
-    (None if not reported); `rows`, test, prediction and ratio of every row with its variables;
-    `findings`.
+    (None if not reported); `rows`, test, prediction and ratio of every row with its variables.
     """
 
     model: ShearModel
@@ -70,9 +61,6 @@ class StrengthFit:
     reference: dict[str, float]
     new_campaign_factor: float | None
     measurement: float | None
-    rows: pd.DataFrame
-    findings: tuple[Finding, ...]
-    identity: RowIdentity
 
     @property
     def bias(self) -> float:
@@ -123,12 +111,12 @@ class StrengthFit:
             **{name: getattr(self.model, name) for name in ("title", "source")},
             **{name: getattr(self.fitted, name) for name in ("parameters", "sigma", "tau")},
             **{name: getattr(self, name) for name in ("left_out", "d8", "reference", *scatters)},
-            **used_rows(self),
+            **self.used(),
         }
 
-    def content(self, judged: Judgement | None, confidence: float = 0.9) -> Content:
-        """The fit, its tests, and how it meets unseen ones."""
-        return content_of_fit(self.to_dict(), judged, tests=self.rows)
+    def parts(self, confidence: float) -> Content:
+        """Its tests."""
+        return {"tests": self.rows}
 
 
 def fit_strength(

@@ -16,7 +16,7 @@ from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.evidence import RESIDUAL, calibrated
-from workbench.studs.fit_protocol import content_of_fit
+from workbench.studs.fit_protocol import judgement_of
 from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
@@ -116,13 +116,13 @@ class StudLoadSlip(StudModel):
         if not self.published:
             fit = fit_load_slip(split.calibration_points, self.law, confidence=level)
             judged = None if unseen.empty else fit.judge(unseen, level)
-            fitted = {"tests_fitted": float(len(fit.curves))}
+            fitted = {"tests_fitted": float(len(fit.rows))}
             units = {"strength": "N"}
             return Found(fit.content(judged, level), fit.findings, judged, fitted, units)
         law = OllgaardLaw()
         judged = None if unseen.empty else judge_curves(unseen, law, confidence=level)
         grid = {"slip": GRID, "median": law.ratio(GRID)}
-        content = content_of_fit(None, judged, curves=None, grid=grid)
+        content = {"fit": None, "curves": None, "grid": grid, **judgement_of(judged)}
         return Found(content, (), judged, {"tests_fitted": 0.0})
 
 
