@@ -147,7 +147,7 @@ def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves, resamples=50)
     low, high = fit.band(SLIPS, 0.9)
     assert np.all(low <= high)
-    middle = fit.law.ratio(SLIPS)
+    middle = fit.shape.ratio(SLIPS)
     assert np.mean((middle >= low) & (middle <= high)) > 0.9
 
 

@@ -255,11 +255,11 @@ def _formula(
         confidence=options.confidence,
         variations=_variations(options.variation),
     )
-    corrected = None if held.empty else fit.judge(held, options.confidence, corrected=True)
-    own = None
+    more: Content = {"corrected": None, "factors": None}
+    if not held.empty:
+        more["corrected"] = fit.judge(held, options.confidence, corrected=True).to_dict()
     if options.factor:
-        own = fit_factors(fitted, name, options.factor, loss=options.loss).to_dict()
-    more = {"corrected": None if corrected is None else corrected.to_dict(), "factors": own}
+        more["factors"] = fit_factors(fitted, name, options.factor, loss=options.loss).to_dict()
     return {**_judged(fit, held, options.confidence), **plain(more)}
 
 

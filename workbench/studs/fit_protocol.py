@@ -260,14 +260,13 @@ def judge(
         raise InputError("validation", 0, "holds no test that the model can answer")
     ratio = judged["test"].to_numpy(float) / judged["prediction"].to_numpy(float)
     judged = judged.assign(ratio=ratio)
-    least = judged.loc[int(np.argmin(ratio))]
-    worst = f"{least['campaign']} {least['specimen']}"
-    if len(ratio) < 2:
-        return Judgement(float(ratio[0]), None, float(ratio.min()), worst, None, judged)
-    estimate = fit(location(np.log(ratio), judged["campaign"].to_numpy(str)))
-    interval = profile_interval(estimate, "median", confidence).exponential()
-    scatter = float(np.hypot(estimate.sigma, estimate.tau))
-    bias = float(np.exp(estimate.theta[0]))
+    bias, interval, scatter = float(ratio[0]), None, None
+    if len(ratio) > 1:
+        estimate = fit(location(np.log(ratio), judged["campaign"].to_numpy(str)))
+        interval = profile_interval(estimate, "median", confidence).exponential()
+        scatter = float(np.hypot(estimate.sigma, estimate.tau))
+        bias = float(np.exp(estimate.theta[0]))
+    worst = " ".join(judged.loc[int(np.argmin(ratio)), ["campaign", "specimen"]])
     return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
 
 

@@ -141,12 +141,11 @@ LOSS_SCALE = 0.03  # of the largest load: deviations beyond it count less in a r
 class CurveFit:
     """A law fitted to one curve.
 
-    `law`; `parameters` by name (SI); `points` fitted; `rms` and `bias` (mean of law less test)
+    `parameters` by name (SI); `points` fitted; `rms` and `bias` (mean of law less test)
     of the load over the largest load; `at_bound`, names of parameters on a bound;
     `near_interpolation`, fewer than three points more than parameters, so that `rms` says little.
     """
 
-    law: Law
     parameters: dict[str, float]
     points: int
     rms: float
@@ -236,7 +235,7 @@ def fit_curve(
     rms, bias = misfit(best, s, y)
     stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
     at_bound = tuple(name for name, on in zip(names, stuck, strict=True) if on)
-    return CurveFit(best, parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)
+    return CurveFit(parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)
 
 
 CHORD = (0.1, 0.4)  # of the largest load

@@ -65,11 +65,6 @@ class LoadSlipFit(Fit):
         return {**{name: p.estimates["median"] for name, p in self.population.items()}, **self.held}
 
     @property
-    def law(self) -> Law:
-        """The law with the median parameters."""
-        return make_law(self.law_name, self.medians)
-
-    @property
     def shape(self) -> Law:
         """The law with the median parameters and without the end of the bilinear law.
 
@@ -189,8 +184,8 @@ def fit_load_slip(
     for parameter, own in zip(names, logarithms.T, strict=True):
         estimate = fit_robust(location(own, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(estimate, ("median",), **how)  # type: ignore[arg-type]
-    own, findings = (law, population, fixed, logarithms, tuple(skipped)), tuple(_findings(curves))
-    return LoadSlipFit(*own, rows=curves, findings=findings, identity=identity_of(curves))
+    found, findings = (law, population, fixed, logarithms, tuple(skipped)), tuple(_findings(curves))
+    return LoadSlipFit(*found, rows=curves, findings=findings, identity=identity_of(curves))
 
 
 def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
