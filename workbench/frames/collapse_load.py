@@ -12,8 +12,9 @@ import numpy as np
 from scipy.optimize import linprog
 
 from workbench.arrays import Array
-from workbench.scenarios import Frame, Joint, Load, Member
-from workbench.scenarios.frame_parts import COMPONENT
+from workbench.frames.structure import nodal_loads
+from workbench.scenarios import Frame, Load, Member
+from workbench.structures.assembly import COMPONENTS
 
 UNBOUNDED = 3  # status of `linprog`
 
@@ -32,30 +33,29 @@ def collapse_factor(
     """
     counted = [m for m in frame.members if members is None or m.name in members]
     first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
-    strengths = [_strength(frame, member) for member in counted]
-    moment = max((m for _, positive, negative in strengths for m in positive + negative), default=1)
+    strengths = [member_strength(frame, member) for member in counted]
+    moment = max((float(moments.max()) for _, _, moments in strengths), default=1.0)
     force = moment / max((frame.length(member) for member in counted), default=1.0)
     unknowns = 3 * len(counted) + 1
     balance = np.zeros((3 * len(frame.nodes), unknowns))
     bounds: list[tuple[float | None, float | None]] = []
-    for number, (member, (squash, positive, negative)) in enumerate(
-        zip(counted, strengths, strict=True)
-    ):
-        unit = np.array([squash[0], moment, moment])
+    for number, (member, strength) in enumerate(zip(counted, strengths, strict=True)):
+        tension, compression, ((sagging, hogging), (far_sagging, far_hogging)) = strength
+        unit = np.array([tension, moment, moment])
         dofs = np.concatenate([first[n] + np.arange(3) for n in (member.start, member.end)])
         balance[dofs, 3 * number : 3 * number + 3] = _equilibrium(frame, member) * unit
-        bounds.append((-squash[1] / squash[0], 1.0))
+        bounds.append((-compression / tension, 1.0))
         # the internal moment is -M1 at the start and +M4 at the end
-        bounds.append((-positive[0] / moment, negative[0] / moment))
-        bounds.append((-negative[1] / moment, positive[1] / moment))
+        bounds.append((-sagging / moment, hogging / moment))
+        bounds.append((-far_hogging / moment, far_sagging / moment))
     bounds.append((None, None))
-    balance[:, -1] = -force * _forces(first, pattern)
+    balance[:, -1] = -force * nodal_loads(frame, pattern).ravel()
     units = np.resize([force, force, moment], len(balance))
     free = _free(frame)
     found = linprog(
         np.append(np.zeros(unknowns - 1), -1.0),
         A_eq=(balance / units[:, None])[free],
-        b_eq=(_forces(first, dead) / units)[free],
+        b_eq=(nodal_loads(frame, dead).ravel() / units)[free],
         bounds=bounds,
         method="highs",
     )
@@ -66,20 +66,8 @@ def collapse_factor(
 
 def _free(frame: Frame) -> list[int]:
     """Dofs that nothing but members holds."""
-    free = []
-    for i, node in enumerate(frame.nodes):
-        held = set(node.held)
-        held |= {c for name, c in COMPONENT.items() if getattr(node, f"spring_{name}") > 0.0}
-        held |= {COMPONENT[node.locked]} if node.locked != "none" else set()
-        free += [3 * i + k for k, c in enumerate(COMPONENT.values()) if c not in held]
-    return free
-
-
-def _forces(first: dict[str, int], loads: Sequence[Load]) -> Array:
-    forces = np.zeros(3 * len(first))
-    for load in loads:
-        forces[first[load.node] : first[load.node] + 3] += load.x, load.y, load.moment
-    return forces
+    nodes = enumerate(frame.nodes)
+    return [3 * i + k for i, node in nodes for c, k in COMPONENTS.items() if c not in node.resisted]
 
 
 def _equilibrium(frame: Frame, member: Member) -> Array:
@@ -93,30 +81,13 @@ def _equilibrium(frame: Frame, member: Member) -> Array:
     return np.array(rows).T
 
 
-Pair = tuple[float, float]
-
-
-def _strength(frame: Frame, member: Member) -> tuple[Pair, Pair, Pair]:
+def member_strength(frame: Frame, member: Member) -> tuple[float, float, Array]:
     """Tension and compression resistance; sagging and hogging plastic moments at both ends."""
-    properties = frame.properties(member)
+    own = frame.properties(member)
+    strength = (own.squash_load, own.squash_load, own.plastic_moment, own.plastic_moment)
     joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
-    tension = [properties.squash_load, *(_given(j.tension_resistance) for j in joints)]
-    compression = [properties.squash_load, *(_given(j.compression_resistance) for j in joints)]
-    own = properties.plastic_moment
-    positive = [_moment(joint, joint.plastic_moment, own) for joint in joints]
-    negative = [_moment(joint, joint.plastic_moment_negative, own) for joint in joints]
-    return (
-        (min(tension), min(compression)),
-        (positive[0], positive[1]),
-        (negative[0], negative[1]),
-    )
-
-
-def _given(resistance: float | None) -> float:
-    return inf if resistance is None else resistance
-
-
-def _moment(joint: Joint, given: float | None, own: float) -> float:
-    if joint.rotational_stiffness == 0.0:
-        return 0.0
-    return min(own, _given(given))
+    ends = np.array([joint.weaker(strength) for joint in joints])
+    pinned = [joint.rotational_stiffness == 0.0 for joint in joints]
+    ends[pinned, 2:] = 0.0
+    tension, compression = ends[:, :2].min(axis=0)
+    return float(tension), float(compression), ends[:, 2:]

@@ -151,21 +151,17 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
         scenario.duration,
     )
     alone = frame_of(column)
+    towards = -1.0 if striker.direction.startswith("-") else 1.0
+    strike = Load(striker.node, **{striker.direction[-1]: towards})
     return ColumnEstimate(
         impact,
         line,
-        _restraint_limit(line, axial),
-        collapse_factor(frame, [_strike(scenario)], frame.loads),
+        collapse_factor(frame, line.pull(1.0), (*frame.loads, *line.pull(axial)), line.rest),
+        collapse_factor(frame, [strike], frame.loads),
         collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
         bent,
         extra,
     )
-
-
-def _strike(scenario: FrameImpact) -> Load:
-    sign = -1.0 if scenario.striker.direction.startswith("-") else 1.0
-    along = {scenario.striker.direction[-1]: sign}
-    return Load(scenario.striker.node, **along)
 
 
 def _opening(line: ColumnLine) -> tuple[float, Array | None]:
@@ -196,13 +192,6 @@ def _dead_state(line: ColumnLine) -> tuple[float, float]:
     own = [2 * names.index(name) + side for name in line.members for side in (0, 1)]
     plastic = frame.properties(line.members[0]).plastic_moment
     return float(np.mean(axial[own])), float(np.max(np.abs(moments[own]))) / plastic
-
-
-def _restraint_limit(line: ColumnLine, axial: float) -> float | None:
-    """Force (N) between both ends at which the frame without the column collapses."""
-    frame = line.frame
-    dead = (*frame.loads, *line.pull(axial))
-    return collapse_factor(frame, line.pull(1.0), dead, line.rest)
 
 
 # -- the mass that moves with the head ---------------------------------------------------------

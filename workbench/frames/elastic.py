@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 
 from workbench.arrays import Array
-from workbench.frames.structure import hinge_names
+from workbench.frames.structure import hinge_names, nodal_loads
 from workbench.scenarios import Frame, Load, Member
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS
@@ -102,9 +102,8 @@ class ElasticFrame:
     def load(self, loads: Sequence[Load]) -> Array:
         """Nodal forces and moments (dofs,)."""
         total = np.zeros(len(self.stiffness))
-        for given in loads:
-            at = self._first[given.node]
-            total[at : at + 3] += given.x, given.y, given.moment
+        forces = nodal_loads(self._frame, loads)
+        total[: forces.size] = forces.ravel()
         return total
 
     def displacement(self, load: Array) -> Array | None:

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.frames.collapse_load import member_strength
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
+from workbench.scenarios import Frame, FrameScenario, FrameStatic
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
@@ -50,7 +51,7 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
         return [Finding("mechanism", text, refusal=True)]
     findings = []
     for member, force in zip(frame.members, state.axial, strict=True):
-        squash = axial_resistance(frame, member, compression=bool(force < 0.0))
+        squash = member_strength(frame, member)[int(force < 0.0)]
         if abs(force) >= squash:
             text = (
                 f"dead loads bring {force / 1e3:.4g} kN (tension positive) into member "
@@ -68,16 +69,6 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
         )
         findings.append(Finding("buckling", text, number=state.factor))
     return findings
-
-
-def axial_resistance(frame: Frame, member: Member, *, compression: bool) -> float:
-    """Plastic axial resistance of a member and its joints, in N."""
-    least = frame.properties(member).squash_load
-    for name in (member.joint_start, member.joint_end):
-        joint = frame.joint(name)
-        given = joint.compression_resistance if compression else joint.tension_resistance
-        least = min(least, least if given is None else given)
-    return least
 
 
 class DeadLoadState(NamedTuple):

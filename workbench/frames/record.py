@@ -19,7 +19,8 @@ class Record:
     """Histories of a run: what its steps tell, and the states that they commit.
 
     Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
-    `end` of the record in s (None: load steps), see `Snapshots`.
+    `end` of the record in s (None: load steps), see `Snapshots`. Read off as well: `shear_strain`,
+    the largest mean one of each member so far (members,), None unless shear yields.
     """
 
     def __init__(
@@ -35,7 +36,7 @@ class Record:
             name: [] for name in ("axial_force", "moment", "plastic_rotation")
         }
         self._shear = np.zeros(len(structure.frame.members))
-        self._strains: Array | None = None
+        self.shear_strain: Array | None = None
         self._snapshots = Snapshots(structure, end)
         self._see(0.0, False)
 
@@ -77,7 +78,9 @@ class Record:
         self._shear = np.maximum(self._shear, members.shear_forces())
         strains = members.shear_strains()
         if strains is not None:
-            self._strains = np.maximum(0.0 if self._strains is None else self._strains, strains)
+            self.shear_strain = np.maximum(
+                0.0 if self.shear_strain is None else self.shear_strain, strains
+            )
         self._snapshots.see(at, self.displacement, turns=turns)
 
     def column(self, name: str) -> Array:
@@ -112,11 +115,6 @@ class Record:
         resistance = [frame.properties(member).shear_resistance for member in frame.members]
         return np.asarray(self._shear / np.array(resistance))
 
-    @property
-    def shear_strain(self) -> Array | None:
-        """Largest mean shear strain of each member (members,); None unless shear yields."""
-        return self._strains
-
     def spent(self, name: str) -> Array:
         """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""
         return self.total(lambda step: getattr(step.energies, name))
@@ -141,7 +139,7 @@ class Record:
             "newton_iterations": sum(step.evaluations for step in self._steps),
             "cut_steps": sum(step.cuts for step in self._steps),
             "algorithmic_dissipation": float(self.spent("algorithmic")[-1]),
-            "largest_shear_strain": None if self._strains is None else self._strains.max(),
+            "largest_shear_strain": None if self.shear_strain is None else self.shear_strain.max(),
             "yield_ratio": self.yield_ratio(),
         }
         return {name: value for name, value in numbers.items() if value is not None}

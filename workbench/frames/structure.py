@@ -1,20 +1,19 @@
 """A scenario's frame as an assembly: supports, masses, springs, dead loads and locks.
 
-Models differ in the elements of the members only. They hand over a `Skeleton`, whose first nodes
-are those of the frame, and a reader of the members' states; everything else happens here.
+Models differ in the elements of the members only. They hand these over with a reader of the
+members' states; everything else happens here.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
-from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.assembly import COMPONENTS, PlanarAssembly
 from workbench.structures.elements import ElementGroup, MemberElements
 from workbench.structures.paths import apply_loads
 
@@ -76,20 +75,6 @@ class MemberReader(ABC):
         """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
 
 
-class Skeleton(NamedTuple):
-    """Elements of a frame before it is supported.
-
-    `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order; element
-    `groups`; `ties`, pairs (master, slave) of nodes that share translations only; number of
-    `elements` for the record.
-    """
-
-    coordinates: Array
-    groups: Sequence[ElementGroup]
-    ties: tuple[tuple[int, int], ...]
-    elements: int
-
-
 @dataclass(frozen=True)
 class FrameStructure:
     """A frame under its dead loads, ready to be hit, pushed or shaken.
@@ -130,38 +115,46 @@ def member_names(frame: Frame) -> list[str]:
     return [member.name for member in frame.members]
 
 
+def nodal_loads(frame: Frame, loads: Sequence[Load]) -> Array:
+    """Forces along x and y and moments of `loads` at the nodes of a frame (nodes, 3)."""
+    total = np.zeros((len(frame.nodes), 3))
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    for load in loads:
+        total[number[load.node]] += load.x, load.y, load.moment
+    return total
+
+
 def nodal_forces(frame: Frame, assembly: PlanarAssembly, loads: Sequence[Load]) -> Array:
     """Forces and moments (dofs,) of `loads` at the nodes of the frame."""
     forces = np.zeros(assembly.size)
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
-    for load in loads:
-        for component, value in (("u", load.x), ("v", load.y), ("rotation", load.moment)):
-            forces[assembly.dof(number[load.node], component)] += value
+    for component, values in zip(COMPONENTS, nodal_loads(frame, loads).T, strict=True):
+        forces[assembly.dofs(range(len(frame.nodes)), component)] = values
     return forces
 
 
 def stand_frame(
     frame: Frame,
-    skeleton: Skeleton,
+    coordinates: Array,
+    groups: Sequence[ElementGroup],
     members: MemberReader,
     *,
+    ties: Iterable[tuple[int, int]] = (),
     lumped: bool = False,
     rotary_inertia: float = 0.0,
 ) -> FrameStructure:
     """Support a frame, bring its dead loads on, then its springs and locks.
 
-    Arguments: `skeleton` and the reader of its `members`; `lumped` mass; `rotary_inertia` of
-    every node in kg m2, beside what frame and members give. Springs are unstressed, and locked
-    nodes stand still, once the dead loads are on. Raises `SolverError` when those find no
-    equilibrium.
+    Arguments: `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order;
+    element `groups`, that of the members first, and the reader of its `members`; `ties`, pairs
+    (master, slave) of nodes that share translations only; `lumped` mass; `rotary_inertia` of every
+    node in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
+    stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
     """
-    assembly = PlanarAssembly(
-        skeleton.coordinates, skeleton.groups, lumped=lumped, ties=skeleton.ties
-    )
+    assembly = PlanarAssembly(coordinates, groups, lumped=lumped, ties=ties)
     for number, node in enumerate(frame.nodes):
         assembly.hold([assembly.dof(number, component) for component in node.held])
         assembly.add_mass(number, node.mass, node.rotary_inertia)
-    for number in range(len(skeleton.coordinates)):
+    for number in range(len(coordinates)):
         assembly.add_mass(number, 0.0, rotary_inertia)
     for number in free_to_spin(frame):
         assembly.hold([assembly.dof(number, "rotation")])
@@ -177,16 +170,12 @@ def stand_frame(
             assembly.hold([assembly.dof(number, COMPONENT[node.locked])])
     assembly.assemble(assembly.displacement, None)
     assembly.stored = assembly.account(assembly.displacement, 0.5).stored
-    chords = np.concatenate(
-        [np.diff(skeleton.coordinates[group.nodes], axis=1)[:, 0] for group in skeleton.groups]
-    )
-    lengths = np.hypot(*chords.T)
     return FrameStructure(
         frame,
         assembly,
         members,
-        skeleton.elements,
-        float(lengths[lengths > 0.0].min()),
+        len(groups[0].nodes),
+        float(groups[0].lengths.min()),
         assembly.displacement.copy(),
     )
 

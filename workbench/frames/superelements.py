@@ -3,7 +3,6 @@
 The element itself stands in `structures/superelements`, the two models in `models/superelements`.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
@@ -11,11 +10,11 @@ from math import inf
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
+from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.superelements import HingeEnd, Superelement, Superelements
+from workbench.structures.superelements import HingeEnd, Superelements
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 
@@ -24,12 +23,13 @@ HingeSurfaces = tuple[YieldSurface, YieldSurface]
 class Piece:
     """One of the equal parts into which a member is cut, as the maker of superelements sees it.
 
-    `length` in m; elastic EA (N) and EI (N m2); `joints` at its two ends (a rigid one inside the
-    member); `pins`, rotational stiffness of the joints or supports at its ends (N m/rad), zero
-    also at a support that leaves the end free to turn; mass (kg/m) and rotary inertia (kg m) per
-    length.
+    The `member`; `length` in m; elastic EA (N) and EI (N m2); `joints` at its two ends (a rigid
+    one inside the member); `pins`, rotational stiffness of the joints or supports at its ends
+    (N m/rad), zero also at a support that leaves the end free to turn; mass (kg/m) and rotary
+    inertia (kg m) per length.
     """
 
+    member: Member
     length: float
     axial: float
     bending: float
@@ -65,54 +65,23 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-def stand_superelements(
-    frame: Frame,
-    parts: int,
-    surface: Callable[[Member], YieldSurface],
-    make: Callable[[Piece, HingeSurfaces], Superelement],
-    *,
-    regularisation: float,
-    node_inertia: float,
-    first_order: bool = False,
-    lumped: bool = False,
-) -> FrameStructure:
-    """The frame under its dead loads, every member cut into so many equal `parts`.
+def cut_members(frame: Frame, parts: int) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
+    """Every member of a frame in so many equal `parts`.
 
-    Arguments: yield `surface` of a member; `make` gives the superelement of a piece, with the
-    surfaces of its two hinges; `regularisation`, share of elastic stiffness beside the hinges;
-    `node_inertia`, rotary inertia of every node in kg m2; equilibrium of the undeformed frame if
-    `first_order`; `lumped` mass. Raises `InputError`, `SolverError`.
+    Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
+    order of the members, the numbers of its nodes, and the part.
     """
     number = {node.name: i for i, node in enumerate(frame.nodes)}
     points = [[node.x, node.y] for node in frame.nodes]
     nodes: list[tuple[int, int]] = []
-    sections: list[Superelement] = []
     for member in frame.members:
-        own = surface(member)
         inner = range(len(points), len(points) + parts - 1)
         line = [number[member.start], *inner, number[member.end]]
         from_, to = np.array(points[line[0]]), np.array(points[line[-1]])
         points.extend((from_ + (to - from_) * k / parts).tolist() for k in range(1, parts))
         nodes.extend(pairwise(line))
-        for k in range(parts):
-            piece = _piece(frame, member, parts, k)
-            surfaces = tuple(joint_surface(own, joint) for joint in piece.joints)
-            sections.append(make(piece, (surfaces[0], surfaces[1])))
-    group = Superelements(
-        nodes,
-        sections=sections,
-        section_of=np.arange(len(sections)),
-        regularisation=regularisation,
-        first_order=first_order,
-    )
-    coordinates = np.array(points)
-    return stand_frame(
-        frame,
-        Skeleton(coordinates, [group], (), len(nodes)),
-        SuperelementMembers(group, coordinates, parts),
-        lumped=lumped,
-        rotary_inertia=node_inertia,
-    )
+    pieces = [_piece(frame, member, parts, k) for member in frame.members for k in range(parts)]
+    return np.array(points), nodes, pieces
 
 
 def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
@@ -128,6 +97,7 @@ def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
         for joint, end in zip(joints, ends, strict=True)
     )
     return Piece(
+        member=member,
         length=frame.length(member) / parts,
         axial=modulus * properties.area,
         bending=modulus * properties.second_moment,
@@ -158,22 +128,13 @@ def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
 
     A joint has no interaction curve of its own: EN 1993-1-8, 6.2.7.1(3) takes a straight line.
     """
-    (tension, compression), (positive, negative) = member.axial_bounds, member.moment_bounds
-    bounds = (
-        _weaker(tension, joint.tension_resistance),
-        _weaker(compression, joint.compression_resistance),
-        _weaker(positive, joint.plastic_moment),
-        _weaker(negative, joint.plastic_moment_negative),
-    )
-    if bounds == (tension, compression, positive, negative):
+    own = (*member.axial_bounds, *member.moment_bounds)
+    tension, compression, positive, negative = weaker = joint.weaker(own)
+    if weaker == own:
         return member
     return YieldSurface(
-        bounds[0], bounds[2], squash_load_compression=bounds[1], plastic_moment_negative=bounds[3]
+        tension, positive, squash_load_compression=compression, plastic_moment_negative=negative
     )
-
-
-def _weaker(own: float, joint: float | None) -> float:
-    return own if joint is None else min(own, joint)
 
 
 class SuperelementMembers(MemberReader):

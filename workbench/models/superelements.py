@@ -17,42 +17,31 @@ inertia rho I L of its turning chord, the only inertia that depends on the confi
 flexible one has none. Time steps are energy-exact (midpoint of the forces, exact gradients).
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.fields import Choice, Declared, Number, checked
-from workbench.frames.answers import Stepping, answer
+import numpy as np
+
+from workbench.fields import Choice, Number, checked
 from workbench.frames.runs import OPEN_LEDGER
-from workbench.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
     HingeSurfaces,
     Piece,
+    SuperelementMembers,
+    cut_members,
     hinge_ends,
+    joint_surface,
     series,
-    stand_superelements,
 )
 from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.hinges import YieldSurface
-from workbench.models.base import respond
-from workbench.models.domain import member_findings
-from workbench.responses import Finding, Response
-from workbench.scenarios import (
-    ColumnImpact,
-    ColumnPushover,
-    ColumnScenario,
-    Frame,
-    FrameGroundMotion,
-    FrameImpact,
-    FrameScenario,
-    FrameStatic,
-    Member,
-    Scenario,
-)
+from workbench.models.frame_model import FrameModel, as_frame
+from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
-from workbench.structures.superelements import Superelement, sway_stiffness
+from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 
-PUSH_STEPS = 1000  # load steps over the range of a static path
 PEAK_STEPS = 150.0  # time steps up to the expected peak
 LEAST_STEPS = 100.0  # of a record
 WEIGHT = 0.5  # of the end forces in a time step: conserves energy
@@ -68,7 +57,7 @@ COMMON = (
 
 
 @dataclass(frozen=True)
-class _HingedBars(ABC, Declared, table="option"):
+class _HingedBars(FrameModel):
     """What both superelements do alike; each says what its bars are and explains the options."""
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -82,41 +71,44 @@ class _HingedBars(ABC, Declared, table="option"):
     )
     geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
-    name: ClassVar[str]
-    version: ClassVar[int]
-    answers: ClassVar[tuple[str, ...]] = (
-        FrameStatic.KIND,
-        FrameImpact.KIND,
-        FrameGroundMotion.KIND,
-        ColumnImpact.KIND,
-        ColumnPushover.KIND,
-    )
-    assumptions: ClassVar[tuple[str, ...]]
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings common to all member models."""
-        return member_findings(scenario)
+    @property
+    def scheme(self) -> tuple[float | None, str]:
+        """Forces of the middle of a time step, which conserve energy, and the integrator."""
+        return WEIGHT, self.integrator
 
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
-        return respond(self, scenario, self._solve)
+    @property
+    def largest_error(self) -> float | None:
+        """That of the energy ledger, which is open by design with Moreau's time stepping."""
+        return None if self.integrator == MOREAU else OPEN_LEDGER
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
-        return yield_surface(frame, member, self.alpha, self.beta)
+        properties = frame.properties(member)
+        fitted = YieldSurface.fit(frame.strength_section(member), frame.steel, decimals=1)
+        alpha = fitted.alpha if self.alpha is None else self.alpha
+        beta = fitted.beta if self.beta is None else self.beta
+        return YieldSurface(properties.squash_load, properties.plastic_moment, alpha, beta)
 
-    def structure(self, frame: Frame) -> FrameStructure:
-        """The frame under its dead loads, ready to be loaded. Raises `SolverError`."""
-        return stand_superelements(
-            frame,
-            self.elements,
-            lambda member: self.member_surface(frame, member),
-            self._piece,
+    def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
+        """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
+        frame = as_frame(scenario).frame
+        coordinates, nodes, pieces = cut_members(frame, self.elements)
+        surfaces = {m.name: self.member_surface(frame, m) for m in frame.members}
+        elements = []
+        for piece in pieces:
+            first, last = (joint_surface(surfaces[piece.member.name], j) for j in piece.joints)
+            elements.append(self._piece(piece, (first, last)))
+        group = Superelements(
+            nodes,
+            sections=elements,
+            section_of=np.arange(len(elements)),
             regularisation=self.regularisation,
-            node_inertia=self.node_inertia,
             first_order=self.geometry == "linear",
         )
+        members = SuperelementMembers(group, coordinates, self.elements)
+        return stand_frame(frame, coordinates, [group], members, rotary_inertia=self.node_inertia)
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
@@ -136,17 +128,6 @@ class _HingedBars(ABC, Declared, table="option"):
         coarsest = min(duration / LEAST_STEPS, 2.0 * wave / self.elements)
         share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
         return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)
-
-    def _solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        stepping = Stepping(
-            PUSH_STEPS,
-            self.time_spans,
-            WEIGHT,
-            self.integrator,
-            self.time_step,
-            largest_error=None if self.integrator == MOREAU else OPEN_LEDGER,
-        )
-        return answer(scenario, lambda told: self.structure(told.frame), stepping)
 
 
 @dataclass(frozen=True)
@@ -236,17 +217,3 @@ class FlexibleSuperelement(_HingedBars):
             flexible=True,
             mass_per_length=piece.mass,
         )
-
-
-def yield_surface(
-    frame: Frame, member: Member, alpha: float | None, beta: float | None
-) -> YieldSurface:
-    """The yield surface of a member; exponents that are None are fitted to its section."""
-    properties = frame.properties(member)
-    fitted = YieldSurface.fit(frame.strength_section(member), frame.steel, decimals=1)
-    return YieldSurface(
-        properties.squash_load,
-        properties.plastic_moment,
-        fitted.alpha if alpha is None else alpha,
-        fitted.beta if beta is None else beta,
-    )

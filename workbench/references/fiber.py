@@ -3,7 +3,7 @@
 A column is the frame of its two members. Each reference adds its elements and their section.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -12,14 +12,13 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.fields import Choice, Declared, Number, checked
-from workbench.frames.answers import Stepping, answer, as_frame
+from workbench.fields import Choice, Number, checked
 from workbench.frames.chains import named
-from workbench.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.timing import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.materials import Steel
 from workbench.models.base import respond
-from workbench.models.domain import member_findings
+from workbench.models.frame_model import FrameModel, as_frame
 from workbench.references.fiber_mesh import (
     FrameMesh,
     MeshRule,
@@ -27,34 +26,30 @@ from workbench.references.fiber_mesh import (
     mesh_findings,
     mesh_frame,
 )
-from workbench.references.members import stand_fibers
+from workbench.references.members import FiberMembers, joint_springs
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
 from workbench.scenarios import (
     ColumnImpact,
-    ColumnPushover,
     ColumnScenario,
     Frame,
-    FrameGroundMotion,
     FrameImpact,
     FrameScenario,
-    FrameStatic,
     Scenario,
 )
 from workbench.sections import Section
 from workbench.structures.fibers import FiberElements
+from workbench.structures.impact import MIDPOINT
 
-PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PEAK_STEPS = 200.0  # time steps up to the expected peak, at least
 WAVE_STEPS = 30.0  # time steps while an axial wave passes the longest member, at least
 LONE_STEPS = 15.0  # where no other member is: it does as well within 0.1 % of the peak
 LEAST_STEPS = 200.0  # time steps of a record, at least
-LEAST_YIELD_RATIO = 0.995
 SAME = 0.01  # relative difference of an override from what the fibers give that counts as none
 
 
 @dataclass(frozen=True)
-class FiberReference(ABC, Declared, table="option"):
+class FiberReference(FrameModel):
     """The options of every fiber reference; each explains them and adds its own."""
 
     smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
@@ -70,16 +65,8 @@ class FiberReference(ABC, Declared, table="option"):
     )
     hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
 
-    name: ClassVar[str]
-    version: ClassVar[int]
-    answers: ClassVar[tuple[str, ...]] = (
-        ColumnImpact.KIND,
-        ColumnPushover.KIND,
-        FrameImpact.KIND,
-        FrameStatic.KIND,
-        FrameGroundMotion.KIND,
-    )
-    assumptions: ClassVar[tuple[str, ...]]
+    least_yield_ratio: ClassVar[float] = 0.995
+    largest_error: ClassVar[float | None] = None  # refinement tells of it
     shear_yields: ClassVar[bool] = False
 
     def check(self) -> None:
@@ -87,11 +74,6 @@ class FiberReference(ABC, Declared, table="option"):
         if self.layers % 2:
             raise self.refusal("layers", "must be even", "an odd number loses moment")
         check_levels(self.refinement, self.levels)
-
-    @property
-    @abstractmethod
-    def sources(self) -> tuple[str, ...]:
-        """Bibliography keys of the beam and of the options that are on."""
 
     @abstractmethod
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
@@ -109,7 +91,7 @@ class FiberReference(ABC, Declared, table="option"):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and what fibers or mesh do not follow."""
         told = as_frame(scenario)
-        common = member_findings(scenario)
+        common = super().domain(scenario)
         return [
             *(f for f in common if f.subject != "shear" or not self.shear_yields),
             *joint_findings(told.frame),
@@ -123,7 +105,7 @@ class FiberReference(ABC, Declared, table="option"):
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a scenario of a column or a frame, with numerical uncertainty."""
-        return respond(self, scenario, lambda given: refined(self, given, self._solve))
+        return respond(self, scenario, lambda given: refined(self, given, self.solve))
 
     def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
         """Element lengths (m) of every member; of a column below and above the hit point."""
@@ -136,7 +118,7 @@ class FiberReference(ABC, Declared, table="option"):
         """End times and time steps (s) of the parts of the record, refinement applied."""
         told = as_frame(scenario)
         assert isinstance(told, FrameImpact)
-        share = 0.5**self._halvings
+        share = 0.5**self.halvings
         if self.time_step is not None:
             return [(told.duration, self.time_step * share)]
         waves = line_wave_times(told.frame)
@@ -150,33 +132,23 @@ class FiberReference(ABC, Declared, table="option"):
         frame = as_frame(scenario).frame
         mesh = self.placed(mesh_frame(frame, self.lengths(scenario)))
         beams = self.elements(frame, mesh)
-        return stand_fibers(
-            frame,
-            mesh,
-            beams,
-            sampled=self.sampled,
-            shear_yields=self.shear_yields,
-            lumped=self.integrator == "explicit",
-        )
+        springs = joint_springs(frame, mesh)
+        members = FiberMembers(frame, mesh, beams, springs, self.sampled, self.shear_yields)
+        groups = [beams] if springs is None else [beams, springs]
+        lumped = self.integrator == "explicit"
+        return stand_frame(frame, mesh.coordinates, groups, members, ties=mesh.ties, lumped=lumped)
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:
         """The mesh with its nodes where they are before any load."""
         return mesh
 
-    def _solve(self, scenario: ColumnScenario | FrameScenario) -> Response:
-        stepping = Stepping(
-            round(PUSH_STEPS * 2.0**self._halvings),
-            self.time_spans,
-            self.weight if self.integrator == "implicit" else None,
-            time_step=self.time_step,
-            halvings=self._halvings,
-            largest_error=None,
-            least_yield_ratio=LEAST_YIELD_RATIO,
-        )
-        return answer(scenario, lambda _: self.structure(scenario), stepping)
+    @property
+    def scheme(self) -> tuple[float | None, str]:
+        """Weight of the end stresses in a time step (None: explicit), and the integrator."""
+        return self.weight if self.integrator == "implicit" else None, MIDPOINT
 
     @property
-    def _halvings(self) -> int:
+    def halvings(self) -> int:
         """How often the steps are halved."""
         return self.refinement + self.step_refinement
 

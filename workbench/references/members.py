@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.frames.structure import POINTS, FrameStructure, MemberReader, Skeleton, stand_frame
+from workbench.frames.structure import POINTS, MemberReader
 from workbench.references.fiber_mesh import FrameMesh
 from workbench.scenarios import Frame
 from workbench.structures.assembly import PlanarAssembly
@@ -126,24 +126,3 @@ def joint_springs(frame: Frame, mesh: FrameMesh) -> JointSprings | None:
         springs.append(JointSpring(stiffness, positive or inf, negative or inf))
         pairs.append((master, slave) if at_start else (slave, master))
     return JointSprings(pairs, springs)
-
-
-def stand_fibers(
-    frame: Frame,
-    mesh: FrameMesh,
-    beams: FiberElements,
-    *,
-    sampled: float,
-    shear_yields: bool,
-    lumped: bool,
-) -> FrameStructure:
-    """The frame as fiber beams under its dead loads.
-
-    Arguments: `mesh` and its elements `beams`; `sampled` and `shear_yields`, see `FiberMembers`;
-    `lumped` mass. Raises `SolverError`.
-    """
-    springs = joint_springs(frame, mesh)
-    groups = [beams] if springs is None else [beams, springs]
-    members = FiberMembers(frame, mesh, beams, springs, sampled, shear_yields)
-    skeleton = Skeleton(mesh.coordinates, groups, mesh.ties, len(mesh.nodes))
-    return stand_frame(frame, skeleton, members, lumped=lumped)

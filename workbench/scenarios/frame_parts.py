@@ -3,6 +3,7 @@
 Directions are global: x to the right, y up, rotation counter-clockwise.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from workbench.fields import Choice, Declared, Number, Text, checked
@@ -63,6 +64,12 @@ class Node(Declared, table="node", label="name"):
         """Displacements that the support holds, out of u (along x), v (along y) and rotation."""
         return HELD[self.support]
 
+    @property
+    def resisted(self) -> set[str]:
+        """Displacements that the support, a spring or a lock resists."""
+        sprung = {c for name, c in COMPONENT.items() if getattr(self, f"spring_{name}") > 0.0}
+        return {*self.held, *sprung, *([] if self.locked == "none" else [COMPONENT[self.locked]])}
+
 
 @dataclass(frozen=True)
 class Joint(Declared, table="joint", label="name"):
@@ -88,6 +95,16 @@ class Joint(Declared, table="joint", label="name"):
             if self.rotational_stiffness == 0.0 and getattr(self, name) is not None:
                 advice = "drop it or give a rotational stiffness"
                 raise self.refusal(name, "a pin carries no moment", advice)
+
+    def weaker(self, member: Sequence[float]) -> tuple[float, ...]:
+        """Strength at the end of a `member`, its own or that of the joint, whichever is less.
+
+        Tension and compression resistance (N), sagging and hogging plastic moment (N m).
+        """
+        forces = self.tension_resistance, self.compression_resistance
+        given = *forces, self.plastic_moment, self.plastic_moment_negative
+        pairs = zip(member, given, strict=True)
+        return tuple(own if least is None else min(own, least) for own, least in pairs)
 
 
 RIGID, PINNED = Joint("rigid"), Joint("pinned", rotational_stiffness=0.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError
-from workbench.scenarios.frame_parts import COMPONENT, Joint, Member, Node
+from workbench.scenarios.frame_parts import Joint, Member, Node
 
 Part = TypeVar("Part", Node, Member, Joint)
 
@@ -70,7 +70,8 @@ def check_supported(nodes: Sequence[Node], turned: Collection[str], loaded: bool
         x, y = (node.x - centre[0]) / size, (node.y - centre[1]) / size
         # what a motion of the whole does to each displacement of the node
         motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
-        held = _conditions(node, loaded) - (set() if node.name in turned else {"rotation"})
+        held = set(node.held) if loaded else node.resisted
+        held -= set() if node.name in turned else {"rotation"}
         rows += [row for component, row in motion.items() if component in held]
     # motion of the whole: displacement of the centre along x and y, rotation times extent
     _, values, motions = np.linalg.svd(np.array([*rows, *np.zeros((3, 3))]))
@@ -81,14 +82,6 @@ def check_supported(nodes: Sequence[Node], turned: Collection[str], loaded: bool
         when = " under its dead loads, before springs and locks act" if loaded else ""
         text = f"the frame is not supported{when}: {how}"
         raise InputError("node.support", None, text, "add supports")
-
-
-def _conditions(node: Node, loaded: bool) -> set[str]:
-    held = set(node.held)
-    if not loaded:
-        held |= {c for name, c in COMPONENT.items() if getattr(node, f"spring_{name}") > 0.0}
-        held |= {COMPONENT[node.locked]} if node.locked != "none" else set()
-    return held
 
 
 def _words(motion: Array, centre: Array, size: float) -> str:

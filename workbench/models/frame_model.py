@@ -1,0 +1,198 @@
+"""What all models of frames share: runs, steps and drivers, and a column told as a frame."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi, sqrt
+from time import perf_counter
+from typing import ClassVar
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from workbench.arrays import Array
+from workbench.errors import OutOfDomainError, SolverError
+from workbench.fields import Declared
+from workbench.frames.runs import OPEN_LEDGER, run_ground_motion, run_impact, run_static
+from workbench.frames.structure import FrameStructure
+from workbench.frames.timing import Spans
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.responses import Finding, Response
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+    Scenario,
+    frame_scenario,
+)
+from workbench.structures.arc_length import follow_arc
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.explicit import explicit_impact, lumped_mass
+from workbench.structures.ground_motion import ground_motion, rigid_displacement
+from workbench.structures.impact import impact
+from workbench.structures.paths import PathStep, follow_displacement, follow_load
+from workbench.structures.time_steps import PointMass, TimeStep
+
+PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
+PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
+COLUMNS = (ColumnImpact, ColumnPushover)
+COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
+
+
+def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
+    """A scenario of a frame; that of a column as what happens to the frame of its two members."""
+    return frame_scenario(scenario) if isinstance(scenario, COLUMNS) else scenario
+
+
+class FrameModel(ABC, Declared, table="option"):
+    """A model of frames, which sees a column as one and tells of it in its own words.
+
+    `time_step` in s (None: by rule); `largest_error` of the energy ledger and `least_yield_ratio`
+    of an impact, see `run_impact`.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    assumptions: ClassVar[tuple[str, ...]]
+    answers: ClassVar[tuple[str, ...]] = tuple(
+        kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, *COLUMNS)
+    )
+    least_yield_ratio: ClassVar[float] = 0.99
+
+    time_step: float | None
+
+    @property
+    @abstractmethod
+    def sources(self) -> tuple[str, ...]:
+        """Bibliography keys of the model and of the options that are on."""
+
+    @property
+    @abstractmethod
+    def scheme(self) -> tuple[float | None, str]:
+        """Weight of the end stresses in a time step (None: explicit), and the integrator."""
+
+    @property
+    def largest_error(self) -> float | None:
+        """Error of the energy ledger over the input energy that an impact may have."""
+        return OPEN_LEDGER
+
+    @property
+    def halvings(self) -> int:
+        """How often the steps are halved."""
+        return 0
+
+    @abstractmethod
+    def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
+        """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
+
+    @abstractmethod
+    def time_spans(self, scenario: FrameImpact) -> Spans:
+        """End times and time steps (s) of the parts of the record of an impact."""
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings common to all member models."""
+        return member_findings(scenario)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
+        return respond(self, scenario, self.solve)
+
+    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
+        """Answer a scenario that is in the domain. Raises `SolverError`, `OutOfDomainError`.
+
+        The strike on a column flies along +x and the column goes up, so that moments are those of
+        a frame with the opposite sign: positive at the base.
+        """
+        told = as_frame(scenario)
+        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
+            structure = self.structure(scenario)
+            if not isinstance(scenario, COLUMNS):
+                return self._run(told, structure)
+            watched = {"shortening": structure.dof("head", "-y")}
+            response = self._run(told, replace(structure, watched=watched))
+        for name in ("moment", "plastic_rotation"):
+            response[name].values *= -1.0
+        return response.assign_coords(hinge=response["hinge"].copy(data=list(COLUMN_HINGES)))
+
+    def _run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+        started = perf_counter()
+        least = self.least_yield_ratio
+        if isinstance(scenario, FrameStatic):
+            response = run_static(scenario, structure, self._push(scenario, structure))
+        elif isinstance(scenario, FrameImpact):
+            steps = self._hit(scenario, structure)
+            response = run_impact(scenario, structure, steps, self.largest_error, least)
+        else:
+            steps = self._shake(scenario, structure)
+            response = run_ground_motion(scenario, structure, steps, least)
+        response.attrs["solve_time"] = perf_counter() - started
+        return response
+
+    def _push(self, scenario: FrameStatic, structure: FrameStructure) -> Iterator[PathStep]:
+        """Steps of a static path; paths to and fro have longer ones, four times as many in all."""
+        pattern = structure.pattern(scenario.loads)
+        dof, sign = structure.dof(scenario.node, scenario.direction)
+        path = np.array([0.0, *scenario.path])
+        travel = float(np.sum(np.abs(np.diff(path))))
+        parts = round(PUSH_STEPS * 2.0**self.halvings)
+        step = max(float(np.ptp(path)), 0.25 * travel) / parts
+        if scenario.control == "displacement":
+            return follow_displacement(structure.assembly, pattern, dof, sign, scenario.path, step)
+        if scenario.control == "load":
+            return follow_load(structure.assembly, pattern, scenario.path, dof, sign, step)
+        return follow_arc(structure.assembly, pattern, dof, sign, scenario.path[-1], step)
+
+    def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
+        """Time steps of an impact; the spans of explicit ones are the intervals of the record."""
+        striker, assembly, spans = scenario.striker, structure.assembly, self.time_spans(scenario)
+        dof, sign = structure.dof(striker.node, striker.direction)
+        mass = PointMass(striker.mass, striker.velocity, striker.restitution)
+        weight, integrator = self.scheme
+        if weight is not None:
+            return impact(assembly, dof, mass, spans, weight, sign=sign, integrator=integrator)
+        try:
+            lumped_mass(assembly)
+        except ValueError as error:
+            raise OutOfDomainError(f"{error}: take implicit steps") from error
+        return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
+
+    def _shake(self, scenario: FrameGroundMotion, structure: FrameStructure) -> Iterator[TimeStep]:
+        """Time steps of a motion of the ground.
+
+        By rule they are 1/100 of the fundamental period, at most the step of the acceleration.
+        """
+        weight, _ = self.scheme
+        if weight is None:
+            text = "explicit steps are known for impacts only: take implicit ones"
+            raise OutOfDomainError(text)
+        assembly, duration = structure.assembly, float(scenario.duration or 0.0)
+        direction = rigid_displacement(assembly, scenario.direction)
+        step = self.time_step
+        if step is None:
+            period = _fundamental_period(assembly, direction)
+            step = min(scenario.time_step, period / PERIOD_STEPS)
+        return ground_motion(
+            assembly,
+            direction,
+            scenario.acceleration,
+            scenario.time_step,
+            [(duration, step / 2.0**self.halvings)],
+            weight,
+            scenario.damping,
+        )
+
+
+def _fundamental_period(assembly: PlanarAssembly, direction: Array) -> float:
+    """Rayleigh's estimate (s) from the elastic shape under inertia along `direction` (dofs,)."""
+    assembly.assemble(assembly.displacement, None)
+    driven = assembly.mass_times(direction)
+    shape = assembly.solve(driven)
+    if shape is None:
+        raise SolverError("fundamental period", np.inf, "the tangent is singular")
+    square = float(shape @ driven) / float(shape @ assembly.mass_times(shape))
+    return 2.0 * pi / sqrt(square)
