@@ -131,9 +131,9 @@ def add_model(root: Path) -> None:
 
 
 def add_scalar(root: Path) -> None:
-    line = '    "impulse": Variable((), "N s", "total impulse of the contact"),\n'
-    more = '    "largest_velocity": Variable((), "m/s", "largest velocity of the striker"),\n'
-    swap(root / "workbench/responses/variables.py", line, line + more)
+    line = "structure,impulse,,N s,total impulse of the contact\n"
+    more = "structure,largest_velocity,,m/s,largest velocity of the striker\n"
+    swap(root / "workbench/responses/variables.csv", line, line + more)
     swap(
         root / "workbench/models/energy_estimate.py",
         '"peak_displacement": ',

@@ -238,7 +238,7 @@ def test_simulate_prints_a_short_table_and_writes_the_response(
     assert "largest displacement of the hit or pushed point" in text
     assert "warning (shear)" in text
     response = read_netcdf(target)
-    assert f"{float(response['peak_displacement']):.4g} m" in text
+    assert f"{1e3 * float(response['peak_displacement']):.1f}\u00a0mm" in text
     assert response.attrs["model"] == "four-dof"
     assert {path.name for path in target.parent.iterdir()} == {"scenario.toml", "run.nc"}
 
@@ -287,7 +287,7 @@ def test_published_numbers_must_be_named(
     said = capsys.readouterr().err
     assert "option.series: must be one of 4-DOF nonlinear yield surface; SDOF" in said
     assert run([*named, "--option", "series=SDOF"]) == 0
-    assert "0.1911 m" in capsys.readouterr().out
+    assert "191.1\u00a0mm" in capsys.readouterr().out
     wrong = [*arguments, "--option", "dataset=profiles"]
     assert run(wrong) == 2
     assert "option.dataset = 'profiles': must be one of" in capsys.readouterr().err

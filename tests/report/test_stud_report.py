@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from synthetic_study import store_of
 
@@ -112,12 +113,12 @@ def test_design_numbers_are_those_of_the_fits(studs):
 
 def test_gates_mean_something(studs):
     """An unsafe unseen test fails, what no test shows stays open, nothing passes by silence."""
-    rows = studs.tables["gates"]
+    rows = pd.DataFrame(studs.rows["gates"])
     by_model = rows.groupby("model")["verdict"].agg(set)
     assert "fail" in by_model["mechanical stud"]
     assert by_model["5/3 power"] == {"refused"}
     assert by_model["left after a pull-out, by uplift"] == {"refused"}
-    ends = studs.tables["verdicts"].groupby("model")["verdict"].agg(set)
+    ends = pd.DataFrame(studs.rows["verdicts"]).groupby("model")["verdict"].agg(set)
     assert ends["5/3 power"] == ends["left after a pull-out, by uplift"] == {"inconclusive"}
     unknown = rows[rows["uncertainty"].isna()]
     assert not (unknown["verdict"] == "pass").any()

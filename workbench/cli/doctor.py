@@ -122,13 +122,9 @@ def _libraries() -> Iterator[Check]:
         for name, version in found.items()
         if version != wanted[name]
     ]
-    remedy = "pip install -r requirements.lock"
-    if absent:
-        yield Check("libraries", "fail", "not installed: " + ", ".join(absent), remedy)
-    elif differing:
-        yield Check("libraries", "warn", "; ".join(differing), remedy)
-    else:
-        yield Check("libraries", "ok", f"{len(found)} libraries as locked")
+    problem = f"not installed: {', '.join(absent)}" if absent else "; ".join(differing)
+    fine, remedy = f"{len(found)} libraries as locked", "pip install -r requirements.lock"
+    yield _judged("libraries", fine, problem, remedy, "fail" if absent else "warn")
 
 
 def _kernel_cache() -> Iterator[Check]:

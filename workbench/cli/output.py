@@ -13,9 +13,6 @@ from workbench.content.tree import Block
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
-_PREFIXES = ((1e6, "M"), (1e3, "k"))
-_PREFIXED = ("N", "N m", "N s", "J", "Pa", "N/m")
-
 
 class InterruptedByUserError(Exception):
     """The user ended a verb; the message says what is left behind."""
@@ -60,22 +57,3 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
         signature = signature.replace(parameters=[*signature.parameters.values(), option])
     answered.__signature__ = signature  # type: ignore[attr-defined]
     return answered
-
-
-def quantity(value: float | None, unit: str, width: float | None = 0.0) -> str:
-    """A number with four significant digits and its unit, with a prefix where that helps.
-
-    `width` is the half-width of its numerical uncertainty (zero: none is shown, None: unknown).
-    """
-    if value is None:
-        return "not known to this model"
-    name, factor = "" if unit == "1" else unit, 1.0
-    if unit in _PREFIXED:
-        for larger, prefix in _PREFIXES:
-            if abs(value) >= larger:
-                factor, name = larger, f"{prefix}{name}"
-                break
-    text = f"{value / factor:.4g} {name}".rstrip()
-    if width is None:
-        return f"{text} +- unknown"
-    return f"{text} +- {width / factor:.2g}" if width else text

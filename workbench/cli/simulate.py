@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, quantity, verb
+from workbench.cli.output import Answer, verb
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -123,6 +123,7 @@ def _blocks(name: str, found: dict[str, Any], target: Path | None) -> Iterator[B
 
 def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """The numbers of a response with their names, units and numerical uncertainty."""
+    from workbench.content.formatting import duration, in_unit
     from workbench.responses import ENERGIES, SCALARS, VARIABLES
 
     widths = found["numerical_uncertainty"] or {}
@@ -130,25 +131,24 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for name in SCALARS:
         value = energies.get(name, found.get(name))
         if value is not None:
-            known = VARIABLES[name]
-            yield known.long_name, quantity(value, known.units, widths.get(name, 0.0))
+            yield VARIABLES[name].long_name, in_unit(value, name, width=widths.get(name, 0.0))
     for name in ENERGIES:
         if energies[name] is not None:
             title = VARIABLES[name].long_name.removesuffix(" so far")
-            yield f"{title}, at the end", quantity(energies[name], "J")
+            yield f"{title}, at the end", in_unit(energies[name], name)
     if energies["relative_balance_error"] is not None:
         error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"
     if found.get("force"):
-        yield "largest force", quantity(max(found["force"]), "N")
+        yield "largest force", in_unit(max(found["force"]), "force")
         for point, ladder in (found["refinement"] or {}).get("quantities", {}).items():
             if " at " in point and point in widths:
-                unit = {"force": "N", "displacement": "m"}.get(point.split(" at ")[0], "1")
-                yield point, quantity(ladder["values"]["h"], unit, widths[point])
+                quantity, value = point.split(" at ")[0], ladder["values"]["h"]
+                yield point, in_unit(value, quantity, width=widths[point])
         yield "points of the curve", str(len(found["force"]))
     for segment, value in (found["shear_utilisation"] or {}).items():
         yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
-    yield "wall time", quantity(found["wall_time"], "s")
+    yield "wall time", duration(found["wall_time"])
 
 
 def _options(texts: list[str]) -> dict[str, Any]:

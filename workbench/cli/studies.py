@@ -114,6 +114,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
     """
     from collections import Counter
 
+    from workbench.content.formatting import several
     from workbench.study import State
 
     chosen = _chosen(study, quick)
@@ -141,7 +142,7 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
             failed = entry.state is State.FAILED
             said = f"{entry.outcome} ({{}})" if failed else f"to do ({{}}), {entry.reason}"
             told.setdefault(said, []).append(entry.cell.name)
-    items = tuple(f"{said.format(len(names))}: {_few(names)}" for said, names in told.items())
+    items = tuple(f"{said.format(len(names))}: {several(names)}" for said, names in told.items())
     line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
     return Answer(content, (Paragraph(line), Bullets(items)))
 
@@ -248,8 +249,3 @@ def _interrupted(loaded: LoadedStudy, quick: bool, store: str) -> str:
     stored = sum(entry.state is not State.TO_DO for entry in entries)
     many = f"{stored} of {len(entries)} cells"
     return f"interrupted: {many} are stored in {directory}; run again to go on"
-
-
-def _few(names: list[str]) -> str:
-    shown = ", ".join(names[:4])
-    return shown + (f" and {len(names) - 4} more" if len(names) > 4 else "")

@@ -1,7 +1,7 @@
 """Numbers as the reader sees them: units of the trade, significant digits, typographic signs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from workbench.assessment import METRICS, Scope
@@ -85,12 +85,17 @@ def percent(value: float | None, *, signed: bool = True) -> str:
     return f"{text.replace('-', MINUS)}{THIN}%"
 
 
-def in_unit(value: float | None, quantity: str, digits: int = 4) -> str:
-    """A value of a quantity in its display unit, with the unit."""
+def in_unit(value: float | None, quantity: str, digits: int = 4, width: float | None = 0.0) -> str:
+    """A value of a quantity in its display unit, with the unit.
+
+    `width` is the half-width of its uncertainty (zero: none is shown, None: unknown).
+    """
     if value is None or not math.isfinite(value):
         return number(value)
     unit = unit_of(quantity)
     text = number(value * unit.factor, digits)
+    if width != 0.0:
+        text += f" {PLUS_MINUS} {'unknown' if width is None else number(width * unit.factor, 2)}"
     return f"{text}{NO_BREAK}{unit.text}" if unit.text else text
 
 
@@ -140,6 +145,13 @@ def duration(seconds: float | None, digits: int = 2) -> str:
 def count(number_of: int, singular: str, plural: str = "") -> str:
     """``1 case``, ``3 cases``."""
     return f"{number_of} {singular if number_of == 1 else plural or singular + 's'}"
+
+
+def several(names: Sequence[str], most: int = 6) -> str:
+    """Names in a row, of many the first few and how many more there are."""
+    if len(names) <= most:
+        return ", ".join(names)
+    return f"{', '.join(names[: most - 2])} and {len(names) - most + 2} more"
 
 
 def valued(

@@ -13,22 +13,26 @@ _TEMPLATES = Path(__file__).with_name("templates")
 
 def render_html(document: Document) -> str:
     """HTML text of a content tree: no outside file is loaded, equal trees give equal text."""
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates(_TEMPLATES)
     environment.filters["rich"] = lambda text: _rich(document, text)
     environment.filters["anchor"] = anchor
     environment.filters["inline_svg"] = _inline
     environment.filters["trusted"] = Markup  # HTML made by a figure, which escapes what it holds
-    template = environment.get_template("report.html.jinja")
-    return template.render(
+    return environment.get_template("report.html.jinja").render(
         document=document,
         style=Markup((_TEMPLATES / "style.css").read_text(encoding="utf-8")),
         script=Markup((_TEMPLATES / "script.js").read_text(encoding="utf-8")),
+    )
+
+
+def templates(directory: Path) -> Environment:
+    """The templates in a directory: texts are escaped, names that are not given are errors."""
+    return Environment(
+        loader=FileSystemLoader(directory),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
 
 

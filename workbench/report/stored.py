@@ -1,7 +1,6 @@
 """What a report reads: the tables of a stored study and, on demand, the responses of its cells."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,10 +10,10 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding, Outcome, Response
+from workbench.study.assess import NOT_RUN
 from workbench.study.definition import Study
 from workbench.study.store import Store
 
-NOT_RUN = "not run"
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias")
 _TEXTS = dict.fromkeys(
@@ -67,8 +66,8 @@ class Stored:
     _read: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Tables of the assessment by name, as `_TABLES` lists them.
+    def rows(self) -> dict[str, list[Any]]:
+        """Rows of the tables of the assessment by name; numbers that are absent are None.
 
         Raises `InputError` if the study has not been run and assessed.
         """
@@ -79,7 +78,8 @@ class Stored:
                 problem = f"has no table {name} in its store"
                 raise InputError("study", self.study.name, problem, "run it first")
             table = pd.read_csv(path, dtype=_TEXTS, converters={"reasons": json.loads})
-            found[name] = table.fillna({name: "" for name in table.columns if name in _TEXTS})
+            table = table.fillna({name: "" for name in table.columns if name in _TEXTS})
+            found[name] = table.astype(object).where(table.notna(), None).to_dict("records")
         return found
 
     @cached_property
@@ -138,16 +138,10 @@ class Stored:
 
     def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Any]:
         """Comparisons of one quantity by one metric against one label, by (case, label)."""
-        table, wanted = self.tables["comparisons"], [quantity, metric, against]
-        known = table[(table[["quantity", "metric", "against"]] == wanted).all(axis=1)]
-        return {(row["case"], row["model"]): row for row in known.to_dict("records")}
-
-    @cached_property
-    def rows(self) -> dict[str, list[Any]]:
-        """Rows of the tables in their order; numbers that are absent are None."""
         return {
-            name: table.astype(object).where(table.notna(), None).to_dict("records")
-            for name, table in self.tables.items()
+            (row["case"], row["model"]): row
+            for row in self.rows["comparisons"]
+            if (row["quantity"], row["metric"], row["against"]) == (quantity, metric, against)
         }
 
     def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
@@ -155,10 +149,6 @@ class Stored:
         wanted = (case, quantity)
         rows = (row for row in self.rows["ladder"] if (row["case"], row["quantity"]) == wanted)
         return next(rows, None)
-
-    def problems(self) -> Iterator[CellState]:
-        """Cells without an answer, in the order of the study."""
-        return (cell for cell in self.cells.values() if not cell.ok)
 
     @cached_property
     def provenance(self) -> list[dict[str, str]]:

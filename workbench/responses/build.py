@@ -54,8 +54,7 @@ def build_response(
             continue
         variable = VARIABLES[name]
         dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
-        attributes = {"units": variable.units, "long_name": variable.long_name}
-        data[name] = xr.Variable(dims, np.asarray(value, dtype=float), attributes)
+        data[name] = xr.Variable(dims, np.asarray(value, dtype=float), variable.attributes)
     sizes = {
         dim: size
         for variable in data.values()
@@ -66,7 +65,7 @@ def build_response(
     if "snapshot" in sizes:
         along["snapshot"] = np.arange(sizes["snapshot"])
     coordinates = {
-        name: (name, along[name], {"units": meaning.units, "long_name": meaning.long_name})
+        name: (name, along[name], meaning.attributes)
         for name, meaning in COORDINATES.items()
         if along.get(name) is not None
     }

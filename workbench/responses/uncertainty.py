@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from workbench.responses.build import Response
 from workbench.responses.convergence import SAFE, Ladder, ladder
-from workbench.responses.variables import COORDINATES, VARIABLES, Variable
+from workbench.responses.variables import COORDINATES, VARIABLES
 
 Array = NDArray[np.float64]
 FINEST = "h"  # the run that is the answer
@@ -122,13 +122,13 @@ def attach_curves(response: Response, runs: Mapping[str, Response]) -> None:
         return
     history = response["displacement"].dims[0]
     names = list(runs)
-    response.coords["run"] = ("run", names, _described(COORDINATES["run"]))
+    response.coords["run"] = ("run", names, COORDINATES["run"].attributes)
     at = _abscissa(response)
     for name, kept in CURVES.items():
         if name not in response:
             continue
         table = np.stack([np.interp(at, _abscissa(run), run[name].values) for run in runs.values()])
-        response[kept] = (("run", history), table, _described(VARIABLES[kept]))
+        response[kept] = (("run", history), table, VARIABLES[kept].attributes)
 
 
 def variants(response: Response) -> Iterator[tuple[str, Response]]:
@@ -163,7 +163,3 @@ def _abscissa(response: Response) -> Array:
         return np.asarray(response["time"].values, dtype=float)
     travelled = np.cumsum(np.abs(np.diff(displacement.values)))
     return np.concatenate([[0.0], travelled])
-
-
-def _described(variable: Variable) -> dict[str, str]:
-    return {"units": variable.units, "long_name": variable.long_name}

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 from workbench.errors import InputError
@@ -123,23 +124,21 @@ def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
 
 
 def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) -> bool:
-    presence = store.presence(cell.key)
-    if presence is Presence.CORRUPT:
-        progress.note(f"{cell.name}: the stored cell is corrupt and is answered again")
-        return True
+    presence, why = store.presence(cell.key), ""
     if presence is Presence.ABSENT:
         return True
-    record = store.record(cell.key)
-    if record["outcome"] == Outcome.CRASHED:
-        progress.note(f"{cell.name}: crashed last time and is tried again")
-        return True
-    if record["outcome"] == Outcome.TIMED_OUT:
-        limit = record["limit"]
-        more = limit is not None and (timeout is None or timeout > limit)
-        if more:
-            progress.note(f"{cell.name}: timed out after {limit:g} s and is given more time")
-        return more
-    return False
+    if presence is Presence.CORRUPT:
+        why = "the stored cell is corrupt and is answered again"
+    else:
+        record = store.record(cell.key)
+        outcome, limit = record["outcome"], record["limit"]
+        if outcome == Outcome.CRASHED:
+            why = "crashed last time and is tried again"
+        elif outcome == Outcome.TIMED_OUT and limit and (timeout or inf) > limit:
+            why = f"timed out after {limit:g} s and is given more time"
+    if why:
+        progress.note(f"{cell.name}: {why}")
+    return bool(why)
 
 
 @contextmanager

@@ -5,17 +5,9 @@ import textwrap
 import tomllib
 from typing import Any
 
+from workbench.content import tree
 from workbench.content.bibliography import cited
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Column,
-    Definitions,
-    Listing,
-    Paragraph,
-    Section,
-    Table,
-)
+from workbench.content.tree import Block, Column, Definitions, Paragraph, Section
 from workbench.models.base import options_of
 from workbench.report.stored import Stored
 from workbench.scenarios import to_toml
@@ -55,7 +47,7 @@ def _models(study: Study) -> Section:
             pairs.append(("assumptions", f"those of {first}"))
         blocks: tuple[Block, ...] = (Definitions(tuple(pairs)),)
         if first == label:
-            blocks += (Bullets(model.assumptions),)
+            blocks += (tree.Bullets(model.assumptions),)
         sections.append(Section(f"model-{label}", label, blocks))
     return Section("models", "Models", tuple(sections))
 
@@ -78,7 +70,7 @@ def _cases(study: Study) -> Section:
     if others:
         text = f"{full} given in full; the table says how the others differ from it."
     blocks: list[Block] = [Paragraph(text)]
-    blocks.extend(Listing(case.name, texts[case.name]) for case in first.values())
+    blocks.extend(tree.Listing(case.name, texts[case.name]) for case in first.values())
     if others:
         columns = (
             Column("case", width=1.8, of="name"),
@@ -89,8 +81,8 @@ def _cases(study: Study) -> Section:
             ),
             Column("models asked", width=2.0, of=_asked),
         )
-        blocks.append(Table.of("cases", "All other cases.", columns, others, _PRINTED))
-        blocks.extend(Listing(case.name, texts[case.name], printed=False) for case in others)
+        blocks.append(tree.Table.of("cases", "All other cases.", columns, others, _PRINTED))
+        blocks.extend(tree.Listing(case.name, texts[case.name], printed=False) for case in others)
     return Section("cases", "Cases", tuple(blocks))
 
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from workbench.content.formatting import count, number, valued
+from workbench.content.formatting import count, number, several, valued
 from workbench.content.tree import Block, Bullets, Callout, Cell, Column, Paragraph, Section, Table
-from workbench.report.stored import NOT_RUN, CellState, Stored
+from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding, Outcome
+from workbench.study.assess import NOT_RUN
 from workbench.study.definition import Study
 
 _PRINTED = 40
-_LISTED = 6  # names in a cell
 _SIMILAR = 3  # sentences of one kind that are all shown
 
 
@@ -26,7 +26,7 @@ class _Group(NamedTuple):
     def names(self, of: Callable[[CellState], str]) -> Cell:
         """The cases or labels of the cells."""
         names = list(dict.fromkeys(map(of, self.cells)))
-        return Cell(_listed(names), len(names))
+        return Cell(several(names), len(names))
 
 
 def _groups(told: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Iterator[_Group]:
@@ -46,15 +46,9 @@ def _groups(told: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Itera
         yield _Group(kind, cells, replace(top, text=text))
 
 
-def _listed(names: list[str]) -> str:
-    if len(names) <= _LISTED:
-        return ", ".join(names)
-    return f"{', '.join(names[: _LISTED - 2])} and {len(names) - _LISTED + 2} more"
-
-
 def missing(study: Study, stored: Stored) -> Section:
     """Cells without an answer, grouped by what happened, and what was not asked."""
-    problems = list(stored.problems())
+    problems = [cell for cell in stored.cells.values() if not cell.ok]
     unasked = _unasked(study)
     if not problems:
         text = f"All {count(len(stored.cells), 'cell')} hold an answer"
@@ -93,7 +87,7 @@ def _outcome(group: _Group) -> Cell:
 def _unasked(study: Study) -> tuple[Block, ...]:
     """Models that were not asked, as they do not answer this kind of scenario."""
     sentences = tuple(
-        f"{label} (model {study.models[label].name}) does not answer {kind}: {_listed(names)}."
+        f"{label} (model {study.models[label].name}) does not answer {kind}: {several(names)}."
         for (label, kind), names in study.unasked().items()
     )
     return (Paragraph("Not asked, and no cells:"), Bullets(sentences)) if sentences else ()

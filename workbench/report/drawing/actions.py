@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 
 from workbench.content.formatting import MINUS, NO_BREAK, Unit, brief, count
 from workbench.report.drawing.frame import ARROW, load_arrows
-from workbench.report.drawing.layout import Layout
-from workbench.report.drawing.sheet import displacement_unit, first
+from workbench.report.drawing.layout import Layout, displacement_unit
+from workbench.report.drawing.sheet import first
 from workbench.report.drawing.style import INK, PALETTE
 from workbench.report.drawing.symbols import LIGHT, arrow, circle, face, note
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameScenario, FrameStatic

@@ -7,15 +7,15 @@ each snapshot is stored as differences from the one before. Points are complex n
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from workbench.content.formatting import TIMES, number
+from workbench.content.html import templates
 from workbench.report.drawing.actions import DIRECTIONS
 from workbench.report.drawing.multiples import REST, YIELDS, colour_of, hinge_places
 from workbench.report.drawing.shapes import Points, Shapes, corners_of, magnification
@@ -29,6 +29,7 @@ _FINE = 4  # steps per pixel
 _STRAIGHT = 0.5  # pixels off the chord below which a member is sent by its ends
 _LEVELS = 20  # shades of utilisation; one more: yielding
 _GAP = 8.0  # pixels from a member's end to its circle
+_TEMPLATE = templates(Path(__file__).parent).get_template("film.html.jinja")
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,10 @@ class _Panel:
         found: dict[str, Any] = {"paths": paths, "words": [self.words(i) for i in picks]}
         if self.shapes.hinges:
             found["circles"] = _differences(np.stack([hinge_places(z, _GAP) for z in frames]))
-            found["used"] = ["".join(map(_letter, self.shapes.used[:, i])) for i in picks]
+            used = self.shapes.used
+            level = np.where(used >= YIELDS, _LEVELS, np.minimum(used * _LEVELS, _LEVELS - 1))
+            letters = np.array(list(ascii_lowercase))[level.astype(int)]
+            found["used"] = ["".join(letters[:, i]) for i in picks]
         return found
 
 
@@ -147,7 +151,7 @@ def _html(panels: list[_Panel], height: float, every: int) -> str:
         "panels": [panel.numbers(picks) for panel, picks in zip(panels, seen, strict=True)],
     }
     times, y = panels[0].times, height - 16.0
-    return _template().render(
+    return _TEMPLATE.render(
         panels=[panel.still(picks[still]) for panel, picks in zip(panels, seen, strict=True)],
         names=", ".join(panel.label for panel in panels),
         width=_WIDTH,
@@ -164,14 +168,6 @@ def _html(panels: list[_Panel], height: float, every: int) -> str:
     )
 
 
-@cache
-def _template() -> Template:
-    loader = FileSystemLoader(Path(__file__).parent)
-    options: dict[str, Any] = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
-    environment = Environment(loader=loader, undefined=StrictUndefined, **options)
-    return environment.get_template("film.html.jinja")
-
-
 def _nearest(shapes: Shapes, lead: Shapes, frame: int) -> int:
     """The snapshot that stands beside a frame of the leading label."""
     when = lead.at[frame]
@@ -186,11 +182,6 @@ def _differences(track: Points) -> str:
     whole = np.round(pairs * _FINE).astype(int)
     steps = np.diff(whole, axis=0, prepend=0 * whole[:1])
     return ";".join(" ".join(str(n) if n else "" for n in row) for row in steps)
-
-
-def _letter(used: float) -> str:
-    level = _LEVELS if used >= YIELDS else min(int(used * _LEVELS), _LEVELS - 1)
-    return chr(ord("a") + level)
 
 
 def _circle(at: complex, used: float) -> dict[str, Any]:

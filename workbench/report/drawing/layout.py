@@ -1,4 +1,4 @@
-"""Where the parts of a frame stand on paper: positions in inches, free sides, levels.
+"""The frame of a case, and where its parts stand on paper: inches, free sides, levels.
 
 Points and directions are complex numbers, x + iy.
 """
@@ -9,7 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.scenarios import Frame, Member
+from workbench.content.formatting import Unit, unit_of
+from workbench.scenarios import (
+    ColumnImpact,
+    ColumnPushover,
+    Frame,
+    FrameScenario,
+    Member,
+    frame_scenario,
+)
+from workbench.study.definition import Case
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take
@@ -108,3 +117,20 @@ class Layout:
         names = {n.name for n in self.frame.nodes if not self.passed(n.name)} | set(further)
         values = np.sort([float(getattr(self.frame.node(name), axis)) for name in names])
         return [float(v) for v in values[np.diff(values, prepend=-np.inf) > _SAME]]
+
+
+def frame_scenario_of(case: Case) -> FrameScenario | None:
+    """The scenario of a case on a frame; a column is the frame of its two segments.
+
+    None if the case is about neither.
+    """
+    scenario = case.scenario
+    if isinstance(scenario, (ColumnImpact, ColumnPushover)):
+        return frame_scenario(scenario)
+    return scenario if isinstance(scenario, FrameScenario) else None
+
+
+def displacement_unit(scenario: FrameScenario) -> Unit:
+    """Display unit of the displacement that a scenario follows."""
+    rotation = getattr(scenario, "direction", "").endswith("rotation")
+    return Unit("rad", 1.0) if rotation else unit_of("displacement")

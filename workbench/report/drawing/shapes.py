@@ -15,13 +15,8 @@ from numpy.typing import NDArray
 
 from workbench.content.formatting import NO_BREAK, THIN, number
 from workbench.errors import InputError
-from workbench.report.drawing.sheet import (
-    Absences,
-    Array,
-    Request,
-    displacement_unit,
-    frame_scenario_of,
-)
+from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
+from workbench.report.drawing.sheet import Absences, Array, Request
 from workbench.responses import Response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Frame, FrameScenario
 from workbench.study.definition import Case

@@ -13,11 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
 from numpy.typing import NDArray
 
-from workbench.content.formatting import Unit, unit_of
 from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, new_figure
 from workbench.report.stored import Stored
 from workbench.responses import Response
-from workbench.scenarios import ColumnImpact, ColumnPushover, FrameScenario, frame_scenario
 from workbench.study.definition import Case, Figure, Study
 
 Array = NDArray[np.float64]
@@ -251,23 +249,6 @@ class Sheet:
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
         return Drawing(self.canvas, self.data, said, alt, width)
-
-
-def frame_scenario_of(case: Case) -> FrameScenario | None:
-    """The scenario of a case on a frame; a column is the frame of its two segments.
-
-    None if the case is about neither.
-    """
-    scenario = case.scenario
-    if isinstance(scenario, (ColumnImpact, ColumnPushover)):
-        return frame_scenario(scenario)
-    return scenario if isinstance(scenario, FrameScenario) else None
-
-
-def displacement_unit(scenario: FrameScenario) -> Unit:
-    """Display unit of the displacement that a scenario follows."""
-    rotation = getattr(scenario, "direction", "").endswith("rotation")
-    return Unit("rad", 1.0) if rotation else unit_of("displacement")
 
 
 def nothing(*statements: str) -> Drawing:

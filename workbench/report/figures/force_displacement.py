@@ -9,15 +9,8 @@ from matplotlib.axes import Axes
 
 from workbench.content.formatting import Unit, title_of, unit_of
 from workbench.fields import Choice
-from workbench.report.drawing.sheet import (
-    Drawing,
-    Request,
-    Sheet,
-    displacement_unit,
-    frame_scenario_of,
-    nothing,
-    thinned,
-)
+from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing, thinned
 from workbench.report.drawing.style import MUTED, entry
 from workbench.study.definition import Case
 

@@ -8,18 +8,13 @@ besides the surface that the model states.
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 
+from workbench.content.formatting import several
 from workbench.errors import InputError
-from workbench.report.drawing.sheet import (
-    Array,
-    Drawing,
-    Request,
-    Sheet,
-    evenly,
-    frame_scenario_of,
-    nothing,
-)
+from workbench.report.drawing.layout import frame_scenario_of
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry
 from workbench.responses import Response
 from workbench.scenarios import Frame, Member
@@ -71,19 +66,16 @@ def _hinges(request: Request, found: dict[str, Response], said: list[str]) -> li
     named = request.option("hinges", ())
     for name in named:
         if name not in known:
-            shown = ", ".join(known[:8]) + (", ..." if len(known) > 8 else "")
-            raise InputError("figure.options.hinges", name, f"must be among {shown}")
+            raise InputError("figure.options.hinges", name, f"must be among {several(known, 8)}")
     if named or len(known) <= _MOST_HINGES:
         return [name for name in known if not named or name in named]
     turned = any("plastic_rotation" in response for response in found.values())
     history, what = ("plastic_rotation", "plastic rotations") if turned else ("moment", "moments")
-    size = dict.fromkeys(known, 0.0)
-    for response in found.values():
-        if history in response:
-            largest = np.abs(response[history].values).max(axis=1)
-            for name, value in zip(response["hinge"].values, largest, strict=True):
-                size[str(name)] = max(size[str(name)], float(value))
-    chosen = sorted(known, key=lambda name: -size[name])[:_MOST_HINGES]
+    records = [
+        abs(r[history]).max({*r[history].dims} - {"hinge"}) for r in found.values() if history in r
+    ]
+    size = xr.concat(records, "label", join="outer").max("label").to_series()
+    chosen = set(size.reindex(known, fill_value=0.0).nlargest(_MOST_HINGES).index)
     said.append(f"Shown are the {_MOST_HINGES} of {len(known)} hinges with the largest {what}.")
     return [name for name in known if name in chosen]
 

@@ -15,16 +15,9 @@ from matplotlib.transforms import Bbox
 
 from workbench.report.drawing.actions import draw_actions, targets
 from workbench.report.drawing.frame import draw_frame
-from workbench.report.drawing.layout import Layout
+from workbench.report.drawing.layout import Layout, frame_scenario_of
 from workbench.report.drawing.margins import draw_dimensions, draw_sections
-from workbench.report.drawing.sheet import (
-    Drawing,
-    Request,
-    Sheet,
-    first,
-    frame_scenario_of,
-    nothing,
-)
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import TEXT_WIDTH
 from workbench.scenarios import Frame, FrameScenario
 
