@@ -69,7 +69,7 @@ METRIC = '''
     Scope.SCALAR,
     "asme-vv20",
     low=0.0,
-    spread=lambda interval, ratio: 2.0 * abs(ratio - 1.0) * interval.uncertainty,
+    spread=lambda s, d, own, other: 2.0 * abs(s / d - 1.0) * (own + s / d * other) / d,
 )
 def squared_error(response: Response, reference: Response, quantity: str) -> float:
     """Relative error squared."""

@@ -38,7 +38,7 @@ def offers() -> list[Offer]:
     found = []
     for name in model_names():
         points = [point for point in _points() if point.name == name]
-        provider = ", ".join(sorted({_distribution(point) for point in points}))
+        provider = ", ".join(sorted({p.dist.name if p.dist else "unknown" for p in points}))
         kind, problem = _load(name, points)
         found.append(Offer(name, provider, kind, problem))
     return found
@@ -74,10 +74,6 @@ def _points() -> list[EntryPoint]:
     # A distribution may be seen twice (an editable install on the path and its metadata).
     unique = {(point.name, point.value): point for point in entry_points(group=GROUP)}
     return list(unique.values())
-
-
-def _distribution(point: EntryPoint) -> str:
-    return point.dist.name if point.dist is not None else "unknown"
 
 
 def _load(name: str, points: list[EntryPoint]) -> tuple[type[Any] | None, str]:

@@ -13,16 +13,8 @@ import numpy as np
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.models.base import Model, options_of, with_options
-from workbench.responses import (
-    ENERGIES,
-    TIMES,
-    Finding,
-    Outcome,
-    Response,
-    check_response,
-    findings_of,
-    outcome_of,
-)
+from workbench.responses import Finding, Outcome, Response, check_response, findings_of, outcome_of
+from workbench.responses.variables import ENERGIES, TIMES
 from workbench.scenarios import Scenario, scenario_hash
 
 ENERGY_TOLERANCE = 1e-6  # of the input energy

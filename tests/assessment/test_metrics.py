@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.assessment import METRICS, Metric, Scope, Swap
-from workbench.assessment.curves import absolute_area
-from workbench.assessment.histories import product_integral
+from workbench.assessment.curves import absolute_area, product_integral
 from workbench.errors import InputError
 from workbench.responses import Response, build_response
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.assessment import expand, ladder
+from workbench.assessment import METRICS, ladder
 from workbench.errors import InputError
 
 
@@ -89,15 +89,14 @@ def test_unusable_ladders_are_refused(values, ratio):
 
 
 def test_uncertainties_combine_by_the_root_of_squares():
-    found = expand(1.1, 1.0, 0.03, 0.04)
-    assert found.error == pytest.approx(0.1)
-    assert found.uncertainty == pytest.approx(0.05)
-    assert found.relative == pytest.approx(0.1)
-    assert found.relative_uncertainty == pytest.approx(np.hypot(0.03, 1.1 * 0.04))
+    given = 1.1, 1.0, 0.03, 0.04
+    assert METRICS["difference"].half_width(*given) == pytest.approx(0.05)
+    relative = METRICS["relative_error"].half_width(*given)
+    assert relative == pytest.approx(np.hypot(0.03, 1.1 * 0.04))
 
 
 def test_unknown_errors():
-    assert expand(1.0, 2.0, 0.0, None).uncertainty is None
-    assert expand(1.0, 0.0).relative is None
+    assert METRICS["difference"].half_width(1.0, 2.0, 0.0, None) is None
+    assert METRICS["relative_error"].half_width(1.0, 0.0, 0.0, 0.0) is None
     with pytest.raises(InputError, match="negative"):
-        expand(1.0, 1.0, 0.0, -1.0)
+        METRICS["difference"].half_width(1.0, 1.0, 0.0, -1.0)

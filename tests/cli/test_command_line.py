@@ -229,7 +229,7 @@ def test_simulate_prints_one_object(
 def test_simulate_prints_a_short_table_and_writes_the_response(
     scenario_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from workbench.study.files import read_netcdf
+    from workbench.study.store import read_netcdf
 
     target = scenario_file.parent / "run.nc"
     arguments = ["--model", "four-dof", "--out", str(target)]

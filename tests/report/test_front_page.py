@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.report.front_page import summary
+from workbench.report.build import summary
 
 
 @pytest.fixture(scope="module")

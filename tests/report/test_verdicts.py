@@ -10,8 +10,8 @@ from toy_models import Troubled
 
 from workbench.cli.studies import gate_objects
 from workbench.content.tree import Callout, Table
+from workbench.report.build import summary
 from workbench.report.chapters.verdicts import verdicts
-from workbench.report.front_page import summary
 from workbench.report.stored import Stored
 from workbench.study import Assessment, Gate, Study, assess, run_study
 

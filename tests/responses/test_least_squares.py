@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import curve_fit
 
-from workbench.responses.convergence import ladder
-from workbench.responses.least_squares import best_law
+from workbench.responses.convergence import best_law, ladder
 
 SIZES = 2.0 ** np.arange(3.0, -1.0, -1.0)
 

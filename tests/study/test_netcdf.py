@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from workbench.responses import Outcome, build_response, failed_response
-from workbench.study.files import canonical_json, read_netcdf, to_netcdf_bytes, write_atomically
+from workbench.study.store import canonical_json, read_netcdf, to_netcdf_bytes, write_atomically
 
 MAKE = """
 import hashlib, json, sys
 import numpy as np
 from workbench.responses import build_response
-from workbench.study.files import to_netcdf_bytes
+from workbench.study.store import to_netcdf_bytes
 t = np.linspace(0.0, 0.1, 3000)
 r = build_response({"displacement": np.sin(t), "moment": np.outer([1.0, 2.0], t),
     "shear_utilisation": [1.8, 0.2], "peak_force": 3.0}, time=t,

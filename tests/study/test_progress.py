@@ -7,7 +7,7 @@ import pytest
 
 from workbench.responses import Outcome
 from workbench.study import Study, cells_of
-from workbench.study.progress import Bar, Lines, Progress, duration, progress_for
+from workbench.study.progress import Bar, Lines, Progress, progress_for
 
 
 def test_the_estimate_weighs_labels_by_their_own_cost() -> None:
@@ -34,7 +34,7 @@ def test_lines_are_few_and_say_what_is_left(toy_study: Study) -> None:
     text = stream.getvalue().splitlines()
     assert text[0] == "toy: 120 cells to answer, 3 already stored"
     assert len(text) == 11
-    assert text[1] == "12 of 120 cells, 6 failed, about 1 min 48 s left"
+    assert text[1] == "12 of 120 cells, 6 failed, about 0:01:48 left"
     assert text[-1].startswith("120 of 120 cells answered, 60 failed, in ")
 
 
@@ -60,17 +60,3 @@ def test_the_bar_runs(toy_study: Study, capsys: pytest.CaptureFixture[str]) -> N
     shown = capsys.readouterr().err
     assert "a [note]" in shown
     assert "12/12" in shown
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [
-        (0.04, "0.0 s"),
-        (9.94, "9.9 s"),
-        (59.6, "1 min 0 s"),
-        (200, "3 min 20 s"),
-        (7300, "2 h 1 min"),
-    ],
-)
-def test_duration(seconds: float, text: str) -> None:
-    assert duration(seconds) == text

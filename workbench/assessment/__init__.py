@@ -1,9 +1,7 @@
 """Comparing responses: metrics, numerical uncertainty, bias and scatter, acceptance gates."""
 
 from workbench.assessment import curves as curves
-from workbench.assessment import histories as histories
 from workbench.assessment import scalars as scalars
-from workbench.assessment.bias import Bias as Bias
 from workbench.assessment.bias import bias_and_scatter as bias_and_scatter
 from workbench.assessment.gates import CaseVerdict as CaseVerdict
 from workbench.assessment.gates import Gate as Gate
@@ -11,10 +9,8 @@ from workbench.assessment.gates import GateVerdict as GateVerdict
 from workbench.assessment.gates import Verdict as Verdict
 from workbench.assessment.gates import judge as judge
 from workbench.assessment.metric import METRICS as METRICS
-from workbench.assessment.metric import ErrorInterval as ErrorInterval
 from workbench.assessment.metric import Metric as Metric
 from workbench.assessment.metric import Scope as Scope
 from workbench.assessment.metric import Swap as Swap
-from workbench.assessment.metric import expand as expand
 from workbench.responses.convergence import Ladder as Ladder
 from workbench.responses.convergence import ladder as ladder

@@ -1,6 +1,6 @@
 """The rule of a gate's verdict (pass, fail, inconclusive): `judge` in one case, then over all.
 
-A gate is a metric, a bound and a reason, judged with the numerical uncertainty; `study/verdicts`
+A gate is a metric, a bound and a reason, judged with the numerical uncertainty; `study/assess`
 applies it to stored answers and says what a case without an answer counts as.
 """
 

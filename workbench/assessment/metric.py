@@ -1,12 +1,8 @@
-"""What a metric is: a number with a meaning, a range, a perfect value and a source.
-
-A comparison error comes with its interval.
-"""
+"""What a metric is: a number with a meaning, a range, a perfect value and a source."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,45 +13,8 @@ from workbench.responses import Response
 
 Array = NDArray[np.float64]
 Compute = Callable[[Response, Response, str], float]
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorInterval:
-    """A comparison error with its uncertainty (ASME V&V 20).
-
-    `error` = S - D and `uncertainty` (None: unknown) in the unit of the quantity; `relative`
-    and `relative_uncertainty` are the same of S/D - 1 (None if D is zero).
-    """
-
-    error: float
-    uncertainty: float | None
-    relative: float | None
-    relative_uncertainty: float | None
-
-
-def expand(
-    simulation: float, data: float, own: float | None = 0.0, other: float | None = 0.0
-) -> ErrorInterval:
-    """Comparison error E = S - D with the interval that its ingredients leave (ASME V&V 20).
-
-    Arguments, all in the unit of the quantity: `simulation` S and `data` D (a test, a published
-    number or a reference solution); the uncertainties of both, `own` and `other`, expanded to the
-    same coverage (a grid convergence index stands for about 95 %); they combine by the root of
-    their squares. None means unknown and makes the result's uncertainty unknown.
-    Raises `InputError` for negative uncertainties.
-    """
-    if any(part is not None and not part >= 0.0 for part in (own, other)):
-        raise InputError("uncertainty", (own, other), "must not be negative")
-    error, relative = simulation - data, None if data == 0.0 else (simulation - data) / abs(data)
-    if own is None or other is None:
-        return ErrorInterval(error, None, relative, None)
-    # S/D: a relative change of D acts with the weight S/D
-    spread = None if data == 0.0 else hypot(own / data, simulation / data * other / data)
-    return ErrorInterval(error, hypot(own, other), relative, spread)
-
-
-# (error of value and reference with a known uncertainty, value over reference) -> half-width
-Spread = Callable[[ErrorInterval, float], float | None]
+# (value, reference, half-widths of both) -> half-width of the metric, None where it has none
+Spread = Callable[[float, float, float, float], float | None]
 
 
 class Scope(StrEnum):
@@ -85,8 +44,8 @@ class Metric:
     compares; `citation`, key of the bibliography; `perfect`, its value for equal inputs, nearer
     to which is better; `low` and `high`, its range; `unit_power`, 0 if it is a pure number, 1 if
     it carries the unit of the quantity; `swap`, its symmetry; `spread`, which every
-    metric of scalars has: how the uncertainty of their difference becomes that of the metric.
-    Metrics of histories and curves get theirs from the runs behind both sides.
+    metric of scalars has: how the uncertainties of both sides become that of the metric. Metrics
+    of histories and curves get theirs from the runs behind both sides.
     """
 
     name: str
@@ -114,6 +73,20 @@ class Metric:
     def __call__(self, response: Response, reference: Response, quantity: str) -> float:
         """Value of the metric. Raises `InputError` where it does not exist."""
         return self.compute(response, reference, quantity)
+
+    def half_width(
+        self, value: float, reference: float, own: float | None, other: float | None
+    ) -> float | None:
+        """Half-width of a metric of scalars from those of both sides (None: unknown).
+
+        Half-widths of the same coverage combine by the root of their squares (ASME V&V 20; a grid
+        convergence index stands for about 95 %). Raises `InputError` for negative ones.
+        """
+        if any(width is not None and not width >= 0.0 for width in (own, other)):
+            raise InputError("uncertainty", (own, other), "must not be negative")
+        if self.spread is None or own is None or other is None:
+            return None
+        return self.spread(value, reference, own, other)
 
 
 METRICS: dict[str, Metric] = {}

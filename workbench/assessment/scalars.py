@@ -1,5 +1,7 @@
 """Metrics of scalar quantities, and of a response alone: how far the run can be relied on."""
 
+from math import hypot
+
 import numpy as np
 
 from workbench.assessment.metric import Scope, Swap, metric, present
@@ -26,7 +28,7 @@ def _pair(response: Response, reference: Response, quantity: str) -> tuple[float
     "asme-vv20",
     unit_power=1,
     swap=Swap.OPPOSITE,
-    spread=lambda interval, ratio: interval.uncertainty,
+    spread=lambda value, reference, own, other: hypot(own, other),
 )
 def difference(response: Response, reference: Response, quantity: str) -> float:
     """Value - reference, in the unit of the quantity.
@@ -41,7 +43,10 @@ def difference(response: Response, reference: Response, quantity: str) -> float:
     "relative error",
     Scope.SCALAR,
     "asme-vv20",
-    spread=lambda interval, ratio: interval.relative_uncertainty,
+    # a relative change of the reference acts with the weight value/reference
+    spread=lambda value, reference, own, other: (
+        hypot(own / reference, value / reference * other / reference) if reference else None
+    ),
 )
 def relative_error(response: Response, reference: Response, quantity: str) -> float:
     """(value - reference) / |reference|.
@@ -59,7 +64,7 @@ def relative_error(response: Response, reference: Response, quantity: str) -> fl
     Scope.SCALAR,
     "fds-validation",
     swap=Swap.OPPOSITE,
-    spread=lambda interval, ratio: (interval.relative_uncertainty or 0.0) / ratio,
+    spread=lambda value, reference, own, other: hypot(own / value, other / reference),
 )
 def log_ratio(response: Response, reference: Response, quantity: str) -> float:
     """ln(value / reference).

@@ -2,10 +2,15 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
 from workbench.errors import InputError, WorkbenchError
 
+_SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
+
+Exit status: 0 done, 1 a gate failed or a cell did not converge, 2 bad input.
+"""
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -20,11 +25,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return the exit status."""
-    from workbench.cli.app import build
     from workbench.cli.output import InterruptedByUserError
 
     try:
-        status = build()(list(arguments), prog_name="workbench", standalone_mode=False)
+        status = _application()(list(arguments), prog_name="workbench", standalone_mode=False)
         sys.stdout.flush()
         if status == INTERRUPTED:  # what the argument parser makes of Ctrl-C
             raise InterruptedByUserError("interrupted")
@@ -44,6 +48,42 @@ def run(arguments: Sequence[str]) -> int:
         if not hasattr(error, "format_message"):
             raise
         return _say(error.format_message(), BAD_INPUT)
+
+
+def _application() -> Callable[..., Any]:
+    """All verbs as one function of the arguments."""
+    import typer
+
+    from workbench import __version__
+    from workbench.cli import data, doctor, fit, models, simulate, studies
+
+    app = typer.Typer(
+        add_completion=False,
+        help=_SUMMARY,
+        rich_markup_mode=None,  # rich takes longer to import than the rest of --help
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    )
+
+    @app.callback(invoke_without_command=True)
+    def root(
+        context: typer.Context,
+        version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    ) -> None:
+        if version:
+            typer.echo(__version__)
+        elif context.invoked_subcommand is None:
+            typer.echo(context.get_help())
+
+    app.command("models")(models.models)
+    app.command("simulate")(simulate.simulate)
+    for found in (studies.run, studies.status, studies.report, studies.validate):
+        app.command(found.__name__)(found)
+    app.add_typer(fit.app, name="fit")
+    app.add_typer(data.app, name="data")
+    app.command("doctor")(doctor.doctor)
+    command: Callable[..., Any] = typer.main.get_command(app)
+    return command
 
 
 def _say(text: str, status: int) -> int:

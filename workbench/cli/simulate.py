@@ -50,7 +50,7 @@ def simulate(
     if outcome is Outcome.INVALID_INPUT:
         raise InputError("scenario", given.name, response.attrs["message"])
     if target is not None:
-        from workbench.study.files import to_netcdf_bytes, write_atomically
+        from workbench.study.store import to_netcdf_bytes, write_atomically
 
         write_atomically(target, to_netcdf_bytes(response))
     found = as_object(response, given)

@@ -171,7 +171,7 @@ def report(
     if not set(wanted) <= {"html", "pdf"}:
         raise InputError("--format", formats, "must be html, pdf or html,pdf")
     from workbench.report.build import build_report
-    from workbench.report.front_page import summary as write_summary
+    from workbench.report.build import summary as write_summary
     from workbench.study import assess
 
     chosen = _chosen(study, quick)

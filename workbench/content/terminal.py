@@ -101,9 +101,6 @@ def _table(block: Table) -> Iterator[RenderableType]:
             no_wrap=column.numeric,
         )
     for row in block.rows:
-        grid.add_row(*(Text(_line(c.text), style=_STYLES.get(c.tone, "")) for c in row))
+        texts = ((spoken(c.text).replace("\n", " "), _STYLES.get(c.tone, "")) for c in row)
+        grid.add_row(*(Text(text, style=style) for text, style in texts))
     yield grid
-
-
-def _line(text: str) -> str:
-    return spoken(text).replace("\n", " ")

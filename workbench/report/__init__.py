@@ -1,1 +1,1 @@
-"""Reports of stored studies: figures, HTML, PDF (`build`), the summary in git (`front_page`)."""
+"""Reports of stored studies: figures, HTML, PDF and the summary in git (`build`)."""

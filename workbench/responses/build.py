@@ -39,11 +39,8 @@ def build_response(
     derived, findings = implied(values, instants)
     values = {**derived, **values}
     history = "time" if time is not None else "step"
-    along: dict[str, Any] = {
-        "hinge": list(hinges) or None,
-        "segment": list(segments) or None,
-        "member": list(members) or None,
-    }
+    named = {"hinge": hinges, "segment": segments, "member": members}
+    along: dict[str, Any] = {name: list(names) for name, names in named.items() if len(names)}
     if instants is not None:
         along["time"] = instants
     elif steps is not None:
@@ -67,7 +64,7 @@ def build_response(
     coordinates = {
         name: (name, along[name], meaning.attributes)
         for name, meaning in COORDINATES.items()
-        if along.get(name) is not None
+        if name in along
     }
     response = xr.Dataset(data, coordinates)
     response.attrs["outcome"] = Outcome.OK.value

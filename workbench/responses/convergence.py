@@ -1,18 +1,102 @@
-"""What a sequence of refinements says: observed order, extrapolate, grid convergence index."""
+"""What a sequence of refinements says: observed order, extrapolate, grid convergence index.
+
+Four levels or more are fitted by phi_0 + a h^p with least squares (Eca and Hoekstra 2014): scatter,
+which a formula through three points would take for an order, becomes a standard deviation and
+widens the uncertainty.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, log
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
 from workbench.errors import InputError
-from workbench.responses.least_squares import RELIABLE, best_law
 
-__all__ = ["CAUTIOUS", "SAFE", "Ladder", "ladder"]
-
+Array = NDArray[np.float64]
+RELIABLE = (0.5, 1.1)  # order over the expected one; the paper: 0.5 to 2.1 for order two
+SEARCHED = (0.05, 8.0)  # orders among which a power law is sought
+POINTS = 60  # of the search, before the best of them is refined
 SAFE, CAUTIOUS = 1.25, 3.0  # safety factors
 ACCEPTED = (0.7, 1.1)  # observed over expected order that still counts as asymptotic
 CLIPPED = (0.8, 1.0)  # observed over expected order used for extrapolation
 LEAST = 0.5  # share of the expected order that a cautious estimate still relies on
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A fitted law: its `limit` at size zero, its value at the `finest` size, its order.
+
+    `deviation`, the standard deviation of the values from it; `order` None where the exponents
+    were given.
+    """
+
+    limit: float
+    finest: float
+    deviation: float
+    order: float | None
+
+
+def best_law(
+    values: Sequence[float], ratio: float, expected_order: float
+) -> tuple[Fit, float | None]:
+    """The law that counts for the `values` of four levels or more, coarse to fine.
+
+    Arguments: each level is `ratio` times finer than the one before; `expected_order` q of the
+    method. All laws are fitted with equal weights and with weights that grow as 1/h, and the one
+    that scatters least counts: a power law if its order lies within 0.5 to 1.1 of q; above that
+    a h^q; below, or if there is none, the best of a h^q, a h^2q and a h^q + b h^2q. Result: its
+    fit, and the order of the best power law (None: there is none).
+    """
+    phi = np.asarray(values, dtype=float)
+    sizes = ratio ** np.arange(len(phi) - 1.0, -1.0, -1.0)
+    weights = (np.full(len(phi), 1.0 / len(phi)), 1.0 / sizes / np.sum(1.0 / sizes))
+    laws = [_power_law(phi, sizes, weight) for weight in weights]
+    free = min((law for law in laws if law), key=lambda law: law.deviation, default=None)
+    order = free.order if free is not None else None
+    share = order / expected_order if order is not None else 0.0
+    if free is not None and RELIABLE[0] <= share <= RELIABLE[1]:
+        return free, order
+    given = ((1.0,),) if share > RELIABLE[1] else ((1.0,), (2.0,), (1.0, 2.0))
+    fits = [
+        _fitted(phi, sizes, weight, expected_order * np.array(exponents))
+        for weight in weights
+        for exponents in given
+    ]
+    return min(fits, key=lambda found: found.deviation), order
+
+
+def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
+    """The best phi_0 + a h^p; None if no order within the searched range is best."""
+
+    def deviation(exponent: float) -> float:
+        return _fitted(phi, sizes, weights, np.array([exponent]), free=True).deviation
+
+    tried = np.geomspace(*SEARCHED, POINTS)
+    best = int(np.argmin([deviation(float(p)) for p in tried]))
+    if best in (0, POINTS - 1):
+        return None
+    bounds, fine = (tried[best - 1], tried[best + 1]), {"xatol": 1e-10}
+    found = minimize_scalar(deviation, bounds=bounds, method="bounded", options=fine)
+    return _fitted(phi, sizes, weights, np.array([float(found.x)]), free=True)
+
+
+def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False) -> Fit:
+    """phi_0 + sum a_k h^p_k by linear least squares; `free`: the exponent counts as fitted too."""
+    root = np.sqrt(weights)
+    terms = np.column_stack([np.ones_like(sizes), sizes[:, None] ** exponents])
+    solution = np.linalg.lstsq(terms * root[:, None], phi * root, rcond=None)[0]
+    fitted = terms @ solution
+    unknowns = len(exponents) + 1 + int(free)
+    variance = len(phi) * np.sum(weights * (phi - fitted) ** 2) / (len(phi) - unknowns)
+    return Fit(
+        float(solution[0]),
+        float(fitted[-1]),
+        float(np.sqrt(variance)),
+        float(exponents[0]) if free else None,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +154,11 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
         note = "the levels agree to rounding"
         return Ladder(fine, fine, 0.0, note, None, SAFE, converging=True, accepted=True)
     if len(levels) > 3:
-        return _fitted(levels, ratio, expected_order)
+        return _of_law(levels, ratio, expected_order)
     first, second = levels[0] - levels[1], levels[1] - fine
-    if first * second < 0.0:
-        note = "the levels oscillate: three times their spread"
-        return Ladder(fine, fine, CAUTIOUS * spread, note)
-    if abs(second) >= abs(first):
-        note = "the levels do not converge: three times their spread"
-        return Ladder(fine, fine, CAUTIOUS * spread, note)
+    if first * second < 0.0 or abs(second) >= abs(first):
+        what = "oscillate" if first * second < 0.0 else "do not converge"
+        return Ladder(fine, fine, CAUTIOUS * spread, f"the levels {what}: three times their spread")
     order = log(abs(first / second)) / log(ratio) if second != 0.0 else inf
     share = order / expected_order
     accepted = ACCEPTED[0] <= share <= ACCEPTED[1]
@@ -101,7 +182,7 @@ def ladder(values: Sequence[float], ratio: float = 2.0, expected_order: float = 
     return Ladder(fine, fine + correction, width, note, shown, converging=True)
 
 
-def _fitted(levels: list[float], ratio: float, expected_order: float) -> Ladder:
+def _of_law(levels: list[float], ratio: float, expected_order: float) -> Ladder:
     """The interval from a fit: scatter and what it misses at the finest level are added."""
     fit, order = best_law(levels, ratio, expected_order)
     scatter = fit.deviation * (len(levels) - 1) / (max(levels) - min(levels))

@@ -10,7 +10,6 @@ from workbench.study.definition import Figure as Figure
 from workbench.study.definition import Study as Study
 from workbench.study.loading import LoadedStudy as LoadedStudy
 from workbench.study.loading import load_study as load_study
-from workbench.study.loading import study_files as study_files
 from workbench.study.manifest import CellStatus as CellStatus
 from workbench.study.manifest import State as State
 from workbench.study.manifest import gather as gather

@@ -1,21 +1,23 @@
-"""Assessing a stored study: tables of cells, comparisons, ladders and gates. Never simulates."""
+"""Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates.
+
+The verdict of a gate counts all cases that are asked; the rule itself stands in `assessment/gates`.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from workbench.assessment import GateVerdict, Verdict, bias_and_scatter
+from workbench.assessment import METRICS, bias_and_scatter
+from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.errors import InputError
-from workbench.responses import SCALARS, TIMES, Response, energy_error, findings_of, scalars_of
+from workbench.responses import Outcome, Response, energy_error, findings_of, outcome_of, scalars_of
 from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
+from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
-from workbench.study.comparisons import LADDER_COLUMNS, comparison_rows, ladder_row
+from workbench.study.comparisons import LADDER_COLUMNS, compare, comparison_rows, ladder_row
 from workbench.study.definition import Study
-from workbench.study.files import Row, csv_bytes, write_atomically
 from workbench.study.sides import Answers
-from workbench.study.store import Presence, Store
-from workbench.study.verdicts import CASE_COLUMNS, case_rows, verdict_row, verdicts_of
-from workbench.study.verdicts import COLUMNS as VERDICT_COLUMNS
+from workbench.study.store import Presence, Row, Store, csv_bytes, write_atomically
 
 NOT_RUN = "not run"
 
@@ -27,6 +29,12 @@ _COMPARISON = (
 _BIAS = (
     *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
     *("model_scatter", "note"),
+)
+_GATE = ("number", "gate", "model", "against", "quantity", "metric")
+CASE_COLUMNS = (*_GATE, "case", "value", "uncertainty", "bound", "verdict", "note")
+VERDICT_COLUMNS = (
+    *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict)),
+    *("case", "value", "uncertainty", "bound", "reasons", "rationale", "source"),
 )
 _DERIVED = ("shear_utilisation", "energy_error")
 _FEWEST_FOR_BIAS = 3  # cases
@@ -150,3 +158,60 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
             "uncertainty": common if known else None,
             "note": note,
         }
+
+
+def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:
+    """The verdict of every gate, from the answers of all cases of the study."""
+    return tuple(
+        GateVerdict(
+            number, gate, tuple(_judged(gate, each) for each in answers if _asks(gate, each))
+        )
+        for number, gate in enumerate(study.gates, 1)
+    )
+
+
+def _asks(gate: Gate, answers: Answers) -> bool:
+    """Whether a case concerns a gate: it is named, or the study asks it of both labels."""
+    if gate.cases:
+        return answers.case.name in gate.cases
+    return {gate.model, gate.against} <= set(answers.asked)
+
+
+def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
+    name = answers.case.name
+    for label in (gate.model, gate.against):
+        if answers.ok(label) is None:
+            response = answers.responses.get(label)
+            refused = response is not None and outcome_of(response) is Outcome.OUT_OF_DOMAIN
+            verdict = Verdict.REFUSED if refused else Verdict.UNANSWERED
+            return CaseVerdict(name, verdict, None, None, answers.why_not(label))
+    try:
+        found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
+    except InputError as error:
+        return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
+    verdict = judge(found.error, found.uncertainty, gate.bound)
+    return CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
+
+
+def verdict_row(found: GateVerdict) -> Row:
+    """The row of a gate in the table of verdicts."""
+    top = found.critical
+    return {
+        **_columns(found),
+        "verdict": found.verdict.value,
+        **found.counts,
+        "case": None if top is None else top.case,
+        "value": None if top is None else top.value,
+        "uncertainty": None if top is None else top.uncertainty,
+        "reasons": list(found.reasons),
+    }
+
+
+def case_rows(found: GateVerdict) -> Iterator[Row]:
+    """The rows of a gate in the table of all its cases."""
+    for case in found.cases:
+        yield {**_columns(found), **asdict(case)}
+
+
+def _columns(found: GateVerdict) -> dict[str, object]:
+    return {"number": found.number, "gate": found.gate.name, **asdict(found.gate)}

@@ -1,17 +1,10 @@
 """Comparing the answers of one case, with the numerical uncertainty that goes with each number.
 
-Where the uncertainty of a comparison comes from:
-
-- A side that made coarser runs of its own (attribute `refinement` of its response) has what they
-  leave open; it is unknown where they say so, or where there was one mesh only.
-- Otherwise a side that is the reference of the study has that of its ladder of labels in this
-  case (grid convergence index); without one it is unknown.
-- A side that carries published or measured numbers (attribute `data_uncertainty` of its response)
-  has the half-width stated there.
-- A side that was judged by a sample of tests (attribute `sampling_uncertainty`) has the half-width
-  of its interval over these tests.
-- Any other side, a reduced model, counts as exact in itself: its discretisation is part of what
-  is judged. The note of the comparison says so when no side has an uncertainty of its own.
+The uncertainty of a side is that of its own coarser runs, if it made some. Otherwise the reference
+of the study has that of its ladder of labels (unknown without one), published or measured numbers
+the half-width stated with them, a sample of tests that of its interval. Any other side, a reduced
+model, counts as exact: its discretisation is part of what is judged; a note says where no side has
+an uncertainty of its own.
 
 For scalar quantities the two sides combine as ASME V&V 20 does. Metrics of histories and curves
 are evaluated with every run of a side; these values give their interval by the same rules.
@@ -21,15 +14,14 @@ Metrics of a response alone are numbers about the run: they have no interval.
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from math import inf
 
-from workbench.assessment import METRICS, Metric, Scope, expand
+from workbench.assessment import METRICS, Metric, Scope
 from workbench.errors import InputError
 from workbench.responses import Response
 from workbench.responses.uncertainty import BASIS, directions_of, uncertainty_of
 from workbench.study.definition import Case, Study
-from workbench.study.files import Row
 from workbench.study.sides import Answers, by_metric, joined, of_side, own_note, quantity_ladder
+from workbench.study.store import Row
 
 LADDER_COLUMNS = (
     *("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note"),
@@ -72,11 +64,7 @@ def compare(
     own, note = of_side(answers, model, quantity)
     other, other_note = of_side(answers, against, quantity)
     notes = joined(note, other_note)
-    interval = expand(*pair, own, other)
-    if interval.uncertainty is None:
-        return Comparison(value, None, notes, *pair)
-    ratio = pair[0] / pair[1] if pair[1] else inf
-    return Comparison(value, metric.spread(interval, ratio), notes, *pair)
+    return Comparison(value, metric.half_width(*pair, own, other), notes, *pair)
 
 
 def comparison_rows(answers: Answers) -> Iterator[Row]:

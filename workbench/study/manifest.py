@@ -16,8 +16,7 @@ from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
 from workbench.study.cells import Cell, Ingredients, cells_of, key_of
 from workbench.study.definition import Study
-from workbench.study.files import canonical_json, write_atomically
-from workbench.study.store import Presence, Store
+from workbench.study.store import Presence, Store, canonical_json, write_atomically
 
 Manifest = dict[str, Any]
 

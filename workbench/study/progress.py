@@ -4,6 +4,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from datetime import timedelta
 from itertools import chain
 from statistics import fmean
 from typing import Any, TextIO
@@ -55,7 +56,7 @@ class Progress:
     @property
     def left(self) -> str:
         """The time left, in words."""
-        return f"about {duration(self.seconds_left() or 0.0)} left"
+        return f"about {timedelta(seconds=round(self.seconds_left() or 0.0))} left"
 
 
 class Lines(Progress):
@@ -83,7 +84,7 @@ class Lines(Progress):
     def end(self) -> None:
         """Say how much was done in which time."""
         if self.total:
-            took = duration(time.monotonic() - self.began)
+            took = timedelta(seconds=round(time.monotonic() - self.began))
             self.note(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
 
 
@@ -135,16 +136,3 @@ class Bar(Progress):
 def progress_for(stream: TextIO, environment: Mapping[str, str]) -> Progress:
     """A bar if `stream` is a terminal and this is no automatic build (CI), else lines."""
     return Bar() if stream.isatty() and not environment.get("CI") else Lines(stream=stream)
-
-
-def duration(seconds: float) -> str:
-    """A span of time in words, such as ``40 s`` or ``3 min 20 s``."""
-    if seconds < 10.0:
-        return f"{seconds:.1f} s"
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    minutes, rest = divmod(whole, 60)
-    if minutes < 60:
-        return f"{minutes} min {rest} s"
-    return f"{minutes // 60} h {minutes % 60} min"

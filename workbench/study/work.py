@@ -13,19 +13,12 @@ from threadpoolctl import threadpool_limits
 
 from workbench.errors import InputError, told
 from workbench.models.base import Model, signature
-from workbench.responses import (
-    TIMES,
-    VOLATILE,
-    Outcome,
-    Response,
-    check_response,
-    failed_response,
-    outcome_of,
-    provenance,
-)
+from workbench.responses import Outcome, Response, check_response, failed_response, outcome_of
+from workbench.responses.provenance import provenance
+from workbench.responses.variables import TIMES, VOLATILE
 from workbench.scenarios import Scenario
 from workbench.study.cells import Cell
-from workbench.study.files import to_netcdf_bytes
+from workbench.study.store import to_netcdf_bytes
 
 # A first call may compile kernels; cells that end sooner than this are timed by a second call.
 TIMED_AGAIN_BELOW = 180.0  # s

@@ -79,15 +79,11 @@ def _cases(study: Study) -> Section:
                 *("in", False, 4.0),
                 lambda case: _changes(texts[first[case.scenario.KIND].name], texts[case.name]),
             ),
-            Column("models asked", width=2.0, of=_asked),
+            Column("models asked", False, 2.0, lambda c: ", ".join(c.models) or "all that apply"),
         )
         blocks.append(tree.Table.of("cases", "All other cases.", columns, others, _PRINTED))
         blocks.extend(tree.Listing(case.name, texts[case.name], printed=False) for case in others)
     return Section("cases", "Cases", tuple(blocks))
-
-
-def _asked(case: Case) -> str:
-    return ", ".join(case.models) if case.models else "all that apply"
 
 
 def _changes(first: str, other: str) -> str:

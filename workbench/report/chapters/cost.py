@@ -1,6 +1,7 @@
 """What the answers cost."""
 
 from collections.abc import Iterable, Iterator
+from math import nan
 from statistics import median
 from typing import NamedTuple
 
@@ -19,10 +20,6 @@ class _Times(NamedTuple):
     solving: list[float]
 
 
-def _median(seconds: list[float]) -> float | None:
-    return median(seconds) if seconds else None
-
-
 _COLUMNS = (
     Column("model", width=2.0, of="label"),
     Column("scenario", width=1.6, of="kind"),
@@ -30,7 +27,7 @@ _COLUMNS = (
     Column("fastest", True, 1.0, lambda times: valued(min(times.whole), duration)),
     Column("median", True, 1.0, lambda times: valued(median(times.whole), duration)),
     Column("slowest", True, 1.0, lambda times: valued(max(times.whole), duration)),
-    Column("solving alone", True, 1.2, lambda times: valued(_median(times.solving), duration)),
+    Column("solving alone", True, 1.2, lambda t: valued(median(t.solving or [nan]), duration)),
 )
 
 

@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from workbench.content.formatting import TIMES, number
 from workbench.content.html import templates
-from workbench.report.drawing.actions import DIRECTIONS
+from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.multiples import REST, YIELDS, colour_of, hinge_places
 from workbench.report.drawing.shapes import Points, Shapes, corners_of, magnification
 from workbench.report.drawing.style import INK, MUTED, PALETTE

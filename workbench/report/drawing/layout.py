@@ -10,14 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from workbench.content.formatting import Unit, unit_of
-from workbench.scenarios import (
-    ColumnImpact,
-    ColumnPushover,
-    Frame,
-    FrameScenario,
-    Member,
-    frame_scenario,
-)
+from workbench.scenarios import ColumnImpact, ColumnPushover, Frame, FrameScenario, Member
+from workbench.scenarios.column_as_frame import frame_scenario
 from workbench.study.definition import Case
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen

@@ -3,11 +3,10 @@
 import itertools
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib
+from matplotlib import rc_context, rc_params_from_file
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -16,6 +15,7 @@ from matplotlib.lines import Line2D
 from workbench.study.definition import Study
 
 Style = dict[str, Any]
+_HOUSE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
 _LEGEND_ROW = 0.16  # inches
 _PASSES = 6
 TEXT_WIDTH = 6.7  # inches: the text width of the printed page
@@ -100,15 +100,9 @@ def looks(study: Study) -> Mapping[str, Look]:
     return {label: found[label] for label in study.models}
 
 
-@cache
-def _settings() -> Any:
-    path = Path(__file__).with_name("house.mplstyle")
-    return matplotlib.rc_params_from_file(path, use_default_template=False)
-
-
 def house_style() -> AbstractContextManager[None]:
     """Everything drawn or saved inside has the house style."""
-    return matplotlib.rc_context(_settings())
+    return rc_context(_HOUSE)
 
 
 def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:

@@ -35,8 +35,7 @@ def draw(request: Request) -> Drawing:
             error = errors.get((case.name, label))
             if request.stored.ok(case.name, label) and seconds and error is not None:
                 points.append((seconds, abs(error)))
-                head = {"case": case.name, "label": label}
-                sheet.record(**head, wall_time_s=seconds, error=float(error))
+                sheet.record(case=case.name, label=label, wall_time_s=seconds, error=float(error))
         if not points:
             if label == against:
                 sheet.said.append(f"{label} is not refined: its own uncertainty is unknown.")

@@ -52,8 +52,7 @@ def draw(request: Request) -> Drawing:
             text.set_in_layout(False)  # long words would make narrow panels
         panel.margins(x=0.0)
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
-        head = {"case": case.name, "label": label, history: at}
-        sheet.record(**head, **parts, brought_in=brought)
+        sheet.record(case=case.name, label=label, **{history: at}, **parts, brought_in=brought)
     sheet.legend(*(Patch(color=c, label=title) for n, title, c in PARTS[::-1] if n in stacked))
     sheet.legend(entry("brought in so far", **_BROUGHT))
     return sheet.finish(f"energy ledgers of {', '.join(ledgers)} for {case.name}")

@@ -43,8 +43,7 @@ def draw(request: Request) -> Drawing:
             width = look.width * (_LOOPS if back else 1.0)
             panel.plot(x * along.factor, y * up.factor, **look.curve(linewidth=width))
             sheet.legend(entry(label, **look.curve()))
-            head = {"case": case.name, "label": label}
-            sheet.record(**head, displacement_SI=x, **{f"{quantity}_SI": y})
+            sheet.record(case=case.name, label=label, displacement_SI=x, **{f"{quantity}_SI": y})
         _finish(panel, turning)
         height = f"{shown} ({up.text})" if up.text else shown
         sheet.name(panel, case.name, f"{turned} ({along.text})", height)

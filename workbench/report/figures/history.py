@@ -38,8 +38,7 @@ def draw(request: Request) -> Drawing:
             time, values = thinned(time[time <= until], values[time <= until])
             panel.plot(time * _TIME, values * unit, **look.curve())
             sheet.legend(entry(label, **look.curve()))
-            head = {"case": case.name, "label": label}
-            sheet.record(**head, time_s=time, **{f"{quantity}_SI": values})
+            sheet.record(case=case.name, label=label, time_s=time, **{f"{quantity}_SI": values})
         sheet.name(panel, case.name, axis_label("time"), axis_label(quantity))
         panel.set_xlim(left=0.0)
         panel.margins(x=0.0)

@@ -28,8 +28,7 @@ def draw(request: Request) -> Drawing:
         size = float(sizes[label])
         beside: Style = {"xytext": (4, 4), "textcoords": "offset points"}
         panel.annotate(label, (size, unit * value), **beside, fontsize="small", color=MUTED)
-        head = {"case": case.name, "label": label}
-        sheet.record(**head, size_m=size, **{f"{quantity}_SI": value})
+        sheet.record(case=case.name, label=label, size_m=size, **{f"{quantity}_SI": value})
     band = request.interval(case, quantity)
     if band is None:
         sheet.said.append(f"The uncertainty of {reference} is unknown.")

@@ -13,8 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
 from matplotlib.transforms import Bbox
 
-from workbench.report.drawing.actions import draw_actions, targets
-from workbench.report.drawing.frame import draw_frame
+from workbench.report.drawing.frame import draw_actions, draw_frame, targets
 from workbench.report.drawing.layout import Layout, frame_scenario_of
 from workbench.report.drawing.margins import draw_dimensions, draw_sections
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
