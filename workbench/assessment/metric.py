@@ -6,12 +6,11 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array as Array
 from workbench.errors import InputError
 from workbench.responses import Response
 
-Array = NDArray[np.float64]
 Compute = Callable[[Response, Response, str], float]
 # (value, reference, half-widths of both) -> half-width of the metric, None where it has none
 Spread = Callable[[float, float, float, float], float | None]

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 
-Array = NDArray[np.float64]
 RELIABLE = (0.5, 1.1)  # order over the expected one; the paper: 0.5 to 2.1 for order two
 SEARCHED = (0.05, 8.0)  # orders among which a power law is sought
 POINTS = 60  # of the search, before the best of them is refined

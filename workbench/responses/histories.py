@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.responses.outcome import Finding
 
-Array = NDArray[np.float64]
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 

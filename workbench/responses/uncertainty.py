@@ -10,13 +10,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.responses.build import Response
 from workbench.responses.convergence import SAFE, Ladder, ladder
 from workbench.responses.variables import COORDINATES, VARIABLES
 
-Array = NDArray[np.float64]
 FINEST = "h"  # the run that is the answer
 FIBERS, STEPS = "fibers", "steps"
 SPACE, SPACE_AND_STEPS = "space", "space and steps"

@@ -11,14 +11,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Canvas
-from numpy.typing import NDArray
 
+from workbench.arrays import Array as Array
+from workbench.arrays import Indices
 from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, new_figure
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.definition import Case, Figure, Study
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 MOST_PANELS = 6
@@ -286,6 +286,6 @@ def thinned(x: Array, y: Array, most: int = 700) -> tuple[Array, Array]:
     return x[index], y[index]
 
 
-def evenly(size: int, most: int) -> NDArray[np.intp]:
+def evenly(size: int, most: int) -> Indices:
     """Indices of at most so many points, evenly spread, both ends among them."""
-    return np.unique(np.linspace(0, size - 1, min(size, most)).astype(int))
+    return np.unique(np.linspace(0, size - 1, min(size, most)).astype(np.int64))
