@@ -22,8 +22,7 @@ from workbench.responses import Finding, Outcome, build_response, outcome_of, wa
 from workbench.responses.uncertainty import combined, directions_of, level_names, variants
 from workbench.scenarios import ColumnPushover
 from workbench.study import Case, Study
-from workbench.study.comparisons import compare, ladder_row
-from workbench.study.sides import Answers
+from workbench.study.comparisons import Answers, compare, ladder_row
 from workbench.testing import check_model
 
 

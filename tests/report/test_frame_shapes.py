@@ -20,10 +20,10 @@ from test_report_figures import request
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report
-from workbench.report.drawing.film import LARGEST, film
 from workbench.report.drawing.multiples import YIELDING, YIELDS, colour_of, hinge_places
 from workbench.report.drawing.shapes import Shapes, magnification, shapes_of
 from workbench.report.figures import draw
+from workbench.report.figures.animation import LARGEST, film
 from workbench.scenarios import (
     Frame,
     FrameImpact,

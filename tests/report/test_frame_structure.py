@@ -11,8 +11,8 @@ from synthetic_study import columns
 from test_report_figures import request
 
 from workbench.report.drawing.layout import Layout
-from workbench.report.drawing.margins import spans
 from workbench.report.figures import draw
+from workbench.report.figures.structure import spans
 from workbench.scenarios import (
     ColumnImpact,
     Frame,

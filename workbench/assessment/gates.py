@@ -93,11 +93,6 @@ class CaseVerdict:
             return _OPEN[1]
         return _OPEN[2] if self.uncertainty is None else _OPEN[3]
 
-    @property
-    def reach(self) -> float:
-        """How far the interval of the value reaches from zero."""
-        return abs(self.value or 0.0) + (self.uncertainty or 0.0)
-
 
 @dataclass(frozen=True, slots=True)
 class GateVerdict:
@@ -129,7 +124,11 @@ class GateVerdict:
         """The case with that verdict that reaches farthest; None if no case has a value."""
         valued = [case for case in self.cases if case.value is not None]
         same = [case for case in valued if case.verdict is self.verdict] or valued
-        return max(same, key=lambda case: case.reach, default=None)
+
+        def reach(case: CaseVerdict) -> float:
+            return abs(case.value or 0.0) + (case.uncertainty or 0.0)
+
+        return max(same, key=reach, default=None)
 
     @property
     def reasons(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ SVG and PNG repeat byte for byte; numbers are CSV.
 import io
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
@@ -49,20 +49,13 @@ class Plate:
 
     def picture(self) -> Picture:
         """The figure as it stands in the content tree."""
-        canvas, drawing = self.drawing.canvas, self.drawing
-        svg = "" if canvas is None else to_svg(canvas, self.figure.key)
-        files = () if canvas is None else (f"figures/{self.figure.key}.csv",)
-        return Picture(
-            self.figure.key,
-            self.figure.title,
-            self.figure.caption,
-            svg,
-            drawing.alt,
-            drawing.width,
-            drawing.statements,
-            files,
-            drawing.moving,
-        )
+        figure, drawing = self.figure, self.drawing
+        found = Picture(figure.key, figure.title, figure.caption, "", drawing.alt, drawing.width)
+        found = replace(found, statements=drawing.statements, moving=drawing.moving)
+        if drawing.canvas is None:
+            return found
+        svg = to_svg(drawing.canvas, figure.key)
+        return replace(found, svg=svg, files=(f"figures/{figure.key}.csv",))
 
 
 def to_svg(canvas: Canvas, key: str) -> str:

@@ -14,9 +14,14 @@ from workbench.responses import Outcome, Response, energy_error, findings_of, ou
 from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
-from workbench.study.comparisons import LADDER_COLUMNS, compare, comparison_rows, ladder_row
+from workbench.study.comparisons import (
+    LADDER_COLUMNS,
+    Answers,
+    compare,
+    comparison_rows,
+    ladder_row,
+)
 from workbench.study.definition import Study
-from workbench.study.sides import Answers
 from workbench.study.store import Presence, Row, Store, csv_bytes, write_atomically
 
 NOT_RUN = "not run"

@@ -1,7 +1,7 @@
 """Where cells are answered: in this process, in worker processes, or on a Dask cluster.
 
-An executor is anything with ``run(tasks) -> iterator of results``, in any order. All of them
-call `work.perform`, so their numbers are bit-identical.
+An executor has ``run(tasks)``, which gives results in the order in which they are ready. All of
+them call `work.perform`, so their numbers are bit-identical.
 """
 
 import multiprocessing
@@ -13,7 +13,7 @@ from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
-from typing import Any, Protocol
+from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
@@ -28,14 +28,6 @@ THREAD_VARIABLES = (
 )
 READY = "ready"
 CONNECT_SECONDS = 10.0  # to a cluster
-
-
-class Executor(Protocol):
-    """Answers tasks somewhere."""
-
-    def run(self, tasks: Sequence[Task]) -> Generator[Result, None, None]:
-        """Answer every task; results come in the order in which they are ready."""
-        ...
 
 
 @dataclass(frozen=True)

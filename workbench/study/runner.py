@@ -12,7 +12,7 @@ from workbench.errors import InputError
 from workbench.responses import Outcome
 from workbench.study.cells import Cell, cells_of, select
 from workbench.study.definition import Study
-from workbench.study.executors import DaskCluster, Executor, InProcess, Workers
+from workbench.study.executors import DaskCluster, InProcess, Workers
 from workbench.study.manifest import write_manifest
 from workbench.study.progress import Progress
 from workbench.study.store import Presence, Store
@@ -101,7 +101,7 @@ def run_study(
     return RunSummary(study, store.directory, len(waiting), stored, dict(outcomes))
 
 
-def _executor(jobs: int | None, scheduler: str | None) -> Executor:
+def _executor(jobs: int | None, scheduler: str | None) -> DaskCluster | Workers | InProcess:
     if scheduler is not None:
         return DaskCluster(scheduler)
     if jobs is None:

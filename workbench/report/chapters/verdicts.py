@@ -1,6 +1,5 @@
 """What was asked, and what the gates say."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from workbench.assessment import Verdict
@@ -50,7 +49,7 @@ def verdicts(stored: Stored, warning: str = "") -> Section:
     rows, cases = stored.rows["verdicts"], stored.rows["gates"]
     blocks: list[Block] = [headline(rows)]
     if rows:
-        blocks.extend(Callout("doubt", text) for text in (warning, *_doubts(stored)) if text)
+        blocks.extend(Callout("doubt", text) for text in (warning, _doubt(stored)) if text)
         blocks.append(summary_table(rows))
         if len(cases) > len(rows):
             blocks.append(_every_case(cases))
@@ -58,23 +57,22 @@ def verdicts(stored: Stored, warning: str = "") -> Section:
     return Section("verdicts", "Verdicts", tuple(blocks))
 
 
-def _doubts(stored: Stored) -> Iterator[str]:
+def _doubt(stored: Stored) -> str:
     """What a reader must know before the table: how well the reference itself is known."""
     reference = stored.study.reference
     peaks, coarse = stored.values("peak_displacement"), []
     for row in stored.rows["ladder"]:
-        case, relative = row["case"], row["relative"]
-        if row["quantity"] != "peak_displacement" or (case, reference) not in peaks:
-            continue
-        if relative is None or relative > _WELL_KNOWN:
-            known = "unknown" if relative is None else f"{100.0 * relative:.1f} %"
-            coarse.append(f"{case}: {known}")
-    if coarse:
-        shown = "; ".join(coarse[:_LISTED]) + ("; …" if len(coarse) > _LISTED else "")
-        yield (
-            "The reference itself is known only to (numerical uncertainty of its peak "
-            f"displacement): {shown}. The intervals below contain this."
-        )
+        known = row["quantity"] == "peak_displacement" and (row["case"], reference) in peaks
+        if known and (row["relative"] is None or row["relative"] > _WELL_KNOWN):
+            width = "unknown" if row["relative"] is None else f"{100.0 * row['relative']:.1f} %"
+            coarse.append(f"{row['case']}: {width}")
+    if not coarse:
+        return ""
+    shown = "; ".join(coarse[:_LISTED]) + ("; …" if len(coarse) > _LISTED else "")
+    return (
+        "The reference itself is known only to (numerical uncertainty of its peak "
+        f"displacement): {shown}. The intervals below contain this."
+    )
 
 
 def headline(rows: list[dict[str, Any]]) -> Callout:

@@ -80,9 +80,8 @@ class Request:
         what is pushed or what moves in time (None: all).
         """
         cases = [case for case in self.cases if static in (None, case.scenario.STATIC)]
-        named = self.option("cases", ())
-        if named:
-            return [case for case in cases if case.name in named]
+        if self.option("cases", ()):
+            return cases
         return first(cases, MOST_PANELS, "cases; the tables hold all of them", said)
 
     def named(self) -> tuple[Case, ...]:

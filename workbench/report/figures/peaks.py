@@ -59,9 +59,9 @@ def draw(request: Request) -> Drawing:
 
 def _known(request: Request, quantity: str, said: list[str]) -> list[Case]:
     """Cases that have the quantity; answered ones that do not (statics, say) are named."""
-    named, known, without = request.option("cases", ()), [], []
+    known, without = [], []
     for case in request.cases:
-        labels = request.shown(case) if not named or case.name in named else []
+        labels = request.shown(case)
         if any(request.number(case, label, quantity) is not None for label in labels):
             known.append(case)
         elif any(request.stored.ok(case.name, label) for label in labels):
