@@ -35,13 +35,7 @@ def model_names() -> list[str]:
 
 def offers() -> list[Offer]:
     """Every registered model, imported; one that cannot be used carries its problem."""
-    found = []
-    for name in model_names():
-        points = [point for point in _points() if point.name == name]
-        provider = ", ".join(sorted({p.dist.name if p.dist else "unknown" for p in points}))
-        kind, problem = _load(name, points)
-        found.append(Offer(name, provider, kind, problem))
-    return found
+    return [_offer(name) for name in model_names()]
 
 
 def model_kind(name: str) -> type[Any]:
@@ -50,15 +44,15 @@ def model_kind(name: str) -> type[Any]:
     Raises `InputError` for an unknown name (with the nearest known one) and for a model that is
     registered but cannot be imported or does not keep the contract.
     """
-    points = [point for point in _points() if point.name == name]
-    if not points:
-        known = model_names()
+    known = model_names()
+    if name not in known:
         advice = did_you_mean(name, known, "see `workbench models`")
         raise InputError("model", name, "must be one of " + ", ".join(known), advice)
-    kind, problem = _load(name, points)
-    if kind is None:
-        raise InputError("model", name, f"cannot be used: {problem}", "see `workbench doctor`")
-    return kind
+    offer = _offer(name)
+    if offer.kind is None:
+        said = f"cannot be used: {offer.problem}"
+        raise InputError("model", name, said, "see `workbench doctor`")
+    return offer.kind
 
 
 def make_model(name: str, options: Mapping[str, Any] | None = None) -> Model:
@@ -74,6 +68,12 @@ def _points() -> list[EntryPoint]:
     # A distribution may be seen twice (an editable install on the path and its metadata).
     unique = {(point.name, point.value): point for point in entry_points(group=GROUP)}
     return list(unique.values())
+
+
+def _offer(name: str) -> Offer:
+    points = [point for point in _points() if point.name == name]
+    provider = ", ".join(sorted({p.dist.name if p.dist else "unknown" for p in points}))
+    return Offer(name, provider, *_load(name, points))
 
 
 def _load(name: str, points: list[EntryPoint]) -> tuple[type[Any] | None, str]:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -184,7 +185,7 @@ def test_bad_arguments(toy_study: Study, tmp_path: Path, bad: dict[str, float]) 
 def test_a_corrupt_cell_is_answered_again_and_said_so(
     toy_study: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from workbench.study.progress import Lines
+    from workbench.study.progress import Progress
 
     run_study(toy_study, tmp_path, jobs=0)
     before = digests(tmp_path / "toy")
@@ -198,7 +199,7 @@ def test_a_corrupt_cell_is_answered_again_and_said_so(
     statuses = survey(toy_study, cells, store)
     assert [entry.state for entry in statuses].count(State.TO_DO) == 4
     assert "corrupt" in statuses[0].reason
-    summary = run_study(toy_study, tmp_path, jobs=0, progress=Lines())
+    summary = run_study(toy_study, tmp_path, jobs=0, progress=Progress(sys.stderr))
     assert summary.answered == 4
     assert capsys.readouterr().err.count("corrupt and is answered again") == 3
     assert digests(tmp_path / "toy") == before
@@ -305,8 +306,6 @@ def test_workers_that_cannot_start_end_the_run_with_a_reason(
 def test_scheduler_without_the_library(
     toy_study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import sys
-
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"not installed; pip install .*workbench\[scale\]"):
         run_study(toy_study, tmp_path, scheduler="tcp://127.0.0.1:8786")

@@ -1,7 +1,6 @@
-"""The rule of a gate's verdict (pass, fail, inconclusive): `judge` in one case, then over all.
+"""The rule of a gate's verdict: `judge` in one case, `GateVerdict` over all.
 
-A gate is a metric, a bound and a reason, judged with the numerical uncertainty; `study/assess`
-applies it to stored answers and says what a case without an answer counts as.
+`study/assess` applies it to stored answers.
 """
 
 from collections.abc import Sequence

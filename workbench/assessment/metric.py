@@ -92,9 +92,7 @@ METRICS: dict[str, Metric] = {}
 
 
 def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Compute], Metric]:
-    """Make a metric of a function, and list it in `METRICS`.
-
-    The function gives its name, and the first sentence of its docstring as meaning.
+    """List a function in `METRICS`, by its name and the first sentence of its docstring.
 
     Arguments: those of `Metric`, `more` by name.
     """
@@ -111,11 +109,7 @@ def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Co
 
 
 def present(response: Response, quantity: str, side: str) -> Array:
-    """Values of a quantity.
-
-    Arguments: `side` names the response in the message (``response`` or ``reference``).
-    Raises `InputError` if the response does not have the quantity.
-    """
+    """Values of a quantity; `side` is how the message of the `InputError` for none calls it."""
     if quantity not in response:
         raise InputError(f"{side}.{quantity}", None, f"the {side} does not know this quantity")
     return np.asarray(response[quantity].values, dtype=float)

@@ -122,9 +122,8 @@ def _check_model(label: str, model: Model) -> None:
     try:
         pickle.dumps(model)
     except Exception as error:
-        raise InputError(
-            field,
-            type(model).__name__,
+        said, advice = (
             f"cannot be sent to a worker process: {error}",
-            "define its class at the top of a module",
-        ) from error
+            "define its class in a module",
+        )
+        raise InputError(field, type(model).__name__, said, advice) from error

@@ -14,10 +14,16 @@ from workbench.study.cells import Cell
 
 
 class Progress:
-    """Told by the runner what happens; counts it and says nothing itself."""
+    """Counts what the runner tells, and prints a plain line about every tenth of the run.
+
+    Without a `stream` it says nothing.
+    """
 
     total = done = failed = 0
     began = 0.0
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self.stream = stream
 
     def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
         """A run of `jobs` begins with `waiting` cells to answer and `stored` ones there."""
@@ -25,19 +31,31 @@ class Progress:
         self.began, self._jobs = time.monotonic(), jobs
         self._left = Counter(cell.label for cell in waiting)
         self._costs: dict[str, list[float]] = {}
+        self._say(f"{study}: {self.total} cells to answer, {stored} already stored")
 
     def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
         """A cell has been answered, in `seconds` of its worker's time."""
+        before = 10 * self.done // self.total
         self.done += 1
         self.failed += outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
         self._left[cell.label] -= 1
         self._costs.setdefault(cell.label, []).append(seconds)
+        if before < 10 * self.done // self.total < 10:
+            self._say(f"{self.done} of {self.total} cells, {self.failures}{self.left}")
 
     def note(self, text: str) -> None:
         """Something that the user should know."""
+        self._say(text)
 
     def end(self) -> None:
         """The run is over, or was interrupted."""
+        if self.total:
+            took = timedelta(seconds=round(time.monotonic() - self.began))
+            self._say(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
+
+    def _say(self, text: str) -> None:
+        if self.stream is not None:
+            print(text, file=self.stream, flush=True)
 
     def seconds_left(self) -> float | None:
         """Expected time left in s, from the mean cost of each label; None before the first cell."""
@@ -57,35 +75,6 @@ class Progress:
     def left(self) -> str:
         """The time left, in words."""
         return f"about {timedelta(seconds=round(self.seconds_left() or 0.0))} left"
-
-
-class Lines(Progress):
-    """One plain line about every tenth of the run, for logs."""
-
-    def __init__(self, stream: TextIO | None = None) -> None:
-        self.stream = stream or sys.stderr
-
-    def begin(self, study: str, waiting: Sequence[Cell], stored: int, jobs: int) -> None:
-        """Say how much there is to do."""
-        super().begin(study, waiting, stored, jobs)
-        self.note(f"{study}: {self.total} cells to answer, {stored} already stored")
-
-    def advance(self, cell: Cell, outcome: Outcome, seconds: float) -> None:
-        """Count, and print when another tenth is done."""
-        before = 10 * self.done // self.total
-        super().advance(cell, outcome, seconds)
-        if before < 10 * self.done // self.total < 10:
-            self.note(f"{self.done} of {self.total} cells, {self.failures}{self.left}")
-
-    def note(self, text: str) -> None:
-        """Print a line."""
-        print(text, file=self.stream, flush=True)
-
-    def end(self) -> None:
-        """Say how much was done in which time."""
-        if self.total:
-            took = timedelta(seconds=round(time.monotonic() - self.began))
-            self.note(f"{self.done} of {self.total} cells answered, {self.failures}in {took}")
 
 
 class Bar(Progress):
@@ -135,4 +124,4 @@ class Bar(Progress):
 
 def progress_for(stream: TextIO, environment: Mapping[str, str]) -> Progress:
     """A bar if `stream` is a terminal and this is no automatic build (CI), else lines."""
-    return Bar() if stream.isatty() and not environment.get("CI") else Lines(stream=stream)
+    return Bar() if stream.isatty() and not environment.get("CI") else Progress(stream)
