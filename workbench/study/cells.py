@@ -122,8 +122,6 @@ def _check_model(label: str, model: Model) -> None:
     try:
         pickle.dumps(model)
     except Exception as error:
-        said, advice = (
-            f"cannot be sent to a worker process: {error}",
-            "define its class in a module",
-        )
+        said = f"cannot be sent to a worker process: {error}"
+        advice = "define its class at the top of a module"
         raise InputError(field, type(model).__name__, said, advice) from error
