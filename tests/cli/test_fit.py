@@ -172,7 +172,7 @@ def test_bad_rows_may_be_left_out_and_are_named(
         (["stud-strength", "--variation", "colour=0.1"], "must name one of diameter"),
         (["stud-strength", "--variation", "diameter"], "must look like concrete_strength=0.15"),
         (["load-slip", "--law", "cubic"], "must be one of ollgaard, bilinear, rational"),
-        (["residual", "--quantity", "colour"], "must be strength, stiffness or both"),
+        (["residual", "--quantity", "colour"], "must be one of strength, stiffness, both"),
         (["residual", "--no-mechanical"], "holds no test after pre-damage"),
         (["residual", "--predamage", "fatigue"], "holds no test after pre-damage fatigue"),
         (["stud-colour"], "No such command 'stud-colour'"),

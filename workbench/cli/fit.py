@@ -14,7 +14,7 @@ import typer
 
 from workbench.cli.output import Answer, verb
 from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Number
+from workbench.fields import Choice, Number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -141,8 +141,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
         raise why
     curves = None if options.points is None else examine(options.points, POINTS).accept()
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
-    groups = plain(series)
-    result = {**head, "models": contents, "not_fitted": left_out, "series": groups}
+    result = {**head, "models": contents, "not_fitted": left_out, "series": plain(series)}
     return Answer(result, stud_answer.strength(result))
 
 
@@ -177,16 +176,14 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.studs.mechanical import Stud
     from workbench.studs.residual_fit import QUANTITIES, damaged_rows
 
-    quantity = options.quantity
-    if quantity not in (*QUANTITIES, "both"):
-        raise InputError("--quantity", quantity, "must be strength, stiffness or both")
+    Choice((*QUANTITIES, "both")).check("--quantity", options.quantity)
     fitted, held, head = _tables(options, "residual", TESTS, "stud-push-out")
     sizes = (1e-3 * options.diameter_mm, 1e-3 * options.height_mm)
     stud = Stud.of_concrete(*sizes, 1e6 * options.fcm_mpa, 1e6 * options.fu_mpa)
     # the shipped campaign that tells all that the mechanical model needs
     known = StudTests("calibration", calibrate=(CALIBRATION,))
     contents = []
-    for name in QUANTITIES if quantity == "both" else (quantity,):
+    for name in QUANTITIES if options.quantity == "both" else (options.quantity,):
         fit = answer_residual(
             fitted,
             name,

@@ -62,7 +62,6 @@ def fit_factors(
     loss: str = "linear",
     confidence: float = 0.9,
     resamples: int = 200,
-    seed: int = 0,
 ) -> FactorFit:
     """Fit factors of a formula to the undamaged headed studs of a table.
 
@@ -90,7 +89,7 @@ def fit_factors(
             raise
         value = float(np.exp(error.value))  # what is fitted is the logarithm
         raise InputError(error.field, value, error.allowed, error.advice) from error
-    found = fitted(estimate, factors, confidence=confidence, resamples=resamples, seed=seed)
+    found = fitted(estimate, factors, confidence=confidence, resamples=resamples)
     best = chosen.scaled(**found.estimates)
     steel, concrete = best.terms(tests)
     texts = (f"the {name} factor rests on a bound" for name in found.at_bound)

@@ -167,24 +167,17 @@ class Fitted:
 
 
 def fitted(
-    estimate: Estimate,
-    logarithms: Collection[str] = (),
-    *,
-    confidence: float,
-    resamples: int,
-    seed: int,
+    estimate: Estimate, logarithms: Collection[str] = (), *, confidence: float, resamples: int
 ) -> Fitted:
     """Parameters with profile intervals, and bootstrap ones from three campaigns on.
 
     Arguments: `logarithms`, parameters whose logarithm was fitted; `confidence` of the intervals;
-    `resamples` and `seed` of the bootstrap. Raises `SolverError`.
+    `resamples` of the bootstrap. Raises `SolverError`.
     """
     names = estimate.problem.names
     drawn: dict[str, Interval] = {}
     if estimate.problem.campaigns >= LEAST_CAMPAIGNS and names:
-        drawn = bootstrap_by_campaign(
-            estimate, confidence=confidence, resamples=resamples, seed=seed
-        )
+        drawn = bootstrap_by_campaign(estimate, confidence=confidence, resamples=resamples)
     parameters = {}
     for name in names:
         value, bootstrap = estimate.parameter(name), drawn.get(name)

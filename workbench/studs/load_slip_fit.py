@@ -157,12 +157,11 @@ def fit_load_slip(
     least_points: int = 3,
     confidence: float = 0.9,
     resamples: int = 500,
-    seed: int = 0,
 ) -> LoadSlipFit:
     """Fit a law to every curve of a table (schema `POINTS`) and to their population.
 
     Arguments: `law`, a name in `LAWS`; `loss` of the points of a curve (see `fit_curve`);
-    `least_points` of a curve; `confidence`, `resamples`, `seed` of the intervals. Loads are taken
+    `least_points` of a curve; `confidence` and `resamples` of the intervals. Loads are taken
     over the largest load of the curve, so curves that were stopped before their maximum do not
     belong here. Raises `InputError`.
     """
@@ -179,11 +178,12 @@ def fit_load_slip(
         raise InputError("points", len(rows), "must hold two curves or more that can be fitted")
     curves = pd.DataFrame(rows)
     logarithms = np.log(curves[list(names)].to_numpy(float))
-    how = {"confidence": confidence, "resamples": resamples, "seed": seed}
     population = {}
     for parameter, own in zip(names, logarithms.T, strict=True):
         estimate = fit_robust(location(own, curves["campaign"].to_numpy(str)))
-        population[parameter] = fitted(estimate, ("median",), **how)  # type: ignore[arg-type]
+        population[parameter] = fitted(
+            estimate, ("median",), confidence=confidence, resamples=resamples
+        )
     found, findings = (law, population, fixed, logarithms, tuple(skipped)), tuple(_findings(curves))
     return LoadSlipFit(*found, rows=curves, findings=findings, identity=identity_of(curves))
 

@@ -176,7 +176,6 @@ def fit_residual(
     loss: str = "linear",
     confidence: float = 0.9,
     resamples: int = 300,
-    seed: int = 0,
 ) -> ResidualFit:
     """Fit and choose a relation between damage and what is left, and grade its evidence.
 
@@ -195,7 +194,7 @@ def fit_residual(
     scores = score_relations(problems)
     chosen = next(r for r in relations if r.name == choose(scores).name)
     estimate = fit_robust(problems[chosen.name], loss)
-    found = fitted(estimate, confidence=confidence, resamples=resamples, seed=seed)
+    found = fitted(estimate, confidence=confidence, resamples=resamples)
     return ResidualFit(
         quantity=quantity,
         predamage=str(rows["predamage"].iloc[0]),

@@ -127,14 +127,13 @@ def fit_strength(
     loss: str = "linear",
     confidence: float = 0.9,
     resamples: int = 500,
-    seed: int = 0,
     variations: Mapping[str, float] | None = None,
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
     Arguments: `model`, a name in `SHEAR_MODELS` or a `ShearModel`; `trends`, variables out of
     `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or ``bisquare``;
-    `confidence` of the intervals; `resamples` and `seed` of the bootstrap; `variations`, see
+    `confidence` of the intervals; `resamples` of the bootstrap; `variations`, see
     `evaluate_d8` (default `VARIATIONS`). Raises `InputError`, `SolverError`.
     """
     chosen = shear_model(model) if isinstance(model, str) else model
@@ -151,7 +150,7 @@ def fit_strength(
         new = float(np.exp(np.mean(predictive_quantile(estimate, estimate.problem, 0.05))))
     return StrengthFit(
         model=chosen,
-        fitted=fitted(estimate, ("bias",), confidence=confidence, resamples=resamples, seed=seed),
+        fitted=fitted(estimate, ("bias",), confidence=confidence, resamples=resamples),
         left_out=tuple(_left_out(given)),
         d8=_d8(tests, chosen, reference, dict(VARIATIONS if variations is None else variations)),
         reference=reference,

@@ -63,9 +63,7 @@ def campaign_looks(names: Iterable[str], *, filled: bool = False) -> dict[str, L
     return {name: look._replace(filled=filled, size=_SIZE) for name, look in looks.items()}
 
 
-def draw_tests(
-    panel: Axes, tests: pd.DataFrame, x: str, y: str, looks: Mapping[str, Look], **style: Any
-) -> None:
+def draw_tests(panel: Axes, tests: pd.DataFrame, x: str, y: str, looks: Mapping[str, Look]) -> None:
     """Columns of a table of tests against each other, a marker for each campaign.
 
     Tests are open, or filled where the column `unseen` says so.
@@ -75,12 +73,12 @@ def draw_tests(
     unseen = tests["unseen"] if "unseen" in tests else tests["campaign"].eq("")
     for (campaign, new), own in tests.groupby(["campaign", unseen], sort=False):
         look = looks[str(campaign)]._replace(filled=True) if new else looks[str(campaign)]
-        panel.plot(own[x], own[y], **look.points(**style))
+        panel.plot(own[x], own[y], **look.points())
 
 
-def test_entries(looks: Mapping[str, Look], what: str, **style: Any) -> list[Any]:
+def test_entries(looks: Mapping[str, Look], what: str) -> list[Any]:
     """Legend entries of campaigns, such as ``mcgarraugh1971, unseen``."""
-    return [entry(f"{name}, {what}", **look.points(**style)) for name, look in looks.items()]
+    return [entry(f"{name}, {what}", **look.points()) for name, look in looks.items()]
 
 
 def draw_band(panel: Axes, table: pd.DataFrame, x: str, y: str, color: str) -> None:
