@@ -3,9 +3,7 @@
 from workbench.assessment import curves as curves
 from workbench.assessment import scalars as scalars
 from workbench.assessment.bias import bias_and_scatter as bias_and_scatter
-from workbench.assessment.gates import CaseVerdict as CaseVerdict
 from workbench.assessment.gates import Gate as Gate
-from workbench.assessment.gates import GateVerdict as GateVerdict
 from workbench.assessment.gates import Verdict as Verdict
 from workbench.assessment.gates import judge as judge
 from workbench.assessment.metric import METRICS as METRICS

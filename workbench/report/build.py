@@ -4,19 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from workbench.content import tree
 from workbench.content.formatting import count
 from workbench.content.html import render_html
 from workbench.content.markdown import render_markdown
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Callout,
-    Document,
-    Paragraph,
-    Picture,
-    Section,
-    walk,
-)
+from workbench.content.tree import Block, Document, Picture, Section
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
@@ -123,7 +115,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
         picture = replace(plate.picture(), image=name)
         sections.append(Section(plate.figure.key, plate.figure.title, (picture,)))
     if study.notes:
-        sections.append(Section("notes", "How to read this", (Bullets(tuple(study.notes)),)))
+        sections.append(Section("notes", "How to read this", (tree.Bullets(tuple(study.notes)),)))
     facts = (
         f"Made by `workbench report {study.name}` from {count(len(stored.cells), 'cell')}; the "
         "full report adds tables, costs, configuration, provenance and sources.",
@@ -137,14 +129,14 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
 
 def _short(study: Study, stored: Stored) -> Iterator[Block]:
     """The question, the table of verdicts, and what must not be overlooked."""
-    yield Paragraph(study.question)
+    yield tree.Paragraph(study.question)
     rows = stored.rows["verdicts"]
     yield verdicts.headline(rows)
     if rows:
         yield replace(verdicts.summary_table(rows), caption="")
     shear = limits.shear_demand(study, stored)
-    told = walk((limits.missing(study, stored), limits.domain(stored, shear)))
-    yield from (block for block in told if isinstance(block, Callout))
+    told = tree.walk((limits.missing(study, stored), limits.domain(stored, shear)))
+    yield from (block for block in told if isinstance(block, tree.Callout))
 
 
 def _chosen(plates: tuple[Plate, ...]) -> list[Plate]:

@@ -15,9 +15,6 @@ from workbench.responses.histories import peak_of as peak_of
 from workbench.responses.outcome import Finding as Finding
 from workbench.responses.outcome import Outcome as Outcome
 from workbench.responses.provenance import provenance as provenance
-from workbench.responses.variables import COORDINATES as COORDINATES
 from workbench.responses.variables import ENERGIES as ENERGIES
 from workbench.responses.variables import SCALARS as SCALARS
-from workbench.responses.variables import TIMES as TIMES
 from workbench.responses.variables import VARIABLES as VARIABLES
-from workbench.responses.variables import VOLATILE as VOLATILE

@@ -3,7 +3,6 @@
 from workbench.assessment.gates import Gate as Gate
 from workbench.study.assess import Assessment as Assessment
 from workbench.study.assess import assess as assess
-from workbench.study.cells import Cell as Cell
 from workbench.study.cells import cells_of as cells_of
 from workbench.study.definition import Case as Case
 from workbench.study.definition import Figure as Figure

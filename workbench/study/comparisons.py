@@ -21,15 +21,7 @@ from typing import Any
 from workbench.assessment import METRICS, Ladder, Metric, Scope, ladder
 from workbench.errors import InputError
 from workbench.responses import Outcome, Response, findings_of, outcome_of
-from workbench.responses.uncertainty import (
-    BASIS,
-    CURVES,
-    WIDTHS,
-    directions_of,
-    estimate,
-    uncertainty_of,
-    variants,
-)
+from workbench.responses import uncertainty as numerical
 from workbench.study.definition import Case, Study
 from workbench.study.store import Row
 
@@ -94,7 +86,8 @@ def of_side(answers: Answers, label: str, quantity: str) -> Known:
     """Half-width of a scalar of one side."""
     response = answers.responses[label]
     if _refined(response):
-        return uncertainty_of(response, quantity), f"{label}: {own_note(response, quantity)}"
+        note = f"{label}: {own_note(response, quantity)}"
+        return numerical.uncertainty_of(response, quantity), note
     if label == answers.study.reference:
         found = quantity_ladder(answers, quantity)
         if found is not None:
@@ -111,7 +104,7 @@ def of_side(answers: Answers, label: str, quantity: str) -> Known:
         if quantity not in widths:
             return None, f"{label} states no uncertainty of {quantity}"
         return float(widths[quantity]), f"{label}: uncertainty of the data"
-    if WIDTHS in response.attrs:
+    if numerical.WIDTHS in response.attrs:
         return None, f"{label}: {own_note(response, quantity)}"
     return 0.0, ""
 
@@ -134,11 +127,11 @@ def joined(*notes: str) -> str:
 
 def own_note(response: Response, quantity: str) -> str:
     """What a response says of its own numerical uncertainty of a quantity."""
-    basis = json.loads(response.attrs[BASIS])
+    basis = json.loads(response.attrs[numerical.BASIS])
     known = basis["quantities"].get(quantity)
     if known is None:
         return f"its numerical uncertainty of {quantity} was not asked for"
-    if uncertainty_of(response, quantity) is None:
+    if numerical.uncertainty_of(response, quantity) is None:
         return _said(basis) or known["note"]
     return f"refinement of its own, {known['note']}"
 
@@ -149,13 +142,13 @@ def _spread(
     """Half-width of a metric that one side gives, from its values over the runs of that side."""
     response, what = answers.responses[label], f"the metric over {label}"
     if _refined(response):
-        if CURVES.get(quantity) not in response:
+        if numerical.CURVES.get(quantity) not in response:
             return None, f"{label} keeps no {quantity} of its coarser runs: uncertainty unknown"
-        directions = directions_of(response)
+        directions = numerical.directions_of(response)
         if not directions:
-            return None, f"{label}: {_said(json.loads(response.attrs[BASIS]))}"
-        values = _values(dict(variants(response)), evaluate)
-        found = estimate(directions, values)
+            return None, f"{label}: {_said(json.loads(response.attrs[numerical.BASIS]))}"
+        values = _values(dict(numerical.variants(response)), evaluate)
+        found = numerical.estimate(directions, values)
         return found.width, f"refinement of {what}: {found.note}"
     if label == answers.study.reference:
         levels = _values({name: answers.responses[name] for name in answers.levels()}, evaluate)
@@ -163,7 +156,7 @@ def _spread(
             return None, _no_ladder(label)
         ladder_found = ladder(list(levels.values()))
         return ladder_found.uncertainty, f"ladder of {what}: {ladder_found.note}"
-    if WIDTHS in response.attrs:
+    if numerical.WIDTHS in response.attrs:
         return None, f"{label}: one mesh only, numerical uncertainty unknown"
     return 0.0, ""
 
@@ -180,7 +173,7 @@ def _values(
 
 def _refined(response: Response) -> bool:
     """Whether a response tried coarser meshes of its own."""
-    return len(json.loads(response.attrs.get(BASIS, "{}")).get("levels", ())) > 1
+    return len(json.loads(response.attrs.get(numerical.BASIS, "{}")).get("levels", ())) > 1
 
 
 def _said(basis: Mapping[str, Any]) -> str:
@@ -263,7 +256,7 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
     labels.
     """
     finest = answers.ok(answers.study.reference)
-    if finest is not None and directions_of(finest):
+    if finest is not None and numerical.directions_of(finest):
         return _own_ladder(answers.case, finest, quantity)
     present = [label for label in answers.study.ladder if label in answers.responses]
     static = answers.case.scenario.STATIC  # has no peak in time
@@ -285,10 +278,10 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
 
 def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
     """The row of the ladder table from the runs behind a response; None without the quantity."""
-    table = json.loads(response.attrs[BASIS])["quantities"].get(quantity)
+    table = json.loads(response.attrs[numerical.BASIS])["quantities"].get(quantity)
     if table is None:
         return None
-    width = uncertainty_of(response, quantity)
+    width = numerical.uncertainty_of(response, quantity)
     value = float(response[quantity])
     return {
         "case": case.name,
