@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.scenarios import Frame
+from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
@@ -62,6 +62,14 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
         done.update(names)
         found.append(Chain(tuple(names), tuple(nodes), (outer[True], outer[False])))
     return found
+
+
+def eventful(scenario: FrameScenario) -> set[str]:
+    """Names of the nodes that are loaded, struck or driven, where a hinge may form."""
+    nodes = {load.node for load in scenario.frame.loads}
+    if isinstance(scenario, FrameStatic):
+        return nodes | {scenario.node} | {load.node for load in scenario.loads}
+    return nodes | ({scenario.striker.node} if isinstance(scenario, FrameImpact) else set())
 
 
 def _joint(frame: Frame, end: End) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import eigh
+from scipy.linalg import block_diag, eigh
 
 from workbench.arrays import Array
 from workbench.frames.structure import hinge_names, nodal_loads
@@ -158,10 +158,8 @@ class ElasticFrame:
 def _axes(direction: Array) -> Array:
     """Rotation of element dofs from global to local axes (6, 6)."""
     c, s = direction
-    turn = np.zeros((6, 6))
-    turn[:2, :2] = turn[3:5, 3:5] = [[c, s], [-s, c]]
-    turn[2, 2] = turn[5, 5] = 1.0
-    return turn
+    turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
+    return np.asarray(block_diag(turn, turn))
 
 
 def _local(lengthwise: ArrayLike, across: ArrayLike) -> Array:

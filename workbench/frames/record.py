@@ -133,9 +133,10 @@ class Record:
 
     def diagnostics(self) -> dict[str, float | int]:
         """Numbers about the solution itself, for the attributes of a response."""
+        lengths = self.structure.members.elements.lengths
         numbers = {
-            "elements": self.structure.elements,
-            "smallest_element": self.structure.smallest,
+            "elements": len(lengths),
+            "smallest_element": float(lengths.min()),
             "newton_iterations": sum(step.evaluations for step in self._steps),
             "cut_steps": sum(step.cuts for step in self._steps),
             "algorithmic_dissipation": float(self.spent("algorithmic")[-1]),

@@ -2,10 +2,10 @@
 
 from math import sqrt
 
-from workbench.frames.chains import chains, named
+from workbench.frames.chains import chains, eventful, named
 from workbench.materials import Steel
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Member
+from workbench.scenarios import Frame, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
 
 POISSON_RATIO = 0.3
@@ -49,12 +49,7 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     load or striker between them count as one.
     """
     frame = scenario.frame
-    kept = {load.node for load in frame.loads}
-    kept |= {node.name for node in frame.nodes if node.mass > 0.0}
-    if isinstance(scenario, FrameStatic):
-        kept |= {scenario.node} | {load.node for load in scenario.loads}
-    elif isinstance(scenario, FrameImpact):
-        kept.add(scenario.striker.node)
+    kept = eventful(scenario) | {node.name for node in frame.nodes if node.mass > 0.0}
     demand = {}
     for chain in chains(frame, kept):
         length = sum(frame.length(name) for name in chain.members)

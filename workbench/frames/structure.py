@@ -30,17 +30,17 @@ class MemberReader(ABC):
     """
 
     def __init__(self, elements: MemberElements, first: Indices) -> None:
-        self._elements, self._first = elements, first
+        self.elements, self._first = elements, first
         self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
         self._at_start: Flags = np.resize([True, False], len(self._ends))
 
     def axial_forces(self) -> Array:
         """Axial forces (hinges,)."""
-        return np.asarray(self._elements.local_forces[self._ends, 0])
+        return np.asarray(self.elements.local_forces[self._ends, 0])
 
     def moments(self) -> Array:
         """Bending moments (hinges,)."""
-        local = self._elements.local_forces[self._ends]
+        local = self.elements.local_forces[self._ends]
         return np.where(self._at_start, -local[:, 1], local[:, 2])
 
     @abstractmethod
@@ -61,11 +61,11 @@ class MemberReader(ABC):
 
     def contractions(self) -> Array:
         """Loss of length along the axis of each member (members,)."""
-        return -np.add.reduceat(self._elements.elongations, self._first[:-1])
+        return -np.add.reduceat(self.elements.elongations, self._first[:-1])
 
     def slightest(self) -> float:
         """Least length of an element over its initial one, where that must not vanish; else 1."""
-        elements = self._elements
+        elements = self.elements
         if not elements.crumples:
             return 1.0
         return float(np.min(1.0 + elements.elongations / elements.lengths))
@@ -80,16 +80,13 @@ class FrameStructure:
     """A frame under its dead loads, ready to be hit, pushed or shaken.
 
     `assembly`, whose first nodes are those of the `frame`; `members` read their states;
-    number of `elements` and `smallest` length of one in m; `start`, the displacements (dofs,)
-    from which those of the response count; `watched`, further histories of the response by name:
-    dof and sign of a displacement since the unloaded state.
+    `start`, the displacements (dofs,) from which those of the response count; `watched`, further
+    histories of the response by name: dof and sign of a displacement since the unloaded state.
     """
 
     frame: Frame
     assembly: PlanarAssembly
     members: MemberReader
-    elements: int
-    smallest: float
     start: Array
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
 
@@ -145,7 +142,7 @@ def stand_frame(
     """Support a frame, bring its dead loads on, then its springs and locks.
 
     Arguments: `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order;
-    element `groups`, that of the members first, and the reader of its `members`; `ties`, pairs
+    element `groups`, and the reader of its `members`; `ties`, pairs
     (master, slave) of nodes that share translations only; `lumped` mass; `rotary_inertia` of every
     node in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
     stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
@@ -174,16 +171,11 @@ def stand_frame(
         frame,
         assembly,
         members,
-        len(groups[0].nodes),
-        float(groups[0].lengths.min()),
         assembly.displacement.copy(),
     )
 
 
 def free_to_spin(frame: Frame) -> list[int]:
     """Numbers of nodes whose rotation nothing resists: every member there ends in a pin."""
-    stiff = {node.name: node.spring_rotation > 0.0 for node in frame.nodes}
-    for member in frame.members:
-        for node, joint in ((member.start, member.joint_start), (member.end, member.joint_end)):
-            stiff[node] = stiff[node] or frame.joint(joint).rotational_stiffness != 0.0
-    return [number for number, node in enumerate(frame.nodes) if not stiff[node.name]]
+    spun = (not (n.name in frame.turned or n.spring_rotation > 0.0) for n in frame.nodes)
+    return [number for number, spins in enumerate(spun) if spins]

@@ -113,14 +113,10 @@ def _turns_freely(frame: Frame, member: Member, name: str | None) -> bool:
     if name is None:
         return False
     node = frame.node(name)
-    if "rotation" in node.held or node.spring_rotation > 0.0:
-        return False
-    for other in frame.members:
-        joints = {other.start: other.joint_start, other.end: other.joint_end}
-        attached = other.name != member.name and name in joints
-        if attached and frame.joint(joints[name]).rotational_stiffness != 0.0:
-            return False
-    return True
+    others = [m for m in frame.members if m is not member and name in (m.start, m.end)]
+    joints = [m.joint_start if m.start == name else m.joint_end for m in others]
+    stiff = any(frame.joint(joint).rotational_stiffness != 0.0 for joint in joints)
+    return not (stiff or "rotation" in node.held or node.spring_rotation > 0.0)
 
 
 def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:

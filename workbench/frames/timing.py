@@ -69,12 +69,9 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
 
 def wave_times(frame: Frame) -> list[float]:
     """Times (s) of an axial wave along every member."""
-    times = []
-    for member in frame.members:
-        properties = frame.properties(member)
-        speed = sqrt(frame.steel.elastic_modulus * properties.area / properties.mass_per_length)
-        times.append(frame.length(member) / speed)
-    return times
+    modulus = frame.steel.elastic_modulus
+    owns = [(frame.length(member), frame.properties(member)) for member in frame.members]
+    return [length / sqrt(modulus * own.area / own.mass_per_length) for length, own in owns]
 
 
 def line_wave_times(frame: Frame) -> list[float]:

@@ -177,7 +177,8 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     assert isinstance(told, FrameImpact)
     column, frame = estimate.column.column, told.frame
     stiffness = column.restraint_stiffness
-    nodes = [_struck(node, estimate.hit_mass) for node in frame.nodes]
+    extra = estimate.hit_mass
+    nodes = [replace(n, mass=extra) if n.name == "hit" else n for n in frame.nodes]
     if stiffness == 0.0 or column.head == "fixed":
         return replace(told, frame=replace(frame, nodes=tuple(nodes)))
     modulus = frame.steel.elastic_modulus
@@ -205,7 +206,3 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     nodes.append(Node(ANCHOR, 0.0, column.length + length, support="clamped"))
     members = (*frame.members, bar)
     return replace(told, frame=replace(frame, nodes=tuple(nodes), members=members))
-
-
-def _struck(node: Node, mass: float) -> Node:
-    return replace(node, mass=mass) if node.name == "hit" else node

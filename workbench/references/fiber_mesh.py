@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.frames.chains import chains, named
+from workbench.frames.chains import chains, eventful, named
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
 from workbench.structures.meshing import graded_lengths, halved
@@ -174,7 +174,7 @@ def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float)
     frame, findings = scenario.frame, []
     parts = {m.name: p for m, p in zip(frame.members, lengths, strict=True)}
     excess = {}
-    for names, _, _ in chains(frame, _kept(scenario)):
+    for names, _, _ in chains(frame, eventful(scenario)):
         whole = sum(float(np.sum(parts[name])) for name in names)
         excess[names[0]] = sampled * (parts[names[0]][0] + parts[names[-1]][-1]) / whole
     above = [name for name in excess if excess[name] > LARGEST_EXCESS]
@@ -193,10 +193,3 @@ def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float)
         )
         findings.append(Finding("mesh", text))
     return findings
-
-
-def _kept(scenario: FrameScenario) -> set[str]:
-    kept = {load.node for load in scenario.frame.loads}
-    if isinstance(scenario, FrameStatic):
-        return kept | {scenario.node} | {load.node for load in scenario.loads}
-    return kept | ({scenario.striker.node} if isinstance(scenario, FrameImpact) else set())

@@ -60,7 +60,7 @@ class Frame(Declared, table="frame"):
             self.node(load.node, f"load.{load.node}.node")
         check_places(self.nodes, self.members)
         check_connected(self.nodes, self.members)
-        check_supported(self.nodes, self._turned(), loaded=bool(self.loads))
+        check_supported(self.nodes, self.turned, loaded=bool(self.loads))
 
     def _check_member(self, member: Member) -> None:
         path = f"member.{member.name}"
@@ -73,7 +73,8 @@ class Frame(Declared, table="frame"):
             text = f"is {length:g} m long {ends}; a length {LENGTH.allowed()}"
             raise member.refusal("", text, LENGTH.advice)
 
-    def _turned(self) -> set[str]:
+    @cached_property
+    def turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
         ends = [(m.start, m.joint_start) for m in self.members]
         ends += [(m.end, m.joint_end) for m in self.members]

@@ -116,20 +116,16 @@ class SolidAssembly:
         t1, t2, t3 = self._old.stress
         density = 0.5 / modulus * (t1**2 + t2**2 - 2 * POISSON * t1 * t2)
         density += (1.0 + POISSON) / modulus * t3**2
-        squeezed = np.maximum(np.log(SQUEEZED / self._area_ratio()), 0.0)
+        squeezed = np.maximum(np.log(SQUEEZED / self.area_ratio()), 0.0)
         density += 0.5 * SQUEEZE_STIFFNESS * modulus * squeezed**2
         stiffness, unstressed = self.spring
         pulled = self.q[self.supports.head] - unstressed
         return self._integrate(density) + 0.5 * stiffness * float(pulled) ** 2
 
-    def _area_ratio(self) -> Array:
-        """Det U of all points at the last evaluation."""
+    def area_ratio(self) -> Array:
+        """Det U, the share of its area that a point keeps, of all points at the last evaluation."""
         e1, e2, e3 = self._strain
         return np.asarray((1.0 + e1) * (1.0 + e2) - 0.25 * e3**2)
-
-    def least_area_ratio(self) -> float:
-        """Smallest share of its area that a point keeps in the last evaluation."""
-        return float(np.min(self._area_ratio()))
 
     def largest_strain(self) -> float:
         """Largest principal nominal strain (magnitude) of the last evaluation."""

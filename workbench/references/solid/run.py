@@ -39,7 +39,7 @@ def run_pushover(column: Column, assembly: SolidAssembly, path: Array) -> Respon
             assembly.dissipated - plastic_before,
             *segment_shear(assembly),
             assembly.largest_strain(),
-            assembly.least_area_ratio(),
+            float(np.min(assembly.area_ratio())),
         )
 
     rows = [seen(0.0)]

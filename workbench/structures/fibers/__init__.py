@@ -1,7 +1,6 @@
 """Fiber sections: strips of a section, their laws as tables, and groups of beams made of them."""
 
-from workbench.structures.fibers.group import FiberElements
-from workbench.structures.fibers.section import BeamSection
+from workbench.structures.fibers.section import BeamSection, FiberElements
 from workbench.structures.fibers.strips import PATTERNS, SectionFibers, section_fibers
 
 __all__ = ["PATTERNS", "BeamSection", "FiberElements", "SectionFibers", "section_fibers"]
