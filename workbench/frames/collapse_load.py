@@ -83,10 +83,9 @@ def _equilibrium(frame: Frame, member: Member) -> Array:
 
 def member_strength(frame: Frame, member: Member) -> tuple[float, float, Array]:
     """Tension and compression resistance; sagging and hogging plastic moments at both ends."""
-    own = frame.properties(member)
-    strength = (own.squash_load, own.squash_load, own.plastic_moment, own.plastic_moment)
+    own = frame.properties(member).strength
     joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
-    ends = np.array([joint.weaker(strength) for joint in joints])
+    ends = np.array([joint.weaker(own) for joint in joints])
     pinned = [joint.rotational_stiffness == 0.0 for joint in joints]
     ends[pinned, 2:] = 0.0
     tension, compression = ends[:, :2].min(axis=0)

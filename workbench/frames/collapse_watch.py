@@ -19,7 +19,14 @@ class CollapseWatch:
         frame = structure.frame
         self._structure = structure
         self._lengths: Array = np.array([frame.length(member) for member in frame.members])
-        self._across = _across(structure) / self._lengths[:, None]
+        # what displacements (dofs,) move the ends of each member apart across its axis, in rows
+        self._across: Array = np.zeros((len(self._lengths), structure.assembly.size))
+        for row, member in zip(self._across, frame.members, strict=True):
+            start, end = frame.node(member.start), frame.node(member.end)
+            for axis, part in (("x", start.y - end.y), ("y", end.x - start.x)):
+                row[structure.dof(start.name, axis)[0]] -= part / frame.length(member)
+                row[structure.dof(end.name, axis)[0]] += part / frame.length(member)
+        self._across /= self._lengths[:, None]
         place = {member.name: i for i, member in enumerate(frame.members)}
         self._chains = [chain.members for chain in chains(frame)]
         chained = np.zeros((len(self._chains), len(place)))
@@ -62,18 +69,3 @@ class CollapseWatch:
         moved = np.abs(self._across @ self._structure.assembly.displacement)
         worst = int(moved.argmax())
         return float(moved[worst]), worst
-
-
-def _across(structure: FrameStructure) -> Array:
-    """What displacements (dofs,) move the ends of each member apart across its axis, in rows."""
-    frame, assembly = structure.frame, structure.assembly
-    number = {node.name: i for i, node in enumerate(frame.nodes)}
-    rows = np.zeros((len(frame.members), assembly.size))
-    for row, member in zip(rows, frame.members, strict=True):
-        start, end = frame.node(member.start), frame.node(member.end)
-        length = frame.length(member)
-        normal = {"u": (start.y - end.y) / length, "v": (end.x - start.x) / length}
-        for component, part in normal.items():
-            row[assembly.dof(number[member.start], component)] -= part
-            row[assembly.dof(number[member.end], component)] += part
-    return rows

@@ -140,13 +140,9 @@ def _check_across(scenario: FrameImpact, axis: Array) -> None:
 
 
 def _check_joints(frame: Frame, members: list[Member], joints: tuple[str, str]) -> None:
-    properties = frame.properties(members[0])
+    own = frame.properties(members[0]).strength
     for name in joints:
-        joint = frame.joint(name)
-        moments = (joint.plastic_moment, joint.plastic_moment_negative)
-        forces = (joint.tension_resistance, joint.compression_resistance)
-        weak = any(m is not None and m < properties.plastic_moment for m in moments)
-        if weak or any(n is not None and n < properties.squash_load for n in forces):
+        if frame.joint(name).weaker(own) != own:
             raise OutOfDomainError(
                 f"joint {name} at the end of the column is weaker than the column, whose hinges "
                 "all have its own strength"

@@ -57,12 +57,9 @@ class ExactBeams(FiberReference):
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all fiber references, and refusals of options."""
-        return [*super().domain(scenario), *self._refusals(scenario)]
-
-    def _refusals(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
-        findings = []
-        frame = as_frame(scenario).frame
-        others = [m.name for m in frame.members if not isinstance(m.section.shape, ISection)]
+        findings = super().domain(scenario)
+        members = as_frame(scenario).frame.members
+        others = [m.name for m in members if not isinstance(m.section.shape, ISection)]
         if self.residual_stress != "none" and others:
             text = (
                 f"option.residual_stress = {self.residual_stress}: patterns are known for I "
@@ -89,7 +86,12 @@ class ExactBeams(FiberReference):
     def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
         """Geometrically exact beams, assembled by the compiled kernel."""
         sections = [self.section(frame, member) for member in frame.members]
-        return ReissnerBeams(mesh.nodes, mesh.member, sections)
+        return self.beams(mesh.nodes, mesh.member, sections)
+
+    @property
+    def beams(self) -> type[ReissnerBeams]:
+        """The elements, assembled by the compiled kernel."""
+        return ReissnerBeams
 
     def section(self, frame: Frame, member: Member) -> BeamSection:
         """The fibers of a member's strength section, their law and its mass.
@@ -187,14 +189,14 @@ class FiberReissner(ExactBeams):
         """Elements grow fast from the very small ones of the rule only."""
         return REISSNER_RULE if self.smallest_element is None else REISSNER_GIVEN
 
-    def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
-        """Geometrically exact beams, assembled by the compiled kernel or by scikit-fem forms."""
+    @property
+    def beams(self) -> type[ReissnerBeams]:
+        """The elements, assembled by the compiled kernel or by scikit-fem forms."""
         if self.formulation != "forms":
-            return super().elements(frame, mesh)
+            return ReissnerBeams
         from workbench.references.reissner_forms import ReissnerForms
 
-        sections = [self.section(frame, member) for member in frame.members]
-        return ReissnerForms(mesh.nodes, mesh.member, sections)
+        return ReissnerForms
 
     def law(self, steel: Steel) -> UniaxialLaw:
         """The law of the fibers."""

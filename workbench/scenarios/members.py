@@ -40,6 +40,11 @@ class MemberProperties:
     mass_per_length: float
     impact_mass: float
 
+    @property
+    def strength(self) -> tuple[float, ...]:
+        """In tension and compression (N), sagging and hogging (N m): see `Joint.weaker`."""
+        return self.squash_load, self.squash_load, self.plastic_moment, self.plastic_moment
+
 
 def strength_section(section: Section, fillets: bool) -> Section:
     """The section whose fibers and envelope give the strength: plates only unless `fillets`."""
