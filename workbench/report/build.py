@@ -14,7 +14,6 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.chapters import (
     configuration,
-    cost,
     limits,
     reference,
     results,
@@ -84,7 +83,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         stud_evidence.design(study, stored),
         results.numbers(study, stored),
         reference.convergence(study, stored, own["convergence"]),
-        cost.cost(study, stored, own["cost"]),
+        results.cost(study, stored, own["cost"]),
         configuration.configuration(study, stored),
     ]
     sections = tuple(part for part in parts if part is not None)

@@ -233,14 +233,9 @@ def _rows(found: Found, instants: tuple[str | float, ...], said: list[str]) -> l
 
 
 def _scales(rows: list[_Row], several: bool) -> list[str]:
-    times = {row.case.name: row.times for row in rows}
-    if set(times.values()) == {1.0}:
-        return [scale_words(1.0)]
-    return [
-        scale_words(factor, f" of {name}" if several else "")
-        for name, factor in times.items()
-        if factor != 1.0
-    ]
+    times = {row.case.name: row.times for row in rows if row.times != 1.0}
+    said = [scale_words(each, f" of {name}" if several else "") for name, each in times.items()]
+    return said or [scale_words(1.0)]
 
 
 def _panel(panel: Axes, row: _Row, snapshot: int) -> None:
