@@ -12,7 +12,6 @@ import pytest
 from workbench.errors import InputError
 from workbench.frames.shear import shear_stiffness
 from workbench.models import frame_model
-from workbench.references import fiber
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.refine import refine
@@ -49,7 +48,7 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
 
 @pytest.mark.parametrize("law", ["linear", "menegotto-pinto"])
 def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law) -> None:
-    monkeypatch.setattr(fiber, "PUSH_STEPS", 25)
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 25)
     # what Newton's method leaves depends on rounding: leave nothing
     for name in ("follow_displacement", "impact"):
         exact = partial(getattr(frame_model, name), tolerance=1e-13)
@@ -72,7 +71,7 @@ def test_forms_and_kernel_give_the_same_response(thesis_impact, monkeypatch, law
 
 def test_the_elastic_column_agrees_with_the_corotational_one(thesis_impact, monkeypatch) -> None:
     """Both formulations have the same stiffness, this one at second order in the mesh."""
-    monkeypatch.setattr(fiber, "PUSH_STEPS", 50)  # elastic: any number does
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 50)  # elastic: any number does
     push = ColumnPushover("elastic", replace(thesis_impact.column, axial_load=0.0), 1e-4)
     expected = force_at(FiberCorotational(levels=1, refinement=0).simulate(push), 1e-4)
     errors = []
@@ -140,7 +139,7 @@ def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> No
 )
 def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
     """Bending between the hinges is a matter of the inner elements, which the levels coarsen."""
-    monkeypatch.setattr(fiber, "PUSH_STEPS", 100)  # elastic: any number does
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 100)  # elastic: any number does
     push, quantity = ColumnPushover("push", column, 0.002), "force at 0.002 m"
     response = refine(FiberReissner(), push, [quantity], levels=4, localisation=False)
     width = json.loads(response.attrs["numerical_uncertainty"])[quantity]
