@@ -16,15 +16,7 @@ from workbench.frames.collapse_load import collapse_factor
 from workbench.frames.column_line import ColumnLine, column_line
 from workbench.frames.elastic import ElasticFrame
 from workbench.responses import Finding
-from workbench.scenarios import (
-    Column,
-    ColumnImpact,
-    Frame,
-    FrameImpact,
-    Load,
-    Striker,
-    frame_of,
-)
+from workbench.scenarios import Column, ColumnImpact, Frame, FrameImpact, Load, Striker, frame_of
 from workbench.scenarios.members import OVERRIDES
 
 HEADS = ("joined", "pinned")

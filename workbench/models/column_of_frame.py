@@ -14,26 +14,14 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Declared, checked
-from workbench.frames.column_estimate import (
-    HEAD_MASSES,
-    HEADS,
-    ColumnEstimate,
-    estimate_column,
-)
+from workbench.frames.column_estimate import HEAD_MASSES, HEADS, ColumnEstimate, estimate_column
 from workbench.frames.findings import frame_findings
 from workbench.models.base import respond
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
-from workbench.responses import (
-    Finding,
-    Outcome,
-    Response,
-    outcome_of,
-    set_findings,
-    warnings_of,
-)
+from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
 from workbench.scenarios import (
     Column,
     ColumnImpact,

@@ -19,12 +19,7 @@ from workbench.frames.shear import shear_stiffness
 from workbench.materials import Steel
 from workbench.models.frame_model import COLUMNS, as_frame
 from workbench.references.fiber import FiberReference
-from workbench.references.fiber_mesh import (
-    REISSNER_GIVEN,
-    REISSNER_RULE,
-    FrameMesh,
-    MeshRule,
-)
+from workbench.references.fiber_mesh import REISSNER_GIVEN, REISSNER_RULE, FrameMesh, MeshRule
 from workbench.references.refine import LEVELS
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
