@@ -72,6 +72,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     """The content tree of a study, from stored results and drawn figures with their kinds."""
     own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
     shear = limits.shear_demand(study, stored)
+    pictures = (Section(f"figure-{p.key}", p.title, (p,)) for of, p in drawn if of not in own)
     parts: list[Section | None] = [
         verdicts.asked(study, stored),
         stud_evidence.in_short(study, stored),
@@ -79,7 +80,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         limits.missing(study, stored),
         limits.domain(stored, shear),
         limits.notes(study),
-        results.pictures([picture for of, picture in drawn if of not in own]),
+        Section("results", "Results", tuple(pictures)),
         stud_evidence.design(study, stored),
         results.numbers(study, stored),
         reference.convergence(study, stored, own["convergence"]),

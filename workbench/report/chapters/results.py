@@ -19,19 +19,13 @@ from workbench.content.formatting import (
     unit_of,
     valued,
 )
-from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Picture, Section, Table
+from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 
 _PRINTED = 40
 _ONE_LINE = 4  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
-
-
-def pictures(drawn: Iterable[Picture]) -> Section:
-    """The figures of the study, each under its title."""
-    sections = tuple(Section(f"figure-{each.key}", each.title, (each,)) for each in drawn)
-    return Section("results", "Results", sections)
 
 
 def numbers(study: Study, stored: Stored) -> Section:

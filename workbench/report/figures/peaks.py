@@ -41,7 +41,8 @@ def draw(request: Request) -> Drawing:
             panel.plot(x, y, **look)
         sheet.legend(entry(label, **look))
     _slots(sheet, [case.name for case in cases])
-    _absences(request, sheet, cases, quantity)
+    for case in cases:  # for the statements on what is absent
+        request.answers(case, sheet.absent, (quantity,), title_of(quantity))
     top.set_ylabel(axis_label(quantity))
     low, high = top.get_ylim()
     top.set_ylim(1.08 * min(low, 0.0), 1.08 * max(high, 0.0))
@@ -114,14 +115,3 @@ def _slots(sheet: Sheet, names: list[str]) -> None:
         panel.tick_params(axis="x", length=0)
         for edge in range(1, len(names)):
             panel.axvline(edge - 0.5, color=GRID, linewidth=0.6, zorder=0)
-
-
-def _absences(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> None:
-    for label in request.labels:
-        for case in cases:
-            if label not in request.shown(case):
-                continue
-            if not request.stored.ok(case.name, label):
-                sheet.absent.no_answer(label, case.name)
-            elif request.number(case, label, quantity) is None:
-                sheet.absent.without(title_of(quantity), label)
