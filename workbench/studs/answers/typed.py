@@ -77,7 +77,7 @@ def _variable(path: str, value: Any, units: Mapping[str, str], *dims: str) -> An
 
 def content_of(response: Response) -> dict[str, Any]:
     """The content that a model of studs has put into a response; empty for other responses."""
-    tree: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     tables: dict[str, dict[str, list[Any]]] = {}
     for path, variable in response.variables.items():
         parent, _, name = str(path).rpartition(".")
@@ -87,18 +87,16 @@ def content_of(response: Response) -> dict[str, Any]:
         if variable.dims == (f"{parent}.{ROW}",):
             tables.setdefault(parent, {})[name] = value
         else:
-            _put(tree, str(path), value)
-    for path, columns in tables.items():
-        _put(tree, path, plain(pd.DataFrame(columns)))
-    content: dict[str, Any] = _lists(tree.get(ROOT, {}))
+            entries[str(path)] = value
+    entries |= {path: plain(pd.DataFrame(columns)) for path, columns in tables.items()}
+    tree: dict[str, Any] = {}
+    for path, value in entries.items():
+        (_, *parents, name), branch = path.split("."), tree
+        for key in parents:
+            branch = branch.setdefault(key, {})
+        branch[name] = value
+    content: dict[str, Any] = _lists(tree)
     return content
-
-
-def _put(tree: dict[str, Any], path: str, value: Any) -> None:
-    *parents, name = path.split(".")
-    for key in parents:
-        tree = tree.setdefault(key, {})
-    tree[name] = value
 
 
 def _lists(value: Any) -> Any:

@@ -13,6 +13,7 @@ from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
 from workbench.studs.tables import RowIdentity, identity_of
 
 FREE = ("bearing_factor", "foundation_factor", "slide_capacity")
+NEEDED = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
 OBSERVED = ("strength", "stiffness", "slip")
 STIFFNESS_LEVEL = 0.4
 LEAST_SCATTER = 0.05  # of logarithms: tests never repeat better, whatever few replicates say
@@ -23,8 +24,7 @@ DIFFERENCE = 0.05  # of the logarithm of a parameter: wide against the steps of 
 def stud_of(row: pd.Series) -> Stud:
     """The stud of a row of a table of tests. Raises `InputError` for missing values."""
     test = specimens(pd.DataFrame([row]))
-    needed = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
-    values = {name: float(getattr(test, name)[0]) for name in needed}
+    values = {name: float(getattr(test, name)[0]) for name in NEEDED}
     for name, value in values.items():
         if not np.isfinite(value):
             where = f"{row['campaign']} {row['specimen']}"
@@ -38,8 +38,7 @@ def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
     """Undamaged headed studs with all values that the model needs. Raises `InputError`."""
     rows = undamaged_headed_studs(table)
     test = specimens(rows)
-    needed = (test.diameter, test.height, test.concrete_strength, test.ultimate_strength)
-    known = np.isfinite(needed).all(axis=0)
+    known = np.isfinite([getattr(test, name) for name in NEEDED]).all(axis=0)
     if not known.any():
         raise InputError("table", len(table), "holds no test that the mechanical model can answer")
     return rows.iloc[np.flatnonzero(known)].reset_index(drop=True)

@@ -101,17 +101,13 @@ def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> 
     theta = start.copy()
     if len(free):
         _check_influence(given, np.diag(normal), free, start)
-        theta[free] = _solved(normal, right)
+        try:
+            theta[free] = np.linalg.solve(normal, right)
+        except np.linalg.LinAlgError:  # parameters that cannot be told apart: refused by `fit`
+            theta[free] = np.linalg.lstsq(normal, right, rcond=None)[0]
     combination[free] = -theta[free]
     size = float(combination @ matrix @ combination)
     return Solved(theta, max(size, 0.0), normal, np.zeros(len(free), bool))
-
-
-def _solved(normal: Array, right: Array) -> Array:
-    try:
-        return np.asarray(np.linalg.solve(normal, right))
-    except np.linalg.LinAlgError:  # parameters that cannot be told apart: refused by `fit`
-        return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0])
 
 
 def _log_determinant(normal: Array) -> float:
