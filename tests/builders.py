@@ -39,13 +39,23 @@ def thesis_frame(base: str = "clamped") -> Frame:
     return regular_frame((3.0,) * 4, (4.0, 4.0), SQUARE, SQUARE, base=base)
 
 
-def bearable(energy: float, plastic_moment: float) -> bool:
-    """Whether three hinges absorb an energy (J) before a segment has turned beyond measure.
+def absorbed(
+    lengths: tuple[float, float], moment: float, ends: tuple[float, float], load: float = 0.0
+) -> float:
+    """Energy (J) that the rigid-plastic mechanism of a struck member absorbs before it collapses.
 
-    At 0.9 of the shorter segment they have dissipated at least 1.8 of their moment (N m); models
-    end there in a collapse.
+    Arguments: `lengths` (m) of its segments; plastic moments (N m) at the hit point, `moment`, and
+    at the `ends`, 0 at a pin; axial `load` (N), compression positive. It collapses where its
+    displacement v is 0.9 of the shorter segment, beyond which models mean nothing, or before,
+    where the load, which sinks by v^2 / 2 (1 / a + 1 / b), does more work than the hinges.
     """
-    return energy <= 1.8 * plastic_moment
+    a, b = lengths
+    slope = 1.0 / a + 1.0 / b
+    resistance, softening = ends[0] / a + moment * slope + ends[1] / b, load * slope
+    v = 0.9 * min(lengths)
+    if softening * v > resistance:
+        v = resistance / softening
+    return (resistance - 0.5 * softening * v) * v
 
 
 @dataclass
@@ -59,8 +69,7 @@ class Answers:
     ) -> bool:
         """Count a response unless the domain refuses the scenario; whether it is an answer.
 
-        Only scenarios that are `asked` count: those of the region where no answer is expected to
-        end in a collapse.
+        Only scenarios that are `asked` count: those whose energy the structure can absorb.
         """
         answered = outcome_of(response) is Outcome.OK
         if asked and not any(finding.refusal for finding in model.domain(scenario)):
