@@ -24,7 +24,7 @@ def test_known_bias_and_scatter_are_recovered():
     model = truth * 0.9 * np.exp(0.2 * random.standard_normal(len(truth)) - 0.5 * 0.2**2)
     found = bias_and_scatter(model, truth)
     assert found.bias == pytest.approx(0.9, rel=2e-3)
-    assert found.model_scatter == pytest.approx(0.2, rel=0.01)
+    assert found.model_scatter == pytest.approx(0.2, rel=8e-3)  # measured 0.0039
 
 
 def test_the_interval_covers_as_often_as_it_says():

@@ -312,19 +312,22 @@ def test_collapse_loads_by_hand() -> None:
     frame = cross().split("left 1", 1.0, "p")
     # beam of 6 m: clamped at both ends, hinges there and under the load 1 m from the left
     beam = collapse_factor(frame, (Load("p", y=-1.0),), members=("left 1/1", "left 1/2", "right 1"))
-    assert beam == pytest.approx(MOMENT * (1.0 / 1.0 + 1.0 / 5.0) * 2.0, rel=1e-6)
+    # measured: round-off
+    assert beam == pytest.approx(MOMENT * (1.0 / 1.0 + 1.0 / 5.0) * 2.0, rel=1e-8)
     portal = regular_frame((6.0,), (4.0,), SECTION, SECTION)
     assert collapse_factor(portal, (Load("A1", x=1.0),)) == pytest.approx(
-        4 * MOMENT / 4.0, rel=1e-6
+        4 * MOMENT / 4.0,
+        rel=1e-8,  # measured: round-off
     )
     pinned = regular_frame((6.0,), (4.0,), SECTION, SECTION, base="pinned")
     assert collapse_factor(pinned, (Load("A1", x=1.0),)) == pytest.approx(
-        2 * MOMENT / 4.0, rel=1e-6
+        2 * MOMENT / 4.0,
+        rel=1e-8,  # measured: round-off
     )
     # a dead load across the beam leaves a sway mechanism untouched, a horizontal one does not
     dead = (Load("B1", x=1e5),)
     swayed = collapse_factor(portal, (Load("A1", x=1.0),), dead)
-    assert swayed == pytest.approx(4 * MOMENT / 4.0 - 1e5, rel=1e-6)
+    assert swayed == pytest.approx(4 * MOMENT / 4.0 - 1e5, rel=1e-8)  # measured: round-off
     assert collapse_factor(portal, (Load("A1", x=1.0),), (Load("B1", x=1e7),)) is None
     sprung = changed(portal, _A1={"spring_x": 1e3}, _B1={"locked": "y"})
     assert collapse_factor(sprung, (Load("A1", x=1.0),)) == inf
@@ -341,7 +344,7 @@ def test_joints_bound_the_collapse_load_by_sign() -> None:
     # swaying to either side, one end of the beam sags and the other hogs
     for direction in (1.0, -1.0):
         found = collapse_factor(frame, (Load("A1", x=direction),))
-        assert found == pytest.approx((2.0 + 0.7) * MOMENT / 4.0, rel=1e-6)
+        assert found == pytest.approx((2.0 + 0.7) * MOMENT / 4.0, rel=1e-8)  # measured: round-off
 
 
 # -- the model ----------------------------------------------------------------------------------
@@ -379,7 +382,7 @@ def test_bars_with_an_elastic_restraint_are_the_four_dof_column() -> None:
     four, bars = (
         ColumnOfFrame(model=m).simulate(scenario) for m in ("four-dof", "rigid-superelement")
     )
-    assert peak(bars) == pytest.approx(peak(four), rel=0.01)
+    assert peak(bars) == pytest.approx(peak(four), rel=1.4e-3)  # measured 6.7e-4
     assert list(bars["segment"].values) == ["below", "above"]
 
 
@@ -523,9 +526,11 @@ def profiles(member: str = "B0-B1", at: float = 1.0, velocity: float = 20.0) -> 
 def test_it_is_the_frame_where_its_own_mechanism_governs(member: str, velocity: float) -> None:
     scenario = profiles(member, velocity=velocity)
     response = ColumnOfFrame().simulate(scenario)
-    assert ColumnOfFrame().estimate(scenario).collapse_ratio == pytest.approx(1.0, abs=1e-6)
+    # measured: round-off
+    assert ColumnOfFrame().estimate(scenario).collapse_ratio == pytest.approx(1.0, abs=1e-8)
     assert "restraint" not in subjects(response)
-    assert peak(response) == pytest.approx(peak(RigidSuperelement().simulate(scenario)), rel=0.01)
+    # measured 0.0042
+    assert peak(response) == pytest.approx(peak(RigidSuperelement().simulate(scenario)), rel=9e-3)
 
 
 @pytest.mark.parametrize(("member", "at"), [("B1-B2", 1.0), ("B0-B1", 3.2)])
@@ -549,7 +554,7 @@ def test_a_yielding_restraint_mends_catenary_action() -> None:
     assert -0.10 < peak(elastic) / whole - 1.0 < -0.05
     yielding = ColumnOfFrame(model="rigid-superelement", restraint="yielding").simulate(scenario)
     assert "restraint" not in subjects(yielding)
-    assert peak(yielding) == pytest.approx(whole, rel=0.02)
+    assert peak(yielding) == pytest.approx(whole, rel=0.015)  # measured 0.0074
 
 
 def test_limit_of_the_restraint_is_the_mechanism_of_the_beams() -> None:
@@ -561,8 +566,8 @@ def test_limit_of_the_restraint_is_the_mechanism_of_the_beams() -> None:
             "thesis", replace(frame, loads=dead), FrameStriker(1500.0, 50.0, node="hit")
         )
         limit = ColumnOfFrame().estimate(scenario).restraint_limit
-        # what dead loads bring into the beams before is small here
-        assert limit == pytest.approx(4 * 2.0 * MOMENT / 3.0, rel=1e-6 if not dead else 0.02)
+        # what dead loads bring into the beams before is small here; measured 0.0069
+        assert limit == pytest.approx(4 * 2.0 * MOMENT / 3.0, rel=1e-8 if not dead else 0.014)
 
 
 def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -600,4 +605,4 @@ def test_parts_of_members_change_no_forces() -> None:
         assert moved is not None
         forces.append(elastic.end_forces(moved))
     for other in forces[1:]:
-        np.testing.assert_allclose(other, forces[0], rtol=1e-8, atol=1e-6)
+        np.testing.assert_allclose(other, forces[0], rtol=1e-8, atol=1e-6)  # round-off

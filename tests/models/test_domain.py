@@ -39,7 +39,7 @@ def test_shear_yielding_takes_five_per_cent_at_the_bound(name, lost) -> None:
 def test_the_bound_follows_the_share_of_the_webs() -> None:
     bounds = [shear_bound(find(name)) for name in ("HEB 220", "HEB 500", "IPE 300", "IPE 600")]
     assert bounds == sorted(bounds, reverse=True)
-    assert bounds[0] == pytest.approx(0.851, abs=1e-3)
+    assert bounds[0] == pytest.approx(0.851, abs=1.3e-4)  # measured 6.2e-5
     # a web of less than 5 % of the plastic modulus can vanish without harm
     thin = Section("thin", RectangularTube(0.05, 0.5, 0.002))
     assert shear_bound(thin) == 1.0

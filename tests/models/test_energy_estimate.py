@@ -52,7 +52,8 @@ def test_default_against_the_printed_values(thesis_impact) -> None:
 
 def test_energy_after_the_collision(thesis_impact) -> None:
     # joined masses 1500 and 95.25 kg keep 94.03 % of 0.5 * 1500 * 15^2 J
-    assert energy_to_absorb(thesis_impact) == pytest.approx(168750.0 * 0.940291, rel=1e-5)
+    # measured 2.6e-6
+    assert energy_to_absorb(thesis_impact) == pytest.approx(168750.0 * 0.940291, rel=6e-6)
     assert energy_to_absorb(bouncing(thesis_impact, 1.0)) == 168750.0
     assert energy_to_absorb(bouncing(thesis_impact, 0.6)) == energy_to_absorb(thesis_impact)
 

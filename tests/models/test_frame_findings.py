@@ -74,7 +74,8 @@ def test_sway_buckling_of_a_portal() -> None:
     # on pins the beam is as if it were not there: two cantilevers
     beam = replace(beam, joint_start="pinned", joint_end="pinned")
     loose = replace(frame, members=(*frame.members[:2], beam))
-    assert dead_load_state(loose).factor == pytest.approx(0.25 * critical / load, rel=0.01)
+    # measured 5.1e-4
+    assert dead_load_state(loose).factor == pytest.approx(0.25 * critical / load, rel=1.1e-3)
     # on springs it lies between
     semi = Joint("semi", rotational_stiffness=1e7)
     beam = replace(beam, joint_start="semi", joint_end="semi")
@@ -152,7 +153,7 @@ def test_a_truss_is_answered_like_its_statics() -> None:
     assert outcome_of(response) is Outcome.OK, response.attrs["message"]
     shortening = 1e-4 * 0.6
     expected = 2.0 * 0.6 * 210e9 * SQUARE.area * shortening / 2.5
-    assert float(response["force"][-1]) == pytest.approx(expected, rel=1e-3)
+    assert float(response["force"][-1]) == pytest.approx(expected, rel=1.3e-4)  # measured 6.4e-5
 
 
 # -- shear and chains ------------------------------------------------------------------------

@@ -113,27 +113,32 @@ def test_analytic_events_of_the_thesis_column(thesis) -> None:
     ]  # fmt: skip
     at = [event.displacement for event in curve.events]
     expected = [0.00150219, 0.00602081, 0.02454429, 0.13601343, 0.18174216, 0.82365093]
-    np.testing.assert_allclose(at, expected, rtol=3e-6)  # printed to eight decimals
+    # printed to eight decimals; measured 6.9e-7
+    np.testing.assert_allclose(at, expected, rtol=1.4e-6)
     forces = [event.force / 1e3 for event in curve.events]
     expected = [396.079, 688.420, 746.578, 889.750, 889.750, 4032.325]
     np.testing.assert_allclose(forces, expected, rtol=1e-6)
-    assert curve.initial_stiffness == pytest.approx(2.636676e8, rel=1e-6)
+    assert curve.initial_stiffness == pytest.approx(2.636676e8, rel=2.6e-7)  # measured 1.3e-7
     assert curve.elastic_limit == curve.events[0].displacement
 
 
 def test_simplifications_of_the_thesis_column(thesis) -> None:
     cubic, linear = thesis["cubic"], thesis["linear"]
-    np.testing.assert_allclose(cubic.starts[1:], [0.00282763, 0.02403487, 0.82365093], rtol=2e-6)
-    assert cubic.initial_stiffness == pytest.approx(2.644489e8, rel=1e-6)
+    # measured 4.5e-7
+    np.testing.assert_allclose(cubic.starts[1:], [0.00282763, 0.02403487, 0.82365093], rtol=1e-6)
+    assert cubic.initial_stiffness == pytest.approx(2.644489e8, rel=1.3e-7)  # measured 6.4e-8
     np.testing.assert_allclose(
-        cubic.pieces["c"][2, [0, 1, 3]], [747763.93, 1.0827154e6, 4.7310351e6], rtol=1e-7
+        # measured 1.2e-8
+        cubic.pieces["c"][2, [0, 1, 3]],
+        [747763.93, 1.0827154e6, 4.7310351e6],
+        rtol=2.5e-8,
     )
-    assert float(cubic.force(0.14704122)) == pytest.approx(889750.0, rel=1e-7)
-    assert linear.starts[3] == pytest.approx(0.13407690, rel=1e-6)
+    assert float(cubic.force(0.14704122)) == pytest.approx(889750.0, rel=1e-8)  # measured 1.8e-9
+    assert linear.starts[3] == pytest.approx(0.13407690, rel=4.2e-8)  # measured 2.1e-8
     np.testing.assert_allclose(
         linear.pieces["c"][2:4, :3],
         [[728986.70, 679676.29, 7.0995596e6], [889750.0, -338402.36, 7.0995596e6]],
-        rtol=1e-7,
+        rtol=1.3e-8,  # measured 6.2e-9
     )
 
 
@@ -153,14 +158,14 @@ def test_tangent_and_work_belong_to_the_force(thesis, shape) -> None:
     v = v[np.min(np.abs(v[:, None] - curve.starts[1:]), axis=1) > 1e-5]
     h = 1e-7
     slope = (curve.force(v + h) - curve.force(v - h)) / (2.0 * h)
-    np.testing.assert_allclose(curve.tangent(v), slope, rtol=1e-5, atol=2.0)
+    np.testing.assert_allclose(curve.tangent(v), slope, rtol=1e-8, atol=1e-3)  # measured 4.6e-4
     grid = np.union1d(np.linspace(0.0, 1.0, 20_001), curve.starts[1:])
     work = np.concatenate(
         [[0.0], np.cumsum(np.diff(grid) * curve.force(0.5 * (grid[1:] + grid[:-1])))]
     )
-    np.testing.assert_allclose(curve.work(grid), work, rtol=1e-6, atol=1e-2)
+    np.testing.assert_allclose(curve.work(grid), work, rtol=1e-8, atol=5e-4)  # measured 2.4e-4
     jumps = curve.force(curve.starts[1:]) - curve.force(curve.starts[1:] - 1e-12)
-    assert np.max(np.abs(jumps)) < 1e-2
+    assert np.max(np.abs(jumps)) < 5.2e-4  # measured 2.6e-4
     assert float(curve.force(-0.2)) == -float(curve.force(0.2))
     assert float(curve.work(-0.2)) == float(curve.work(0.2))
 
@@ -175,10 +180,10 @@ def test_analytic_curve_equals_step_by_step_projection() -> None:
         curve = resistance_curve(mechanism, "analytic")
         events.update(event.name for event in curve.events)
         v, (force, axial, moment) = path[:, row], record[:, :, row].T
-        # the step of the projection errs at first order behind each event
+        # the step of the projection errs at first order behind each event; measured 2.4e-4, 7.5e-4
         assert np.max(np.abs(curve.force(v) - force)) < 5e-4 * np.max(np.abs(force))
-        assert np.max(np.abs(curve.axial_force(v) - axial)) < 2e-3 * mechanism.squash_load
-        assert np.max(np.abs(curve.moments(v)[0] - moment)) < 2e-3 * mechanism.plastic_moment
+        assert np.max(np.abs(curve.axial_force(v) - axial)) < 1.5e-3 * mechanism.squash_load
+        assert np.max(np.abs(curve.moments(v)[0] - moment)) < 1.5e-3 * mechanism.plastic_moment
     assert events >= {"axial force vanishes", "tension grows", "catenary"}
 
 
@@ -194,7 +199,7 @@ def test_analytic_curve_is_the_four_dof_column_with_its_assumptions(thesis_impac
     curve = resistance_curve(mechanism_of(column), "analytic")
     force = response["force"].values
     gap = np.abs(curve.force(response["displacement"].values) - force)
-    assert gap.max() < 1e-5 * force.max()
+    assert gap.max() < 3.6e-6 * force.max()  # measured 1.8e-6
 
 
 def test_distance_of_the_shapes_to_the_four_dof_column(thesis_impact, thesis) -> None:
@@ -317,7 +322,8 @@ def test_unloading_stiffness_is_the_initial_one_unless_the_curve_stiffens(thesis
                      restraint_stiffness=1e9)  # fmt: skip
     curve = resistance_curve(mechanism_of(slender), "analytic")
     grid = np.linspace(0.0, 1.0, 5001)
-    assert curve.unloading_stiffness(1.0) == pytest.approx(curve.tangent(grid).max(), rel=5e-3)
+    # measured 0.0012
+    assert curve.unloading_stiffness(1.0) == pytest.approx(curve.tangent(grid).max(), rel=2.5e-3)
     assert curve.unloading_stiffness(1.0) > 5.0 * curve.initial_stiffness
 
 
@@ -327,7 +333,8 @@ def test_largest_shear_is_found_between_breakpoints(thesis) -> None:
         v = np.linspace(0.0, reached, 20_001)
         base, hit, head = curve.moments(v)
         sampled = [np.max(base + hit) / 0.8, np.max(hit + head) / 3.2]
-        np.testing.assert_allclose(curve.largest_shear(reached), sampled, rtol=1e-4)
+        # measured: round-off
+        np.testing.assert_allclose(curve.largest_shear(reached), sampled, rtol=1e-8)
 
 
 def test_unloading_of_a_yielded_hinge_is_refused() -> None:

@@ -120,7 +120,7 @@ def test_semi_rigid_joints(joint) -> None:
     push = FrameStatic("sway", frame, (Load("A1", x=1.0),), "A1", "x", (1e-5,))
     response = answered(FlexibleSuperelement(hinge_stiffness=1e6).simulate(push))
     found = float(response["force"][-1] / response["displacement"][-1])
-    assert found == pytest.approx(expected, rel=3e-3)
+    assert found == pytest.approx(expected, rel=1e-3)  # measured 4.7e-4
 
 
 def test_a_partial_strength_joint_yields_at_its_own_moment() -> None:
@@ -141,10 +141,11 @@ def test_a_partial_strength_joint_yields_at_its_own_moment() -> None:
             along = 1.0 if clamp == "start" else -1.0
             bound = 2e5 if looking * along > 0.0 else 1e5
             moment = response["moment"].sel(hinge=f"m:{clamp}").values[-1]
-            assert moment == pytest.approx(looking * along * bound, rel=1e-3)
+            assert moment == pytest.approx(looking * along * bound, rel=1.4e-4)  # measured 6.9e-5
             rotation = response["plastic_rotation"].sel(hinge=f"m:{clamp}").values[-1]
             assert rotation * moment > 0.0
-            assert float(response["force"][-1]) == pytest.approx(bound / 2.0, rel=2e-2)
+            # measured 5.6e-5
+            assert float(response["force"][-1]) == pytest.approx(bound / 2.0, rel=1.2e-4)
             assert abs(float(response["moment"].sel(hinge=f"m:{tip}").values[-1])) < 1.0
 
 
@@ -157,7 +158,8 @@ def test_a_strut_between_free_ends_shortens() -> None:
         response = answered(model.simulate(push))
         softer = 1.0 if model is MODELS[0] else 1.1  # hinges ten times as stiff, in series
         expected = 210e9 * SQUARE.area / 2.0 * 1e-4 / softer
-        assert float(response["force"][-1]) == pytest.approx(expected, rel=1e-6)
+        # measured: round-off
+        assert float(response["force"][-1]) == pytest.approx(expected, rel=1e-8)
 
 
 def test_a_pinned_beam_end_carries_no_moment() -> None:
@@ -206,7 +208,10 @@ def test_mirrored_and_turned_frames_answer_alike(model) -> None:
         striker = replace(impact.striker, direction=direction)
         response = answered(model.simulate(replace(impact, frame=other, striker=striker)))
         np.testing.assert_allclose(
-            response["displacement"], expected, atol=1e-5 * np.abs(expected).max()
+            # measured 4.2e-12
+            response["displacement"],
+            expected,
+            atol=1e-8 * np.abs(expected).max(),
         )
 
 
@@ -224,7 +229,10 @@ def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
             member, end = str(hinge).split(":")
             other = f"{member}:{'end' if end == 'start' else 'start'}"
             np.testing.assert_allclose(
-                back[name].sel(hinge=other), -there[name].sel(hinge=hinge), atol=1e-5 * scale
+                # measured 2.8e-10
+                back[name].sel(hinge=other),
+                -there[name].sel(hinge=hinge),
+                atol=1e-8 * scale,
             )
 
 
@@ -253,7 +261,7 @@ def test_a_pinned_head_and_a_fixed_one(thesis_impact) -> None:
             float(answered(model.simulate(impact))["peak_displacement"])
             for model in (RigidSuperelement(), FourDof())
         ]
-        assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+        assert peaks[0] == pytest.approx(peaks[1], rel=2.5e-3)  # measured 0.0012
 
 
 # -- paths -----------------------------------------------------------------------------------
@@ -276,7 +284,7 @@ def test_cycles_of_a_clamped_beam_stretch_it() -> None:
         assert float(response["displacement"].min()) == pytest.approx(-0.2)
         assert float(response["displacement"][-1]) == pytest.approx(0.0, abs=1e-12)
         error = np.abs(response["balance_error"]).max() / response["input_energy"]
-        assert float(error) < 1e-4
+        assert float(error) < 5e-7  # measured 2.6e-7
 
 
 @pytest.mark.parametrize("control", ["displacement", "load", "arc-length"])
@@ -291,7 +299,7 @@ def test_all_controls_find_the_same_path(control) -> None:
     scenario = replace(known, control=control, path=path)
     response = answered(FlexibleSuperelement().simulate(scenario))
     factor = np.interp(response["displacement"], expected["displacement"], expected["load_factor"])
-    np.testing.assert_allclose(response["load_factor"], factor, rtol=2e-4, atol=1e-3)
+    np.testing.assert_allclose(response["load_factor"], factor, rtol=1e-8, atol=1e-6)
     force = response["load_factor"] * 2e3
     np.testing.assert_allclose(response["force"], force, rtol=1e-12)
 
@@ -350,10 +358,10 @@ def test_snapshots_show_the_frame(model) -> None:
     hit = response["shape_x"].sel(member="A0-A1/1").values[-1]
     np.testing.assert_allclose(response["shape_x"].sel(member="A0-A1/2").values[0], hit, atol=1e-9)
     moved = np.interp(at, response["time"], response["displacement"])
-    np.testing.assert_allclose(hit, moved, atol=1e-6)
+    np.testing.assert_allclose(hit, moved, atol=1.2e-9)  # measured: round-off
     used = response["utilisation"].values
     assert used.min() >= 0.0
-    assert used.max() == pytest.approx(1.0, abs=1e-4)
+    assert used.max() == pytest.approx(1.0, abs=1e-8)  # measured: round-off
 
 
 def test_snapshots_of_a_path_are_steps() -> None:
@@ -378,7 +386,7 @@ def test_a_path_that_turns_back_is_seen_where_it_turns() -> None:
     turning = int(np.argmax(displacement > 0.2 - 1e-9))
     assert turning in response["snapshot_at"].values
     seen = response["utilisation"].sel(snapshot=response["snapshot_at"].values == turning)
-    assert float(seen.max()) == pytest.approx(1.0, abs=1e-4)
+    assert float(seen.max()) == pytest.approx(1.0, abs=1e-8)  # measured: round-off
 
 
 def test_a_column_under_pinned_beams_is_a_cantilever() -> None:
@@ -388,7 +396,8 @@ def test_a_column_under_pinned_beams_is_a_cantilever() -> None:
     pinned = replace(beam, joint_start="pinned", joint_end="pinned")
     members = tuple(pinned if member is beam else member for member in frame.members)
     height = frame.node("A1").y
-    for model, tolerance in ((RigidSuperelement(), 0.01), (FlexibleSuperelement(), 0.12)):
+    # measured 4.7e-4 and 0.048
+    for model, tolerance in ((RigidSuperelement(), 9.4e-4), (FlexibleSuperelement(), 0.096)):
         push = FrameStatic(
             "push", replace(frame, members=members), (Load("A1", x=1.0),), "A1", "x", (1e-4,)
         )
@@ -423,7 +432,7 @@ def test_a_weak_joint_whose_axial_force_changes_its_sign() -> None:
         axial = response["axial_force"].sel(hinge="beam:start").values
         assert axial.min() < 0.0 < axial.max()
         forces.append(float(response["force"][-1]))
-    assert forces[0] == pytest.approx(forces[1], rel=0.01)
+    assert forces[0] == pytest.approx(forces[1], rel=3.4e-4)  # measured 1.7e-4
 
 
 def test_a_load_beyond_the_mechanism_is_carried_by_another_shape_and_says_so() -> None:

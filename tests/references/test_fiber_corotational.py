@@ -50,7 +50,7 @@ def test_refinement_hardly_changes_balanced_elements(thesis_impact):
         peak(FiberCorotational(levels=1, element="balanced", refinement=r), scenario)
         for r in (0, 1)
     )
-    assert middle == pytest.approx(coarse, rel=0.005)
+    assert middle == pytest.approx(coarse, rel=2.5e-3)  # measured 0.0012
 
 
 def test_refinement_halves_elements_and_steps(thesis_impact):
@@ -94,7 +94,7 @@ def test_pushover_of_the_thesis_column(thesis_impact, element, early, late):
     assert force[:3] == pytest.approx(STATIC[:3], rel=early)
     assert response["displacement"].values[-1] == pytest.approx(0.3)
     assert "shear-reached" in subjects(response)
-    assert response["shear_utilisation"].values[0] == pytest.approx(1.8, abs=0.05)
+    assert response["shear_utilisation"].values[0] == pytest.approx(1.8, abs=0.04)  # measured 0.018
     assert np.abs(response["balance_error"]).max() < 1e-6 * response["input_energy"]
 
 
@@ -111,7 +111,8 @@ def test_elastic_stiffness(base, head):
             stiffness = 1.0 / (1.0 / stiffness + 4.0 / 4.0 / section.shear_stiffness)
         model = FiberCorotational(levels=1, shear_flexible=sheared)
         response = model.simulate(ColumnPushover("elastic", column, 1e-4))
-        assert response["force"].values[-1] / 1e-4 == pytest.approx(stiffness, rel=1e-4)
+        # measured 2.5e-9
+        assert response["force"].values[-1] / 1e-4 == pytest.approx(stiffness, rel=1e-8)
         assert response.attrs.get("yield_ratio") is None
 
 
@@ -121,14 +122,17 @@ def test_signs_of_the_watched_sections(thesis_impact):
     )
     moment = response["moment"].values[:, -1]
     assert np.all(np.sign(moment) == [1, -1, -1, 1])
-    assert moment[1] == pytest.approx(moment[2], rel=1e-6)  # no moment is applied in between
+    # no moment is applied in between; measured 1.6e-13
+    assert moment[1] == pytest.approx(moment[2], rel=1e-8)
     rotation = response["plastic_rotation"].values[:, -1]
     assert rotation[0] == pytest.approx(0.05 / 0.8, rel=0.12)
-    assert rotation[0] + rotation[1] + rotation[2] + rotation[3] == pytest.approx(0.0, abs=0.005)
+    # measured 2.0e-4
+    assert rotation[0] + rotation[1] + rotation[2] + rotation[3] == pytest.approx(0.0, abs=4.1e-4)
     axial = response["axial_force"].values[:, 0]
     assert axial == pytest.approx(-0.5e6, rel=1e-6)
     assert response["shortening"].values[0] == pytest.approx(
-        0.5e6 * 4.0 / (210e9 * 8.826e-3), rel=1e-3
+        0.5e6 * 4.0 / (210e9 * 8.826e-3),
+        rel=1e-8,  # measured: round-off
     )
 
 
@@ -136,7 +140,8 @@ def test_fixed_head_is_locked_after_the_axial_load():
     column = elastic_column(head="fixed", axial_load=4e5, restraint_stiffness=1e7)
     response = FiberCorotational(levels=1).simulate(ColumnPushover("push", column, 0.1))
     assert np.ptp(response["shortening"].values) == 0.0
-    assert response["axial_force"].values[0, 0] == pytest.approx(-4e5, rel=1e-6)
+    # measured: round-off
+    assert response["axial_force"].values[0, 0] == pytest.approx(-4e5, rel=1e-8)
     assert response["axial_force"].values[0, -1] > 0.0  # catenary
 
 

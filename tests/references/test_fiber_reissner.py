@@ -79,7 +79,8 @@ def test_the_elastic_column_agrees_with_the_corotational_one(thesis_impact, monk
         model = FiberReissner(levels=1, smallest_element=0.2, largest_element=0.2, refinement=k)
         errors.append(force_at(model.simulate(push), 1e-4) / expected - 1.0)
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2.0, atol=0.02)
-    assert abs(errors[-1] - errors[-2]) / 3.0 == pytest.approx(abs(errors[-1]), rel=0.02)
+    # measured 9.1e-4
+    assert abs(errors[-1] - errors[-2]) / 3.0 == pytest.approx(abs(errors[-1]), rel=2e-3)
 
 
 @pytest.mark.parametrize("base", ["clamped", "pinned"])
@@ -167,7 +168,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
         # below 1: the smallest elements alone are halved, those between the hinges keep 0.1 m
         assert order == pytest.approx(0.85, abs=0.07)  # measured 0.82 to 0.89
         limit = peaks[2] + (peaks[2] - peaks[1]) / (2.0 ** np.clip(order, 0.8, 1.2) - 1.0)
-        assert limit == pytest.approx(expected[3], rel=4e-3)
+        assert limit == pytest.approx(expected[3], rel=3.5e-3)  # measured 0.0017
 
 
 def test_peaks_of_the_clamped_column(clamped_impact) -> None:
@@ -263,9 +264,10 @@ def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact)
     )
     early, late = [0.002, 0.004, 0.005], 0.05
     share = force_at(rolled, early) / force_at(plain, early)
-    assert share[0] == pytest.approx(1.0, rel=1e-6)
+    assert share[0] == pytest.approx(1.0, rel=1e-8)  # measured: round-off
     assert np.all((share[1:] > 0.98) & (share[1:] < 0.992))
-    assert force_at(rolled, late) == pytest.approx(force_at(plain, late), rel=2e-3)
+    # measured 7.2e-5
+    assert force_at(rolled, late) == pytest.approx(force_at(plain, late), rel=1.5e-4)
     assert float(rolled["elastic"][0]) > float(plain["elastic"][0])
     parabolic = FiberReissner(
         levels=1, smallest_element=0.05, residual_stress="parabolic"
@@ -301,10 +303,10 @@ def test_steel_options_stiffen_the_column(thesis_impact) -> None:
             "hardly rate": {"rate_sensitive": True, "rate_reference": 1e9, "rate_exponent": 1.0},
         }.items()
     }
-    assert peaks["hardly rate"] == pytest.approx(peaks["plain"], rel=1e-3)
+    assert peaks["hardly rate"] == pytest.approx(peaks["plain"], rel=5e-8)  # measured 2.3e-8
     # monotonic up to the peak: the three hardening laws follow the same line
-    assert peaks["isotropic"] == pytest.approx(peaks["kinematic"], rel=5e-3)
-    assert peaks["smooth"] == pytest.approx(peaks["kinematic"], rel=1e-2)
+    assert peaks["isotropic"] == pytest.approx(peaks["kinematic"], rel=9e-4)  # measured 4.3e-4
+    assert peaks["smooth"] == pytest.approx(peaks["kinematic"], rel=2e-3)  # measured 9.3e-4
     assert peaks["rate"] < 0.7 * peaks["plain"]
     assert peaks["kinematic"] < 0.85 * peaks["plain"]
 

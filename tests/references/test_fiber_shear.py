@@ -78,7 +78,7 @@ def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
             for model in (FiberShear, FiberReissner)
         )
         assert np.all(with_shear < without)
-        np.testing.assert_allclose(with_shear, shearing, rtol=tolerance)
+        np.testing.assert_allclose(with_shear, shearing, rtol=0.42 * tolerance)  # measured 0.21
         np.testing.assert_allclose(without, plain, rtol=tolerance)
         assert np.all(with_shear > 0.97 * without)
 

@@ -127,7 +127,8 @@ def test_equal_sizes_are_options_of_the_models(thesis_frame, kind, expected) -> 
     )
     response = model.simulate(thesis_frame)
     assert response.attrs["elements"] == 164
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1.5e-3)
+    # measured 1.1e-4
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=2.2e-4)
 
 
 def test_options_that_frames_do_not_know_are_refused() -> None:
@@ -156,7 +157,8 @@ def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
     elements, *peaks = UNIFORM[size]
     assert response.attrs["elements"] == elements
     expected = peaks[kind != "fiber-reissner"]
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1.5e-3)
+    # measured 6.4e-4
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=1.3e-3)
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
 
@@ -193,7 +195,7 @@ def test_explicit_steps_give_the_same_peak(thesis_frame) -> None:
         for more in ({"integrator": "explicit"}, {})
     ]
     # implicit steps dissipate a little
-    assert peaks[0] == pytest.approx(peaks[1], rel=1e-2)
+    assert peaks[0] == pytest.approx(peaks[1], rel=3e-4)  # measured 1.4e-4
 
 
 # -- oracles ---------------------------------------------------------------------------------
@@ -270,12 +272,14 @@ def test_joints_agree_with_superelements(kind, joint) -> None:
     at = np.linspace(0.0, 0.1, 21)[1:]
     forces = [np.interp(at, r["displacement"], r["force"]) for r in (fine, hinges)]
     elastic = at < 0.02
-    np.testing.assert_allclose(forces[0][elastic], forces[1][elastic], rtol=0.02)
+    # measured 0.0075
+    np.testing.assert_allclose(forces[0][elastic], forces[1][elastic], rtol=0.016)
     # fibers of the columns still spread where hinges have yielded at once
     assert forces[0][-1] == pytest.approx(forces[1][-1], rel=0.04)
     for name in ("A1-B1:start", "A1-B1:end"):
         moments = [float(r["moment"].sel(hinge=name)[-1]) for r in (fine, hinges)]
-        assert moments[0] == pytest.approx(moments[1], rel=0.03, abs=1.0)
+        # measured 0.0047
+        assert moments[0] == pytest.approx(moments[1], rel=9.4e-3, abs=1.0)
 
 
 def test_joint_moments_keep_their_sign() -> None:
@@ -290,8 +294,10 @@ def test_joint_moments_keep_their_sign() -> None:
     left = 1.0 - abs(compression) / SQUARE.squash_load(push.frame.steel)
     for response, share in ((springs, 1.0), (hinges, left)):
         moment = response["moment"].isel(step=-1)
-        assert float(moment.sel(hinge="A1-B1:start")) == pytest.approx(3e5 * share, rel=1e-4)
-        assert float(moment.sel(hinge="A1-B1:end")) == pytest.approx(-1e5 * share, rel=1e-4)
+        # measured 4.2e-6
+        assert float(moment.sel(hinge="A1-B1:start")) == pytest.approx(3e5 * share, rel=9e-6)
+        # measured 1.5e-5
+        assert float(moment.sel(hinge="A1-B1:end")) == pytest.approx(-1e5 * share, rel=3.1e-5)
 
 
 def test_ground_motion_agrees_with_superelements() -> None:
@@ -321,11 +327,11 @@ def test_snapshots_and_utilisation() -> None:
     at = response["snapshot_at"].values
     hit = response["shape_x"].sel(member="A0-A1/1").values[-1]
     moved = np.interp(at, response["time"], response["displacement"])
-    np.testing.assert_allclose(hit, moved, atol=1e-6)
+    np.testing.assert_allclose(hit, moved, atol=1e-8)  # measured: round-off
     used = response["utilisation"]
     assert float(used.min()) >= 0.0
     # on the exact envelope, but for the layers (0.4 %) and the regularising hardening
-    assert float(used.max()) == pytest.approx(1.0, abs=6e-3)
+    assert float(used.max()) == pytest.approx(1.0, abs=1.7e-4)  # measured 8.0e-5
     assert float(used.isel(snapshot=0).max()) < 1e-3
 
 

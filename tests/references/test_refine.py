@@ -216,7 +216,8 @@ def test_a_drifting_sequence_is_stated_and_regularised(push) -> None:
     said = refinement_warnings(response)
     assert "does not converge" in said[0]
     assert "hardening_ratio = 0.01 converges" in said[1]
-    assert table["hardening times 10"]["input_energy"] == pytest.approx(9e-3 / 55.001, rel=1e-6)
+    # measured 3.0e-13
+    assert table["hardening times 10"]["input_energy"] == pytest.approx(9e-3 / 55.001, rel=1e-8)
     by_itself = Known(growth=1.3).simulate(push)
     assert "does not converge" in refinement_warnings(by_itself)[0]
     assert "regularised" not in answer(by_itself)[1]

@@ -160,12 +160,12 @@ def test_turning_the_column_upside_down_changes_nothing() -> None:
         response = push(column, 0.04)
         forces.append(response["force"].values)
         assert np.ptp(response["shortening"].values) == 0.0
-    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-5, atol=1.0)
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-8, atol=1e-3)
 
 
 def test_restraint_spring_pulls_the_column_into_catenary(middle_push) -> None:
     free, tied = push(replace(MIDDLE, restraint_stiffness=0.0), 0.2), middle_push
-    assert force_at(tied, 0.01) == pytest.approx(force_at(free, 0.01), rel=0.005)
+    assert force_at(tied, 0.01) == pytest.approx(force_at(free, 0.01), rel=7e-5)  # measured 3.4e-5
     assert force_at(tied, 0.2) > 1.2 * force_at(free, 0.2)
     assert float(tied["shortening"][0]) == float(free["shortening"][0]) > 0.0
     assert float(tied["shortening"][-1]) < float(free["shortening"][-1])
@@ -178,8 +178,8 @@ def test_pinned_ends_weaken_the_column() -> None:
     ]
     assert forces[0] > forces[1] > forces[2]
     # mechanism without axial force: 8, 6 and 4 M_p / l; P v takes a little more from the pinned
-    assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.1)
-    assert forces[1] / forces[0] == pytest.approx(0.75, abs=0.1)
+    assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.05)  # measured 0.022
+    assert forces[1] / forces[0] == pytest.approx(0.75, abs=0.041)  # measured 0.02
 
 
 def test_folded_kinks_are_announced(square_push) -> None:

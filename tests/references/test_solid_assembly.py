@@ -73,7 +73,7 @@ def test_mesh_is_finest_at_ends_and_hit_section() -> None:
     hit = int(np.argmin(np.abs(at - 0.8)))
     assert at[hit] == pytest.approx(0.8, abs=1e-12)
     for place in (0, hit - 1, hit, -1):
-        assert sizes[place] == pytest.approx(0.2 / 6.0, rel=0.15)
+        assert sizes[place] == pytest.approx(0.2 / 6.0, rel=0.12)  # measured 0.059
     assert sizes.max() > 2.0 * sizes.min()
 
 
@@ -96,6 +96,7 @@ def test_patch_of_uniform_axial_stress_in_an_i_section() -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     force, stress = forces_under(mesh, turn @ np.diag([1.0 - 0.3 * strain, 1.0 + strain]))
     expected = [0.0, 0.8 * STEEL.yield_stress, 0.0]
+    # Pa, round-off
     np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1.0)
     ends = np.concatenate([*mesh.base, *mesh.head])
     inside = np.setdiff1d(np.arange(mesh.size), ends)
@@ -143,7 +144,8 @@ def test_tangent_of_the_assembly_with_rigid_plates(ends: tuple[str, str]) -> Non
     measured = (case.residual(q + step * direction) - case.residual(q - step * direction)) / (
         2.0 * step
     )
-    np.testing.assert_allclose(measured, exact, atol=2e-7 * np.max(np.abs(exact)))
+    # measured 1.6e-9
+    np.testing.assert_allclose(measured, exact, atol=1e-8 * np.max(np.abs(exact)))
     # symmetric: a . K b = b . K a
     other = random.uniform(-1.0, 1.0, len(q))
     case.residual(q)
@@ -195,7 +197,8 @@ def test_axial_load_shortens_the_column_and_stops_at_the_squash_load() -> None:
     # end plates keep the section from widening: slightly stiffer than the bar
     assert shortening == pytest.approx(0.4 * squash / axial, rel=2e-3)
     assert shortening < 0.4 * squash / axial
-    assert elastic.stored() == pytest.approx(0.5 * 0.4 * squash * shortening, rel=1e-5)
+    # measured 2.9e-6
+    assert elastic.stored() == pytest.approx(0.5 * 0.4 * squash * shortening, rel=6e-6)
     full = assembly_of(case)
     apply_load(full, 0.998 * squash)
     with pytest.raises(SolverError, match="axial load, share"):
@@ -219,4 +222,4 @@ def test_held_unknowns_stay_and_reactions_balance() -> None:
     mesh = case.mesh
     ends = case.force[mesh.base[0]].sum() + case.force[mesh.head[0]].sum()
     assert found.x[case.supports.hit] == 1e-3
-    assert reactions[case.supports.hit] == pytest.approx(-ends, rel=1e-7)
+    assert reactions[case.supports.hit] == pytest.approx(-ends, rel=1e-8)  # measured 1.4e-9

@@ -164,7 +164,7 @@ def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
     limit = SQUEEZED / tall
     just = [np.array([limit * (1.0 + d), 0.0, 0.0, tall]) for d in (1e-9, -1e-9)]
     before, after = (point(F, plastic=point(just[0]).strain).nominal for F in just)
-    np.testing.assert_allclose(after, before, atol=1e-3 * FY)
+    np.testing.assert_allclose(after, before, atol=4e-7 * FY)  # measured 1.9e-7
 
 
 @pytest.mark.parametrize("F", [[-1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 1.0, 0.0], [np.nan, 0, 0, 1]])

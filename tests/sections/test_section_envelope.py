@@ -87,10 +87,10 @@ def test_fit_of_heb_220(section: Section, beta: float) -> None:
 def test_residual_of_the_fit() -> None:
     n, m = PLATES.interaction_envelope()
     error = superellipse(*PLATES.interaction_fit()) - np.hypot(n, m)
-    assert np.sqrt(np.mean(error**2)) == pytest.approx(0.011, abs=5e-4)
+    assert np.sqrt(np.mean(error**2)) == pytest.approx(0.011, abs=7e-5)  # measured 3.1e-5
     assert np.abs(error).max() == pytest.approx(0.028, abs=6e-4)
     equal = least_squares(lambda e: superellipse(e[0], e[0]) - np.hypot(n, m), [1.3]).x[0]
-    assert equal == pytest.approx(1.128, abs=1e-3)
+    assert equal == pytest.approx(1.128, abs=3.3e-4)  # measured 1.6e-4
 
 
 @pytest.mark.parametrize("section", [square(0.2), plate(0.2, 0.01)])

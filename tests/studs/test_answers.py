@@ -77,7 +77,8 @@ def test_formulas_are_judged_by_what_they_have_not_seen() -> None:
 
 def test_the_mechanical_model_fails_one_unseen_test() -> None:
     response = StudMechanical().simulate(UNSEEN)
-    assert number(response, "least_test_over_prediction") == pytest.approx(0.75, abs=0.01)
+    # measured 0.0012
+    assert number(response, "least_test_over_prediction") == pytest.approx(0.75, abs=2.4e-3)
     content = content_of(response)
     assert content["judgement"]["worst"] == "lehigh279 P3"
     assert {curve["specimen"] for curve in content["curves"]} == {"P3", "P8"}
@@ -129,7 +130,8 @@ def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     assert json.loads(fitted.attrs["sampling_uncertainty"])["coverage"] >= 0.25
     published = StudLoadSlip(published=True).simulate(given)
     assert "coverage" not in published
-    assert number(published, "stiffness_test_over_prediction") == pytest.approx(0.75, abs=0.02)
+    # measured 0.0021
+    assert number(published, "stiffness_test_over_prediction") == pytest.approx(0.75, abs=4.3e-3)
     assert number(StudMeasured().simulate(given), "coverage") == 0.9
 
 
@@ -158,7 +160,7 @@ def test_tests_after_pre_damage_flip_the_path(damaged: Maker, tmp_path: Path) ->
     assert after["fit"]["grade"] == Grade.CROSS_VALIDATED
     assert after["validated"] is True
     assert after["fit"]["tests"] == 32
-    assert number(response, "test_over_prediction") == pytest.approx(1.0, abs=0.1)
+    assert number(response, "test_over_prediction") == pytest.approx(1.0, abs=0.09)  # measured 0.04
     assert number(StudMeasured().simulate(given), "test_over_prediction") == 1.0
     synthetic = written(damaged(4, kind="fatigue"), tmp_path / "synthetic.csv")
     given = StudTests("s", "residual-strength", (synthetic,))
@@ -187,7 +189,8 @@ def test_combined_tests_judge_the_interaction_laws(tmp_path: Path) -> None:
     file = written(combined(), tmp_path / "lab.csv")
     given = StudTests("mine", "interaction", (file,), validate=("lab 1",))
     power = StudInteraction("five-thirds").simulate(given)
-    assert number(power, "test_over_prediction") == pytest.approx(1.0, abs=1e-3)
+    # measured: round-off
+    assert number(power, "test_over_prediction") == pytest.approx(1.0, abs=1e-8)
     linear = StudInteraction("linear").simulate(given)
     assert number(linear, "least_test_over_prediction") > 1.05
     assert number(StudMeasured().simulate(given), "test_over_prediction") == 1.0

@@ -33,7 +33,7 @@ SLIPS = np.linspace(0.0, 8e-3, 60)
 
 def test_published_ollgaard() -> None:
     law = OllgaardLaw()
-    assert law.rate == pytest.approx(708.66, rel=1e-4)
+    assert law.rate == pytest.approx(708.66, rel=4.1e-6)  # measured 2.0e-6
     inch = 0.0254
     assert law.ratio(0.2 * inch) == pytest.approx((1.0 - np.exp(-3.6)) ** 0.4)
 
@@ -106,12 +106,12 @@ def test_a_curve_made_by_a_law_is_found_again() -> None:
         assert fit.rms < 2e-3
         assert not fit.near_interpolation
     exact = fit_curve(slip, RationalLaw(6e-3, 8.0, 0.4).ratio(slip), "rational")
-    assert exact.parameters["stiffness_ratio"] == pytest.approx(8.0, rel=0.05)
+    assert exact.parameters["stiffness_ratio"] == pytest.approx(8.0, rel=9e-5)  # measured 4.4e-5
     held = fit_curve(slip, RationalLaw(6e-3, 8.0, 0.4).ratio(slip), "rational",
                      held={"softening": 0.4})  # fmt: skip
     assert held.parameters["softening"] == 0.4
     bilinear = fit_curve(slip, BilinearLaw(2e-3, 0.012).ratio(slip), "bilinear")
-    assert bilinear.parameters["yield_slip"] == pytest.approx(2e-3, rel=1e-3)
+    assert bilinear.parameters["yield_slip"] == pytest.approx(2e-3, rel=1e-8)  # measured: round-off
 
 
 def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
@@ -139,7 +139,7 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
     again = fit_load_slip(repeated, resamples=50)
-    assert again.medians["rate"] == pytest.approx(fit.medians["rate"], rel=1e-6)
+    assert again.medians["rate"] == pytest.approx(fit.medians["rate"], rel=1e-8)  # measured 4.0e-11
     json.dumps(plain(fit.to_dict()), allow_nan=False)
 
 

@@ -113,7 +113,7 @@ def test_small_slip_has_the_stiffness_of_a_beam_on_an_elastic_foundation() -> No
     psi = r - k / (ga * r)
     c = np.linalg.solve(np.array([[1.0, 1.0], psi]), np.array([1.0, 0.0]))
     stiffness = -float((ga * (r - psi) @ c).real)
-    assert step.factor / 1e-7 == pytest.approx(stiffness, rel=0.01)
+    assert step.factor / 1e-7 == pytest.approx(stiffness, rel=2.1e-4)  # measured 1.0e-4
 
 
 def test_weak_concrete_gives_the_two_hinge_mechanism() -> None:
@@ -126,7 +126,7 @@ def test_weak_concrete_gives_the_two_hinge_mechanism() -> None:
     mechanism = sqrt(4.0 * plastic * p)
     assert mechanism < 0.5 * stud.shear_strength
     early, late = np.interp([0.002, 0.008], curve.slip, curve.load) / mechanism
-    assert early == pytest.approx(1.0, abs=0.015)
+    assert early == pytest.approx(1.0, abs=8e-3)  # measured 0.0038
     assert 1.03 < late < 1.08  # later the inclined shank adds a rope force
     assert curve.tension[-1] > 3.0 * float(np.interp(0.002, curve.slip, curve.tension))
 
@@ -134,7 +134,7 @@ def test_weak_concrete_gives_the_two_hinge_mechanism() -> None:
 def test_strong_concrete_gives_the_shear_strength_of_the_shank() -> None:
     stud = Stud(0.019, 0.1, 100e6, 45e9, 450e6, collar_height=0.0)
     curve = push_out(stud, Surroundings(bearing_factor=20.0, friction=0.0))
-    assert curve.strength == pytest.approx(stud.shear_strength, rel=0.02)
+    assert curve.strength == pytest.approx(stud.shear_strength, rel=3e-5)  # measured 1.4e-5
     assert curve.failed
 
 
@@ -142,7 +142,7 @@ def test_weak_cone_and_weak_steel_govern_the_pull_out() -> None:
     structure = StudStructure(STUD, AROUND)
     cone = pull_out(STUD, AROUND)
     assert cone.failure == "cone"
-    assert cone.strength == pytest.approx(structure.cone_strength, rel=0.005)
+    assert cone.strength == pytest.approx(structure.cone_strength, rel=5e-4)  # measured 2.4e-4
     slender = Stud(0.0127, 0.2, 60e6, 36e9, 450e6)
     steel = pull_out(slender, AROUND)
     assert steel.failure == "steel"
@@ -162,8 +162,8 @@ def test_strength_and_stiffness_converge_with_the_mesh() -> None:
 
 def test_fewer_steps_change_little() -> None:
     fine, coarse = push_out(STUD, AROUND), push_out(STUD, AROUND, steps=100)
-    assert coarse.strength == pytest.approx(fine.strength, rel=0.005)
-    assert coarse.secant() == pytest.approx(fine.secant(), rel=0.02)
+    assert coarse.strength == pytest.approx(fine.strength, rel=2.2e-6)  # measured 1.1e-6
+    assert coarse.secant() == pytest.approx(fine.secant(), rel=1.3e-4)  # measured 6.2e-5
 
 
 def test_work_is_stored_or_dissipated() -> None:
@@ -176,7 +176,7 @@ def test_work_is_stored_or_dissipated() -> None:
         dissipated += step.energies.plastic
         stored, last = step.energies.stored, step.factor
         assert step.energies.plastic > -1e-6 * work
-    assert dissipated + stored == pytest.approx(work, rel=0.01)
+    assert dissipated + stored == pytest.approx(work, rel=5.2e-8)  # measured 2.6e-8
     assert dissipated > 0.5 * work
 
 
@@ -207,8 +207,8 @@ def test_a_small_pull_out_leaves_nothing(whole) -> None:
     pulled, after = pull_then_push(STUD, AROUND, 1e-4, steps=120)
     assert pulled.residual_uplift < 2e-5
     assert pulled.damage == 0.0
-    assert after.strength == pytest.approx(whole.strength, rel=0.02)
-    assert after.chord() == pytest.approx(whole.chord(), rel=0.02)
+    assert after.strength == pytest.approx(whole.strength, rel=3.2e-3)  # measured 0.0016
+    assert after.chord() == pytest.approx(whole.chord(), rel=6e-4)  # measured 2.8e-4
 
 
 def test_a_broken_cone_costs_stiffness_by_what_is_assumed_of_it(whole) -> None:
@@ -257,7 +257,8 @@ def test_levels_of_a_pull_out() -> None:
     pulled = pull_out(STUD, AROUND, steps=120)
     fallen = uplift_at(pulled, 1.0, "displacement ratio")
     assert float(np.interp(fallen, pulled.uplift, pulled.load)) == pytest.approx(
-        0.2 * pulled.strength, rel=1e-6
+        0.2 * pulled.strength,
+        rel=1e-8,  # measured: round-off
     )
     assert uplift_at(pulled, 1.0, "load ratio") == pulled.uplift[np.argmax(pulled.load)]
     half = uplift_at(pulled, 0.5, "load ratio")
@@ -289,13 +290,13 @@ def fitted(push_outs: pd.DataFrame) -> MechanicalFit:
 def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
     assert fitted.identity.campaigns == {"provines2019"}
     ratio = fitted.rows["strength_ratio"]
-    assert ratio.mean() == pytest.approx(1.0, abs=0.02)
+    assert ratio.mean() == pytest.approx(1.0, abs=9e-3)  # measured 0.0043
     assert fitted.scatter["strength"] < 0.12
     # the model tells cast in place (66 MPa) from precast (52 MPa) without a parameter for it
     for kind in ("CIP", "PC"):
         own = fitted.rows[fitted.rows["specimen"].str.endswith(kind)]
-        assert own["strength_ratio"].mean() == pytest.approx(1.0, abs=0.03)
-    assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.05)
+        assert own["strength_ratio"].mean() == pytest.approx(1.0, abs=0.015)  # measured 0.0073
+    assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.02)  # measured 0.0093
     assert max(fitted.standard_errors.values()) < 0.2
     json.dumps(plain(fitted.to_dict()), allow_nan=False)
 

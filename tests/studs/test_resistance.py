@@ -22,9 +22,10 @@ AREA = pi * D**2 / 4
 def test_en1994_by_hand() -> None:
     model = SHEAR_MODELS["en1994"]
     # 0.8 x 450 x 283.53 = 102.07 kN; 0.29 x 361 x sqrt(30 x 32000) = 102.58 kN
-    assert model.steel(D, FU) == pytest.approx(102.07e3, rel=1e-4)
+    assert model.steel(D, FU) == pytest.approx(102.07e3, rel=7e-6)  # measured 3.4e-6
     assert model.concrete(D, H, FC, EC) == pytest.approx(102.58e3, rel=1e-4)
-    assert model.resistance(D, H, FC, EC, FU) == pytest.approx(102.07e3, rel=1e-4)
+    # measured 3.4e-6
+    assert model.resistance(D, H, FC, EC, FU) == pytest.approx(102.07e3, rel=7e-6)
 
 
 def test_stocky_studs() -> None:
@@ -65,7 +66,7 @@ def test_regression_agrees_with_its_simplified_form() -> None:
 
 def test_moduli_and_strengths() -> None:
     assert concrete_modulus(25e6) == pytest.approx(23.665e9)
-    assert concrete_modulus(25e6, 2300.0) == pytest.approx(23.715e9, rel=1e-3)
+    assert concrete_modulus(25e6, 2300.0) == pytest.approx(23.715e9, rel=3.3e-5)  # measured 1.6e-5
     assert characteristic_strength(38e6) == pytest.approx(30e6)
 
 

@@ -39,8 +39,8 @@ def test_design_factors_follow_the_probability_0_999(n: float) -> None:
     assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(printed, rel=0.008)
     # the limit quoted as 3.04 belongs to 0.99882, with which the table does not agree
     assert fractile_factor(n, LIMIT_DESIGN) < printed * 0.99
-    assert fractile_factor(inf, LIMIT_DESIGN) == pytest.approx(3.04, abs=0.002)
-    assert fractile_factor(inf, TABLE_DESIGN) == pytest.approx(3.09, abs=0.001)
+    assert fractile_factor(inf, LIMIT_DESIGN) == pytest.approx(3.04, abs=1.5e-3)  # measured 7.4e-4
+    assert fractile_factor(inf, TABLE_DESIGN) == pytest.approx(3.09, abs=5e-4)  # measured 2.3e-4
 
 
 def test_factors_of_the_brief_definition() -> None:

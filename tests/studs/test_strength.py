@@ -93,7 +93,7 @@ def test_predictions_follow_the_fit() -> None:
 def test_d8_inside_the_fit_speaks_of_the_reference_stud() -> None:
     fit = fit_strength(campaigns_of("roik-mean", 6, tau=0.0), "roik-mean", resamples=50)
     assert fit.d8.count == 36
-    assert fit.d8.b == pytest.approx(1.1, abs=0.03)
+    assert fit.d8.b == pytest.approx(1.1, abs=0.016)  # measured 0.0078
     assert fit.d8.r_d < fit.d8.r_k < fit.d8.r_m * fit.d8.b
     assert fit.d8.gamma_m_star == pytest.approx(fit.d8.r_nominal / fit.d8.r_d)
     certain = fit_strength(
@@ -124,7 +124,7 @@ def test_validation_on_other_campaigns_shows_the_error(push_outs: pd.DataFrame) 
     assert len(found.rows) == 2
     assert found.known_campaigns == ()
     assert found.covered is None  # one campaign tells nothing of another
-    assert found.bias == pytest.approx(0.91, abs=0.02)
+    assert found.bias == pytest.approx(0.91, abs=2.1e-4)  # measured 1.0e-4
     half = push_outs[push_outs["specimen"].str.endswith("CIP")]
     other = push_outs[push_outs["specimen"].str.endswith("PC")]
     assert fit_strength(half).judge(other).known_campaigns == ("provines2019",)
@@ -146,7 +146,7 @@ def test_shipped_tests_are_judged_with_their_caveats(push_outs: pd.DataFrame) ->
     assert "two campaigns: nothing tells how much campaigns differ" in text
     # calibrated on this one campaign, a formula would give 1.5 times the Eurocode mean
     only = fit_strength(push_outs[push_outs["campaign"] == "provines2019"], "en1994")
-    assert only.bias == pytest.approx(1.5, abs=0.02)
+    assert only.bias == pytest.approx(1.5, abs=7e-3)  # measured 0.0031
     assert only.fitted.tau.high is None
     content = json.dumps(plain(fit.to_dict()), allow_nan=False)
     assert "new_campaign_factor" in content
@@ -182,7 +182,7 @@ def test_factors_are_recovered_and_refused_without_influence() -> None:
     for name, truth in (("concrete", 0.374), ("steel", 1.0)):
         found = fit.fitted.parameters[name]
         assert found.profile.low < truth < found.profile.high
-        assert found.value == pytest.approx(truth, rel=0.05)
+        assert found.value == pytest.approx(truth, rel=0.03)  # measured 0.014
         assert found.bootstrap is not None
         assert found.bootstrap.low < found.bootstrap.high
     json.dumps(plain(fit.to_dict()), allow_nan=False)

@@ -162,16 +162,16 @@ def test_pull_out_of_the_plane_anchor() -> None:
     rows = shipped("stud-pull-out")
     load_ = rows["tension_kN"]
     assert load_.mean() == pytest.approx(17.9, abs=0.05)
-    assert load_.std() / load_.mean() == pytest.approx(0.08, abs=0.005)
+    assert load_.std() / load_.mean() == pytest.approx(0.08, abs=4.4e-3)  # measured 0.0022
     assert rows["uplift_at_max_mm"].agg(["min", "max"]).tolist() == [0.082, 0.133]
     # EN 1992-4: a cone of 60 mm, 40 mm from the edge, in a block of 80 mm
     cone = 12.7 * np.sqrt(56.8) * 60.0**1.5 / KILO
     predicted = cone * 80.0 / 180.0 * (0.7 + 0.3 * 40.0 / 90.0)
     assert predicted == pytest.approx(16.5, abs=0.05)
-    assert load_.mean() / predicted == pytest.approx(1.09, abs=0.005)
+    assert load_.mean() / predicted == pytest.approx(1.09, abs=3.5e-3)  # measured 0.0017
     area = 2.0 * 80.0 * 60.0 / np.sin(np.radians(35.0))  # mm2, two planes at 35 degrees
     stress = KILO * load_.mean() / area
-    assert stress == pytest.approx(1.07, abs=0.005)
+    assert stress == pytest.approx(1.07, abs=2.6e-3)  # measured 0.0013
     assert stress / 4.42 == pytest.approx(0.25, abs=0.01)
 
 
@@ -185,7 +185,7 @@ def test_retested_beam() -> None:
     assert largest == pytest.approx([210.0, 242.9, 262.9], abs=0.06)
     zero = points[points["load_kN"].abs() < 1.0].groupby("test")["midspan_deflection_this_test_mm"]
     left = zero.max()
-    assert left["B3-T1"] == pytest.approx(22.9, abs=0.05)
+    assert left["B3-T1"] == pytest.approx(22.9, abs=0.04)  # measured 0.02
     assert left["B3-T1"] + left["B3-T2"] == pytest.approx(45.1, abs=0.06)
     deepest = points.groupby("test")["midspan_deflection_this_test_mm"].max()
     ratio = left / deepest
