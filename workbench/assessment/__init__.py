@@ -1,4 +1,4 @@
-"""Comparing responses: metrics, numerical uncertainty, bias and scatter, acceptance gates."""
+"""Comparing responses: metrics and their uncertainty, bias and scatter, acceptance gates."""
 
 from workbench.assessment import curves as curves
 from workbench.assessment import scalars as scalars

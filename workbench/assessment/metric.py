@@ -92,7 +92,10 @@ METRICS: dict[str, Metric] = {}
 
 
 def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Compute], Metric]:
-    """List a function in `METRICS`, by its name and the first sentence of its docstring.
+    """Register a metric in `METRICS`, by the name and first sentence of its function.
+
+    Its module is imported in `assessment/__init__`. Metrics of histories and curves then enter
+    every table of comparisons, those of scalars the gates that name them.
 
     Arguments: those of `Metric`, `more` by name.
     """

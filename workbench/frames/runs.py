@@ -12,7 +12,7 @@ from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
@@ -161,8 +161,9 @@ def _gone_far(record: Record, imposed: bool) -> list[Finding]:
 
 
 def _check_ledger(response: Response, largest_error: float | None) -> None:
-    error = float(np.max(np.abs(response["balance_error"])) / response["input_energy"])
-    if largest_error is not None and error > largest_error:
+    """Refuse an impact or a ground motion whose energy ledger stays open."""
+    error = energy_error(response)
+    if error is not None and largest_error is not None and error > largest_error:
         raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
 
 

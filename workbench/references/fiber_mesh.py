@@ -16,8 +16,10 @@ from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
 from workbench.structures.meshing import graded_lengths, halved
 
-LARGEST_SHARE = 1.0 / 40.0  # of the longest member; travelling hinges pass through inner elements
-LARGEST_IN_DYNAMICS = 0.06  # of the longest member
+LARGEST_SHARE_IN_DYNAMICS = (
+    1.0 / 40.0
+)  # of the longest member; travelling hinges pass through inner elements
+WARNED_IN_DYNAMICS = 0.06  # of the longest member
 MIDDLE = 0.5 + 1e-9  # of a member, seen from its start
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member
 
@@ -33,7 +35,7 @@ class MeshRule(NamedTuple):
     share: float
     depth: float
     growth: float = 1.5
-    static_share: float = LARGEST_SHARE
+    static_share: float = LARGEST_SHARE_IN_DYNAMICS
 
 
 # Sizes before the option `refinement` halves them, by reference and, for co-rotational elements,
@@ -61,12 +63,12 @@ def member_lengths(
     """Element lengths (m) of every member.
 
     Arguments: lengths of the `smallest` element, at both ends of every member, and of the
-    `largest` in m (None: by `rule`); `refinement`, how often all are halved (negative: doubled).
+    `largest` in m (None: by `rule`; a given one ignores its floors); `refinement`, how often all are halved (negative: doubled).
     Where both lengths are given and equal the mesh is uniform. Members that continue each other
     straight on count as one in the length of the longest.
     """
     frame = scenario.frame
-    bound = rule.static_share if isinstance(scenario, FrameStatic) else LARGEST_SHARE
+    bound = rule.static_share if isinstance(scenario, FrameStatic) else LARGEST_SHARE_IN_DYNAMICS
     uniform = smallest is not None and smallest == largest
     largest = largest or bound * _longest(frame)
     wanted = smallest or min(rule.share * _shorter(scenario), largest)
@@ -185,7 +187,7 @@ def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float)
         )
         findings.append(Finding("mesh", text))
     longest = max(float(part.max()) for part in lengths)
-    limit = LARGEST_IN_DYNAMICS * _longest(frame)
+    limit = WARNED_IN_DYNAMICS * _longest(frame)
     if not isinstance(scenario, FrameStatic) and longest > limit:
         text = (
             f"elements of {longest:.3g} m inside the members are too long for travelling plastic "

@@ -1,4 +1,7 @@
-"""What histories imply: peak, residual, contact force, impulse, and the balance of energies."""
+"""What histories imply: peak, residual, contact force, impulse, and the energy ledger.
+
+The ledger is closed in `balance_error`; a model that sums in an order of its own gives it itself.
+"""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""A column seen as a frame."""
+"""A column seen as a frame of two members, the only way in which models of frames see one."""
 
 from dataclasses import replace
 

@@ -1,4 +1,6 @@
-"""Fit of a strength formula to tests: bias, trends, scatter within and between campaigns.
+"""Fit of a given strength formula to tests: bias, trends, scatter within and between campaigns.
+
+The factors of the formula itself are fitted in `factors_fit`.
 
 The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum c_k ln(x_k / x_k0)
 + u_campaign + e. So b is the median ratio, c_k an exponent that the formula misses in variable x_k.
