@@ -63,8 +63,8 @@ def member_lengths(
     """Element lengths (m) of every member.
 
     Arguments: lengths of the `smallest` element, at both ends of every member, and of the
-    `largest` in m (None: by `rule`; a given one ignores its floors); `refinement`, how often all are halved (negative: doubled).
-    Where both lengths are given and equal the mesh is uniform. Members that continue each other
+    `largest` in m (None: by `rule`; a given one ignores its floors); `refinement`, how often all
+    are halved (negative: doubled). Where both lengths are given and equal the mesh is uniform. Members that continue each other
     straight on count as one in the length of the longest.
     """
     frame = scenario.frame
