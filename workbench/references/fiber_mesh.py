@@ -64,8 +64,8 @@ def member_lengths(
 
     Arguments: lengths of the `smallest` element, at both ends of every member, and of the
     `largest` in m (None: by `rule`; a given one ignores its floors); `refinement`, how often all
-    are halved (negative: doubled). Where both lengths are given and equal the mesh is uniform. Members that continue each other
-    straight on count as one in the length of the longest.
+    are halved (negative: doubled). Where both lengths are given and equal the mesh is uniform.
+    Members that continue each other straight on count as one in the length of the longest.
     """
     frame = scenario.frame
     bound = rule.static_share if isinstance(scenario, FrameStatic) else LARGEST_SHARE_IN_DYNAMICS
