@@ -469,10 +469,11 @@ def test_a_pinned_head_that_cannot_move_becomes_the_base() -> None:
     assert (column.length_below, column.length_above) == (HEIGHT - AT, AT)
 
 
-def test_any_frame_gives_a_column_or_a_reason() -> None:
+@pytest.mark.parametrize("examples", [15, pytest.param(25, marks=pytest.mark.slow)])
+def test_any_frame_gives_a_column_or_a_reason(examples: int) -> None:
     answers = Answers()
 
-    @settings(max_examples=25)
+    @settings(max_examples=examples)
     @given(
         bays=st.lists(st.floats(2.0, 9.0), min_size=1, max_size=3),
         storeys=st.lists(st.floats(2.5, 6.0), min_size=1, max_size=3),

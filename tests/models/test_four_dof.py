@@ -173,10 +173,11 @@ def impacts(draw: st.DrawFn) -> ColumnImpact:
     return ColumnImpact("random", replace(column, axial_load=load), striker, 0.06)
 
 
-def test_random_scenarios_conserve_energy_or_end_in_a_typed_outcome() -> None:
+@pytest.mark.parametrize("examples", [100, pytest.param(250, marks=pytest.mark.slow)])
+def test_random_scenarios_conserve_energy_or_end_in_a_typed_outcome(examples: int) -> None:
     answers, model = Answers(), FourDof()
 
-    @settings(max_examples=250)
+    @settings(max_examples=examples)
     @given(impacts())
     def check(impact: ColumnImpact) -> None:
         response = model.simulate(impact)

@@ -270,10 +270,11 @@ def test_restitution_is_first_order_and_resolved_by_the_default_step(thesis_impa
 # ---------------------------------------------------------------- ledger and conformance
 
 
-def test_energy_is_kept_or_the_outcome_says_why() -> None:
+@pytest.mark.parametrize("examples", [50, pytest.param(120, marks=pytest.mark.slow)])
+def test_energy_is_kept_or_the_outcome_says_why(examples: int) -> None:
     answers = Answers()
 
-    @settings(max_examples=120)
+    @settings(max_examples=examples)
     @given(
         section=st.sampled_from(["IPE 80", "IPE 300", "HEA 100", "HEB 220", "HEB 600"]),
         length=st.floats(1.5, 12.0),

@@ -36,9 +36,16 @@ def elastic_column(**options) -> Column:
     return Column(find("HEB 220"), 2.0, 2.0, **options)
 
 
-@pytest.mark.parametrize("velocity", CONVERGED)
-def test_default_answer_for_the_thesis_column(thesis_impact, velocity):
-    scenario = replace(thesis_impact.at_velocity(velocity), duration=0.04)
+@pytest.mark.parametrize(
+    ("velocity", "duration"),
+    [
+        (10.0, 0.024),
+        pytest.param(15.0, 0.032, marks=pytest.mark.slow),
+        pytest.param(20.0, 0.04, marks=pytest.mark.slow),
+    ],
+)
+def test_default_answer_for_the_thesis_column(thesis_impact, velocity, duration):
+    scenario = replace(thesis_impact.at_velocity(velocity), duration=duration)
     assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(
         CONVERGED[velocity], rel=0.012
     )
