@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -33,8 +34,12 @@ KERNELS = (
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Compile kernels into the cache before workers start, each of which would compile them all."""
+    """Compile kernels into the cache before workers start, each of which would compile them all.
+
+    Bytecode is kept as kernels are, whatever the environment says: tests start many processes.
+    """
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         script = str(Path(__file__).with_name("compile_kernels.py"))
         started = [subprocess.Popen([sys.executable, script, *names]) for names in KERNELS]
         for process in started:

@@ -107,7 +107,10 @@ class Text(Rule):
             return False
         if len(value.strip()) < self.shortest:
             return False
-        line = not any(unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value)
+        # what is printable holds none of them, and is known at once
+        line = value.isprintable() or not any(
+            unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in value
+        )
         return line and not (self.label and (":" in value or value != value.strip()))
 
 
