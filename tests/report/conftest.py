@@ -2,33 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from builders import made_once
 from synthetic_frames import frame_study
-from synthetic_study import small_study, store_of, sweep_study
+from synthetic_study import shared_store_of, small_study, sweep_study
 
 from workbench.report.stored import Stored
+from workbench.study import Study
 
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory) -> Stored:
-    return store_of(small_study(), tmp_path_factory.mktemp("small"))
+    return shared_store_of(small_study(), tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def sweep(tmp_path_factory) -> Stored:
-    return store_of(sweep_study(), tmp_path_factory.mktemp("sweep"))
+    return shared_store_of(sweep_study(), tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def frames(tmp_path_factory) -> Stored:
-    return store_of(frame_study(), tmp_path_factory.mktemp("frames"))
+    return shared_store_of(frame_study(), tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def film_study(frames) -> Study:
+    """The study of frames with its animation as the only figure."""
+    films = tuple(figure for figure in frames.study.figures if figure.kind == "animation")
+    return replace(frames.study, figures=films)
+
+
+@pytest.fixture(scope="session")
+def film_report(frames, film_study, tmp_path_factory) -> dict[str, Path]:
+    from workbench.report.build import build_report
+
+    out = made_once(
+        tmp_path_factory, "film", lambda out: build_report(frames.directory, film_study, out=out)
+    )
+    return paths_of(out)
 
 
 @pytest.fixture(scope="session")
 def built(small, tmp_path_factory) -> dict[str, Path]:
     from workbench.report.build import build_report
 
-    out = tmp_path_factory.mktemp("report")
-    return build_report(small.directory, small.study, out=out)
+    out = made_once(
+        tmp_path_factory, "report", lambda out: build_report(small.directory, small.study, out=out)
+    )
+    return paths_of(out)
+
+
+def paths_of(out: Path) -> dict[str, Path]:
+    return {"html": out / "report.html", "pdf": out / "report.pdf", "figures": out / "figures"}

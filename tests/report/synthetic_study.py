@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+import pytest
+from builders import made_once
 
 from workbench.assessment import Gate
 from workbench.errors import SolverError
@@ -249,3 +251,9 @@ def store_of(study: Study, root: Path) -> Stored:
     directory = run_study(study, root, jobs=0).directory
     assess(study, root)
     return Stored(directory, study)
+
+
+def shared_store_of(study: Study, factory: pytest.TempPathFactory) -> Stored:
+    """The same, run by one of the processes that test."""
+    root = made_once(factory, study.name, lambda directory: store_of(study, directory))
+    return Stored(root / study.name, study)

@@ -235,12 +235,9 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
     assert pages_of(4, 160.0) == 4
 
 
-def test_the_whole_report_repeats(frames, tmp_path):
-    film = next(figure for figure in frames.study.figures if figure.kind == "animation")
-    study = replace(frames.study, figures=(film,))  # still pictures repeat in other reports
-    one, two = (
-        build_report(frames.directory, study, out=tmp_path / name) for name in ("one", "two")
-    )
+def test_the_whole_report_repeats(frames, film_study, film_report, tmp_path):
+    """With the film alone: still pictures repeat in other reports."""
+    one, two = film_report, build_report(frames.directory, film_study, out=tmp_path)
     for name in ("html", "pdf"):
         assert one[name].read_bytes() == two[name].read_bytes()
     html = one["html"].read_text(encoding="utf-8")

@@ -19,7 +19,6 @@ from test_report_figures import request
 
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.report.build import build_report
 from workbench.report.drawing.multiples import YIELDING, YIELDS, colour_of, hinge_places
 from workbench.report.drawing.shapes import Shapes, magnification, shapes_of
 from workbench.report.figures import draw
@@ -261,17 +260,14 @@ def test_films_of_large_frames_stay_small_and_say_so(tmp_path):
     assert any("stored snapshots is shown" in text for text in drawing.statements)
 
 
-def test_the_animation_of_the_report(frames, tmp_path):
-    film_only = tuple(figure for figure in frames.study.figures if figure.kind == "animation")
-    study = replace(frames.study, figures=film_only)
-    written = build_report(frames.directory, study, formats=("html",), out=tmp_path)
-    html = written["html"].read_text(encoding="utf-8")
+def test_the_animation_of_the_report(frames, film_report):
+    html = film_report["html"].read_text(encoding="utf-8")
     assert html.count('<div class="film">') == 1
     assert "flexible <b>" not in html
     assert "prefers-reduced-motion: reduce" in html
     assert re.search(r"@media print \{.*\.film-controls \{ display: none; \}", html, re.DOTALL)
-    still = (written["figures"] / "film.svg").read_text(encoding="utf-8")
+    still = (film_report["figures"] / "film.svg").read_text(encoding="utf-8")
     assert still.startswith("<svg")  # the four pictures of the PDF
-    drawing = draw(request(frames, "animation", cases=[study.cases[0]], labels=["rigid"]))
+    drawing = draw(request(frames, "animation", cases=[frames.study.cases[0]], labels=["rigid"]))
     titles = [panel.get_title(loc="left").partition(":")[0] for panel in drawing.canvas.axes]
     assert titles[:4] == ["start", "half-way", "peak", "end"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from synthetic_study import store_of
+from synthetic_study import shared_store_of, store_of
 
 from workbench.assessment import Gate
 from workbench.content.bibliography import bibliography
@@ -31,7 +31,7 @@ GRADE = "mechanical prediction, not validated by tests after pre-damage"
 @pytest.fixture(scope="module")
 def studs(tmp_path_factory) -> Stored:
     """The quick form of the study, run in this process."""
-    return store_of(load_study(str(STUDY)).study.quickened(), tmp_path_factory.mktemp("studs"))
+    return shared_store_of(load_study(str(STUDY)).study.quickened(), tmp_path_factory)
 
 
 def drawn(stored: Stored, key: str):
