@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
 
 from workbench.models.base import Model
 from workbench.responses import Outcome, Response, outcome_of
@@ -56,6 +63,25 @@ def absorbed(
     if softening * v > resistance:
         v = resistance / softening
     return (resistance - 0.5 * softening * v) * v
+
+
+def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
+    """A directory that the first process of a test run lets `make` fill; the others read it."""
+    root = factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent
+    directory, done = root / f"shared-{name}", root / f"shared-{name}.done"
+    with (root / f"shared-{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not done.exists():
+            make(directory)
+            done.touch()
+    return directory
+
+
+def examples(many: int) -> settings:
+    """So many random examples in the long runs (--run-slow), in proportion to them otherwise."""
+    return settings(max_examples=many * settings().max_examples // 100)
 
 
 @dataclass

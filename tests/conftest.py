@@ -22,7 +22,9 @@ settings.register_profile(
     derandomize=True,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
+    max_examples=50,
 )
+settings.register_profile("long", settings.get_profile("repeatable"), max_examples=100)
 settings.load_profile("repeatable")
 
 
@@ -38,6 +40,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
     Bytecode is kept as kernels are, whatever the environment says: tests start many processes.
     """
+    if config.getoption("--run-slow"):
+        settings.load_profile("long")
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
         script = str(Path(__file__).with_name("compile_kernels.py"))

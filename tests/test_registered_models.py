@@ -46,6 +46,7 @@ OPTIONS = {
     "fiber-corotational": {**COARSE, "refinement": -1},
     "fiber-reissner": COARSE,
     "fiber-shear": COARSE,
+    "solid-plane-stress": {"refinement": -1},
     "published": {"dataset": "heng2017-figure-5-9", "series": "4-DOF nonlinear yield surface"},
 }
 # external work by trapezoids over few, large load steps: second order in the step

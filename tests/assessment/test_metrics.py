@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.assessment import METRICS, Metric, Scope, Swap
@@ -37,7 +38,7 @@ factors = st.sampled_from([1e-9, 1e-3, 0.5, 7.0, 1e6, 1e9])
 
 
 @metrics
-@settings(max_examples=25)
+@examples(25)
 @given(seed=seeds)
 def test_equal_inputs_give_the_perfect_value(metric, seed):
     one = response(metric, seed)
@@ -45,7 +46,7 @@ def test_equal_inputs_give_the_perfect_value(metric, seed):
 
 
 @metrics
-@settings(max_examples=25)
+@examples(25)
 @given(seed=seeds, factor=factors)
 def test_a_change_of_unit_scales_as_declared(metric, seed, factor):
     quantity = QUANTITY[metric.scope]
@@ -55,7 +56,7 @@ def test_a_change_of_unit_scales_as_declared(metric, seed, factor):
 
 
 @metrics
-@settings(max_examples=25)
+@examples(25)
 @given(seed=seeds, factor=factors)
 def test_the_unit_of_the_abscissa_does_not_matter(metric, seed, factor):
     quantity = QUANTITY[metric.scope]
@@ -67,7 +68,7 @@ def test_the_unit_of_the_abscissa_does_not_matter(metric, seed, factor):
 
 
 @metrics
-@settings(max_examples=40)
+@examples(40)
 @given(seed=seeds, factor=st.sampled_from([-1.0, 1e-6, 1.0, 1e3]))
 def test_values_stay_in_the_declared_range(metric, seed, factor):
     one, other = response(metric, seed, factor), response(metric, seed + 1)
@@ -81,7 +82,7 @@ def test_values_stay_in_the_declared_range(metric, seed, factor):
 
 
 @metrics
-@settings(max_examples=25)
+@examples(25)
 @given(seed=seeds)
 def test_swapping_sides_does_what_is_declared(metric, seed):
     quantity = QUANTITY[metric.scope]

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
@@ -73,7 +74,7 @@ def mapped(surface: YieldSurface, trial: np.ndarray):
     return hinge.return_mapping(trial / stiffness, np.zeros_like(trial)), stiffness
 
 
-@settings(max_examples=400)
+@examples(400)
 @given(trials())
 def test_forces_are_admissible_and_dissipation_is_not_negative(case) -> None:
     surface, trial = case
@@ -88,7 +89,7 @@ def test_forces_are_admissible_and_dissipation_is_not_negative(case) -> None:
     np.testing.assert_allclose(rebuilt, update.forces, atol=4e-16 * np.max(np.abs(trial)))
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(trials())
 def test_projection_is_the_minimiser_found_by_brute_force(case) -> None:
     surface, trial = case
@@ -110,7 +111,7 @@ def test_projection_is_the_minimiser_found_by_brute_force(case) -> None:
     assert mine <= found + 1e-12 * scale
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(trials())
 def test_tangent_is_symmetric_and_equals_finite_differences(case) -> None:
     surface, trial = case

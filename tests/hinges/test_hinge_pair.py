@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.hinges import GeneralizedHinge, YieldSurface, kernels, pair_kernels
@@ -91,7 +92,7 @@ def pairs(draw: st.DrawFn) -> tuple[Pair, np.ndarray]:
     return pair, pair.matrix @ trial
 
 
-@settings(max_examples=600)
+@examples(600)
 @given(pairs(), st.integers(0, 1000))
 def test_forces_are_admissible_and_flow_is_normal(case, seed) -> None:
     """Variational inequality (P - Q) . flow <= 0 for all admissible P, in each hinge by itself."""
@@ -114,7 +115,7 @@ def test_forces_are_admissible_and_flow_is_normal(case, seed) -> None:
         assert works.max() <= 2e-14 * scale + 1e-14 * abs(state) @ abs(increment)
 
 
-@settings(max_examples=400)
+@examples(400)
 @given(pairs())
 def test_tangent_is_symmetric_semi_definite_and_the_derivative(case) -> None:
     pair, elastic = case
@@ -143,7 +144,7 @@ def test_tangent_is_symmetric_semi_definite_and_the_derivative(case) -> None:
         assert slopes[0] / scale[j] == pytest.approx(tangent[j] / scale[j], abs=1e-7)
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     st.sampled_from([1.0, 1.3, 2.0, 4.5]),
     st.sampled_from([1.0, 1.3, 2.0, 4.5]),

@@ -7,7 +7,7 @@ from math import acos, pi, sqrt
 
 import numpy as np
 import pytest
-from builders import Answers, absorbed
+from builders import Answers, absorbed, examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -79,7 +79,7 @@ def test_reverse_yielding_flows_at_the_force_last_reached() -> None:
     assert elastic[4] == pytest.approx(0.5 * top**2 / k)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(
     shape=st.sampled_from(RESISTANCES),
     turns=st.lists(st.floats(-0.1, 0.6), min_size=1, max_size=6),

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from builders import examples
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from workbench.errors import OutOfDomainError
@@ -291,7 +292,7 @@ def test_resistance_without_restraint_is_lost_where_the_load_tips_over() -> None
 
 
 @example(seed=1203, shape="analytic", share=0.125)  # lost, and regained in tension
-@settings(max_examples=150)
+@examples(150)
 @given(seed=st.integers(0, 10_000), shape=st.sampled_from(RESISTANCES), share=st.floats(1e-6, 3.0))
 def test_displacement_at_inverts_the_work(seed: int, shape: str, share: float) -> None:
     mechanism = random_mechanism(np.random.default_rng(seed))
@@ -302,7 +303,7 @@ def test_displacement_at_inverts_the_work(seed: int, shape: str, share: float) -
     assert curve.displacement_at(float(curve.work(v))) == pytest.approx(v, rel=1e-8)
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(seed=st.integers(0, 10_000), shape=st.sampled_from(RESISTANCES), share=st.floats(0.0, 1.0))
 def test_unloading_never_returns_more_than_was_put_in(seed: int, shape: str, share: float) -> None:
     mechanism = random_mechanism(np.random.default_rng(seed))

@@ -171,11 +171,13 @@ def test_restraint_spring_pulls_the_column_into_catenary(middle_push) -> None:
     assert float(tied["shortening"][-1]) < float(free["shortening"][-1])
 
 
-def test_pinned_ends_weaken_the_column() -> None:
-    forces = [
+def test_pinned_ends_weaken_the_column(middle_push) -> None:
+    assert (MIDDLE.base, MIDDLE.head) == ("clamped", "guided")
+    others = [
         force_at(push(replace(MIDDLE, base=base, head=head), 0.05), 0.05)
-        for base, head in (("clamped", "guided"), ("pinned", "guided"), ("pinned", "pinned"))
+        for base, head in (("pinned", "guided"), ("pinned", "pinned"))
     ]
+    forces = [force_at(middle_push, 0.05), *others]
     assert forces[0] > forces[1] > forces[2]
     # mechanism without axial force: 8, 6 and 4 M_p / l; P v takes a little more from the pinned
     assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.05)  # measured 0.022
@@ -197,7 +199,7 @@ def test_folded_kinks_are_announced(square_push) -> None:
 def test_keeps_the_contract_of_models() -> None:
     short = ColumnPushover("short", THESIS, 0.01)
     elastic = ColumnPushover("elastic", replace(THESIS, axial_load=0.0), 1e-4)
-    model = SolidPlaneStress(levels=1, step=2.5e-4)
+    model = SolidPlaneStress(levels=1, step=2.5e-4, refinement=-1)  # on any mesh
     check_model(model, [short, elastic], energy_tolerance=2e-5)
 
 

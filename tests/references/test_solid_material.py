@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import polar
@@ -101,7 +102,7 @@ def test_strain_is_that_of_the_polar_decomposition() -> None:
         np.testing.assert_allclose(point(F).strain, expected, atol=2e-15)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.integers(0, 10_000), st.floats(-3.1, 3.1))
 def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
     F, plastic = state(seed)
@@ -112,7 +113,7 @@ def test_nominal_stress_turns_with_the_body(seed: int, angle: float) -> None:
     )
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3), st.floats(0.0, 0.05))
 def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H: float) -> None:
     old, steel = State(np.zeros(3), np.float64(0.0), np.zeros(3)), SolidSteel(E, NU, FY, H * E)

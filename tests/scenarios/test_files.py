@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.datafiles import data_directory
@@ -82,7 +83,7 @@ def scenarios(draw: st.DrawFn) -> ColumnImpact | ColumnPushover:
     return ColumnImpact("hit", column, striker, draw(st.floats(1e-3, 1.0)))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(scenarios())
 def test_canonical_toml_reads_back_as_an_equal_scenario(scenario) -> None:
     again = scenario_from(tomllib.loads(to_toml(scenario)))

@@ -9,7 +9,8 @@ from math import hypot
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
@@ -95,7 +96,7 @@ def test_the_thesis_frame_has_64_m_of_members() -> None:
     assert len(frame.members) == 18
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(
     st.sampled_from([find("IPE 300"), find("HEM 200"), square(0.15)]),
     st.booleans(),
@@ -117,7 +118,7 @@ def test_properties_are_those_of_a_column(section, fillets, geometry, strengths,
     assert frame.strength_section("m") == column.strength_section
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.data())
 def test_supports_are_refused_exactly_where_the_stiffness_is_singular(data) -> None:
     supports = [data.draw(st.sampled_from(list(HELD))) for _ in range(3)]
@@ -182,7 +183,7 @@ def test_a_clamp_holds_nothing_through_a_pin() -> None:
         Frame(nodes, (pinned,))
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(st.floats(0.02, 4.98), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
 def test_a_split_keeps_the_member(at, x, y) -> None:
     nodes = (Node("a", x, y, "clamped"), Node("b", x + 3.0, y + 4.0))

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.cli import run
@@ -227,7 +228,7 @@ def scenarios(draw: st.DrawFn) -> FrameStatic | FrameImpact | FrameGroundMotion:
     return FrameGroundMotion("shake", frame, tuple(record), 0.01, node, "y", damping=damping)
 
 
-@settings(max_examples=80)
+@examples(80)
 @given(scenarios())
 def test_canonical_toml_reads_back_as_an_equal_scenario(scenario) -> None:
     again = scenario_from(tomllib.loads(to_toml(scenario)))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import tomllib
 
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.scenarios import (
@@ -49,7 +50,7 @@ def columns(draw: st.DrawFn) -> Column:
     )
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(columns())
 def test_a_column_stands_on_its_base(column: Column) -> None:
     frame = frame_of(column)
@@ -79,7 +80,7 @@ def test_a_column_stands_on_its_base(column: Column) -> None:
     assert mass == pytest.approx(whole.mass_per_length * column.length, rel=1e-12)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(columns(), st.floats(0.01, 0.5), st.floats(0.0, 1.0))
 def test_what_happens_to_a_column_happens_to_its_frame(column, displacement, restitution) -> None:
     push = frame_scenario(ColumnPushover("push", column, displacement))

@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 import tomli_w
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.cli import main
@@ -166,7 +167,7 @@ def test_the_tables_that_are_disturbed_are_good_and_complete(name: str) -> None:
             assert first.keys() <= given_first.keys()
 
 
-@settings(max_examples=800)
+@examples(800)
 @given(st.sampled_from(PLACES), VALUES)
 def test_any_value_at_any_key_of_any_scenario(where: tuple[str, tuple[Any, ...]], value) -> None:
     name, place = where
@@ -182,7 +183,7 @@ def test_every_key_meets_every_awkward_value(name: str, place: tuple[Any, ...]) 
     assert answered < 10
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(st.sampled_from(PLACES), st.text(max_size=20), VALUES)
 def test_unknown_keys_are_refused(where, key: str, value) -> None:
     name, place = where
@@ -197,7 +198,7 @@ MODELS = {name: model_kind(name) for name in model_names()}
 OPTIONS = [(name, field.name) for name in MODELS for field in dataclasses.fields(MODELS[name])]
 
 
-@settings(max_examples=400)
+@examples(400)
 @given(st.sampled_from(OPTIONS), VALUES)
 def test_any_value_of_any_option_of_any_model(option: tuple[str, str], value) -> None:
     model, name = option
@@ -210,7 +211,7 @@ def test_every_option_meets_every_awkward_value(model: str, name: str) -> None:
         attempt(with_options, MODELS[model], {name: value})
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     st.sampled_from(PLACES),
     st.one_of(

@@ -5,7 +5,8 @@ import tomllib
 import numpy as np
 import pytest
 import tomli_w
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.sections import (
@@ -70,7 +71,7 @@ def superellipse(alpha: float, beta: float) -> np.ndarray:
     return np.interp(ANGLES, np.arctan2(n, m), np.hypot(n, m))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(sections())
 def test_random_shapes_against_brute_force(section: Section) -> None:
     found = (section.area, section.second_moment, section.plastic_section_modulus)
@@ -79,7 +80,7 @@ def test_random_shapes_against_brute_force(section: Section) -> None:
     assert found == pytest.approx(brute_force(section, slices), rel=1e-4 + 8 * jumps / slices)
 
 
-@settings(max_examples=100)
+@examples(100)
 @given(sections())
 def test_fibers_of_random_shapes(section: Section) -> None:
     errors = []
@@ -93,7 +94,7 @@ def test_fibers_of_random_shapes(section: Section) -> None:
     assert 0.0 < errors[1] < errors[0] / 20.0
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(sections())
 def test_envelope_is_monotone_convex_and_between_the_bounds(section: Section) -> None:
     n, m = section.interaction_envelope(181)
@@ -107,7 +108,7 @@ def test_envelope_is_monotone_convex_and_between_the_bounds(section: Section) ->
     assert np.arctan2(n, m) == pytest.approx(ANGLES, abs=1e-9)
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(sections())
 def test_no_neighbour_fits_better(section: Section) -> None:
     n, m = section.interaction_envelope()
@@ -121,7 +122,7 @@ def test_no_neighbour_fits_better(section: Section) -> None:
         assert np.sum((trial - radius) ** 2) >= best - 1e-7
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(sections())
 def test_round_trip_through_toml(section: Section) -> None:
     text = tomli_w.dumps({"section": section.to_toml()})

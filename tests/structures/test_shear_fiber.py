@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from section_cases import stress_path
 
@@ -22,7 +23,7 @@ def equivalent(sigma: float, tau: float) -> float:
 
 
 @given(eps=STRAIN, gamma=STRAIN, eps_p=STRAIN, gamma_p=STRAIN, ratio=st.sampled_from([0.0, 1e-6]))
-@settings(max_examples=200)
+@examples(200)
 def test_stress_is_on_the_ellipse_and_flow_is_the_most_dissipative(
     eps, gamma, eps_p, gamma_p, ratio
 ) -> None:
@@ -37,7 +38,7 @@ def test_stress_is_on_the_ellipse_and_flow_is_the_most_dissipative(
 
 
 @given(eps=STRAIN, gamma=STRAIN, eps_p=STRAIN, gamma_p=STRAIN, ratio=st.sampled_from([0.0, 1e-2]))
-@settings(max_examples=200)
+@examples(200)
 def test_tangent_is_the_derivative(eps, gamma, eps_p, gamma_p, ratio) -> None:
     def stress(e: float, g: float) -> np.ndarray:
         return np.array(sheared(E, G, ratio * E, FY, e, g, eps_p, gamma_p))

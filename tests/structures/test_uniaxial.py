@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from builders import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from section_cases import stress_path
 
@@ -52,7 +53,7 @@ def test_hardening_line_and_range_after_reversal(kinematic, isotropic) -> None:
     law=st.sampled_from(LAWS),
     strains=st.lists(st.floats(-12.0, 12.0), min_size=1, max_size=6),
 )
-@settings(max_examples=150)
+@examples(150)
 def test_tangent_is_the_derivative_of_the_stress(law, strains) -> None:
     path = YIELD * np.array(strains)
     h = 1e-7 * YIELD
@@ -65,7 +66,7 @@ def test_tangent_is_the_derivative_of_the_stress(law, strains) -> None:
 
 
 @given(strains=st.lists(st.floats(-30.0, 30.0), min_size=2, max_size=12))
-@settings(max_examples=100)
+@examples(100)
 def test_plastic_work_is_never_negative(strains) -> None:
     path = YIELD * np.array([0.0, *strains])
     for law in LAWS[:4]:
