@@ -5,6 +5,8 @@ from math import sqrt
 
 from workbench.fields import Declared, Number, checked
 
+POISSON_RATIO = 0.3
+
 
 @dataclass(frozen=True)
 class Steel(Declared, table="steel"):
@@ -28,3 +30,8 @@ class Steel(Declared, table="steel"):
     def shear_yield_stress(self) -> float:
         """Von Mises yield stress in pure shear, fy / sqrt(3), in Pa (EN 1993-1-1, 6.2.6)."""
         return self.yield_stress / sqrt(3.0)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus with Poisson's ratio 0.3, in Pa."""
+        return self.elastic_modulus / (2.0 * (1.0 + POISSON_RATIO))

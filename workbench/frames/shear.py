@@ -8,20 +8,14 @@ from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
 
-POISSON_RATIO = 0.3
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
 SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
-
-
-def shear_modulus(steel: Steel) -> float:
-    """Shear modulus of steel, in Pa."""
-    return steel.elastic_modulus / (2.0 * (1.0 + POISSON_RATIO))
 
 
 def shear_stiffness(section: Section, steel: Steel) -> float:
     """Elastic shear stiffness of a section in N: G A_v, with 5/6 of A for a rectangle."""
     share = 5.0 / 6.0 if isinstance(section.shape, Rectangle) else 1.0
-    return share * shear_modulus(steel) * section.shear_area
+    return share * steel.shear_modulus * section.shear_area
 
 
 def shear_bound(section: Section) -> float:

@@ -7,7 +7,6 @@ solid sections) that yield under normal and shear stress together, sigma^2 + 3 t
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.frames.shear import shear_modulus
 from workbench.materials import Steel
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
@@ -54,4 +53,4 @@ class FiberShear(ExactBeams):
     def law(self, steel: Steel) -> ShearYielding:
         """Fibers along the shear force yield under sigma^2 + 3 tau^2."""
         modulus, hardening = steel.elastic_modulus, self.hardening_ratio * steel.elastic_modulus
-        return ShearYielding(modulus, shear_modulus(steel), steel.yield_stress, hardening)
+        return ShearYielding(modulus, steel.shear_modulus, steel.yield_stress, hardening)

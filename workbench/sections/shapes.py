@@ -23,14 +23,14 @@ class Shape(Declared, table="section"):
     width: float
 
     @property
-    def _plates(self) -> tuple[float, float]:
+    def plates(self) -> tuple[float, float]:
         """Thickness (m) of what stands upright and of what lies across its end."""
         raise NotImplementedError
 
     @property
     def shear_area(self) -> float:
         """Area of what stands upright, between the centre lines of what lies across, in m2."""
-        upright, across = self._plates
+        upright, across = self.plates
         return upright * (self.height - across)
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
@@ -38,7 +38,7 @@ class Shape(Declared, table="section"):
 
         Plates upright and across are layered separately; those across get 40 % of the layers.
         """
-        upright, across = self._plates
+        upright, across = self.plates
         clear, count = self.height / 2.0 - across, max(1, round(0.4 * half_count))
         web, flange = Band(0.0, clear, upright), Band(clear, self.height / 2.0, self.width)
         return web.cut(half_count - count), flange.cut(count)
@@ -90,7 +90,7 @@ class ISection(Shape):
             raise self.refusal("fillet", allowed, "check the root radius")
 
     @property
-    def _plates(self) -> tuple[float, float]:
+    def plates(self) -> tuple[float, float]:
         return self.web, self.flange
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
@@ -114,7 +114,7 @@ class Rectangle(Shape):
     WORD: ClassVar[str] = "rectangle"
 
     @property
-    def _plates(self) -> tuple[float, float]:
+    def plates(self) -> tuple[float, float]:
         return self.width, 0.0
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
@@ -141,7 +141,7 @@ class RectangularTube(Shape):
         self._below("wall", least / 2.0, "half the smaller side")
 
     @property
-    def _plates(self) -> tuple[float, float]:
+    def plates(self) -> tuple[float, float]:
         return 2.0 * self.wall, self.wall
 
 
@@ -169,7 +169,7 @@ class CircularTube(Shape):
     width = height
 
     @property
-    def _plates(self) -> tuple[float, float]:
+    def plates(self) -> tuple[float, float]:
         return 2.0 * self.wall, self.wall  # the shear area of a thin tube, 2 A / pi
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
-from workbench.hinges import YieldSurface
+from workbench.hinges import ShearSurface, YieldSurface
+from workbench.hinges.panel import SHEAR_DEPTHS
 from workbench.models.base import respond
 from workbench.models.domain import member_findings, step_finding
 from workbench.models.four_dof import dynamics, statics
@@ -32,56 +33,39 @@ _SCHEMES = {
     "moreau": dynamics.MOREAU,
     "gear-gupta-leimkuhler": dynamics.GEAR_GUPTA_LEIMKUHLER,
 }
-_BALANCE = 1e-7  # of the input energy; the midpoint step is refined until its ledger closes
 _PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 
 
 @dataclass(frozen=True)
-class FourDof(Declared, table="option"):
-    """Four-degree-of-freedom column.
+class RigidBars(Declared, table="option"):
+    """What all columns of two rigid bars and four hinges have; models say how hinges yield.
 
-    Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
-    envelope of the section and stated to one decimal, as the thesis does);
-    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6); `integrator`;
-    `time_step` in s (None: a fifth of the inverse of the highest axial frequency, finer with
-    restitution, refined until the energy balance closes to 1e-7); `small_rotations`: the
-    kinematics of the SDOF model; `spring_shares_load`: the restraint spring is there before the
-    axial load comes on.
+    Options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6);
+    `integrator`; `time_step` in s (None: a share of the inverse of the highest axial frequency,
+    finer with restitution, refined until the energy balance closes); `spring_shares_load`: the
+    restraint spring is there before the axial load comes on.
     """
 
-    alpha: float | None = checked(Number(1.0, 20.0), optional=True)
-    beta: float | None = checked(Number(1.0, 20.0), optional=True)
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
-    small_rotations: bool = checked(Flag(), False)
     spring_shares_load: bool = checked(Flag(), False)
 
-    name: ClassVar[str] = "four-dof"
-    version: ClassVar[int] = 1
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
         "Hinge stiffness 6EI/l: the elastic lateral stiffness is exact for a hit at mid-height "
         "and too stiff for an eccentric hit (36 % for the thesis column).",
-        "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
-        "the thesis does not print its exponents, (1, 1.3) are inferred from its section.",
         "One third of the column's mass acts at the hit point; bending waves are left out.",
-        "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+    _STEP: ClassVar[tuple[float, float]] = (0.2, 0.05)  # plastic impact and with restitution
+    _BALANCE: ClassVar[float] = 1e-7  # of the input energy, in which the ledger closes
 
-    def surface(self, column: Column) -> YieldSurface:
-        """The yield surface of all hinges of the column."""
-        properties = column.properties
-        fitted = YieldSurface.fit(column.strength_section, column.steel, decimals=1)
-        return YieldSurface(
-            properties.squash_load,
-            properties.plastic_moment,
-            fitted.alpha if self.alpha is None else self.alpha,
-            fitted.beta if self.beta is None else self.beta,
-        )
+    def _strength(self, column: Column, bars: Any) -> None:
+        """Write the strength of the hinges into the column of the kernels."""
+        raise NotImplementedError
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings common to all member models, and the step limit of the explicit scheme."""
@@ -102,7 +86,7 @@ class FourDof(Declared, table="option"):
 
     def _bars(self, column: Column) -> tuple[Any, Array]:
         """The column as the kernels take it, and its preloaded (straight) state q."""
-        properties, surface = column.properties, self.surface(column)
+        properties = column.properties
         lengths = np.array([column.length_below, column.length_above])
         axial = column.steel.elastic_modulus * properties.area / lengths
         bending = column.steel.elastic_modulus * properties.second_moment / lengths
@@ -112,13 +96,15 @@ class FourDof(Declared, table="option"):
         for bar, end in enumerate((column.base, column.head)):
             if end == "pinned":
                 bars["stiffness"][bar, 1:] *= [0.0, 0.5]  # 3 EI / l: the far end turns freely
-        bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
-        bars["alpha"], bars["beta"] = surface.alpha, surface.beta
+        bars["pinned"] = bars["stiffness"][:, 1:] == 0.0
+        bars["flexibility"][:, [0, 1, 3]] = np.divide(
+            1.0, bars["stiffness"], out=np.zeros((2, 3)), where=bars["stiffness"] > 0.0
+        )
+        self._strength(column, bars)
         bars["free_head"] = column.head != "fixed"
         bars["spring"] = column.restraint_stiffness if bars["free_head"] else 0.0
         bars["load"] = force = column.axial_load
         bars["mass"] = properties.impact_mass, properties.impact_mass, 0.0, column.head_mass
-        bars["small_rotations"] = self.small_rotations
         flexibility = float(np.sum(1.0 / axial))
         if self.spring_shares_load:
             force = force / (1.0 + bars["spring"] * flexibility)
@@ -160,14 +146,14 @@ class FourDof(Declared, table="option"):
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
         frequency = self._highest_frequency(scenario.column)
-        share = 0.2 if scenario.striker.restitution == 0.0 else 0.05
+        share = self._STEP[scenario.striker.restitution > 0.0]
         step = min(self.time_step or share / frequency, scenario.duration / 20)
         error = np.inf
         for _ in range(5):
             records, energies = self._march(scenario, step)
             error = float(np.max(np.abs(energies["balance_error"]))) / scenario.input_energy
             exact = self.integrator == "midpoint" and self.time_step is None
-            if not exact or error < _BALANCE:
+            if not exact or error < self._BALANCE:
                 break
             step *= 0.5
         else:
@@ -227,6 +213,75 @@ class FourDof(Declared, table="option"):
         }
 
 
+@dataclass(frozen=True)
+class FourDof(RigidBars):
+    """Four-degree-of-freedom column of the thesis.
+
+    Options, further to those of all: `alpha`, `beta`: exponents of the yield surface (None: fitted
+    to the exact N-M envelope of the section and stated to one decimal, as the thesis does);
+    `small_rotations`: the kinematics of the SDOF model.
+    """
+
+    alpha: float | None = checked(Number(1.0, 20.0), optional=True)
+    beta: float | None = checked(Number(1.0, 20.0), optional=True)
+    small_rotations: bool = checked(Flag(), False)
+
+    name: ClassVar[str] = "four-dof"
+    version: ClassVar[int] = 1
+    assumptions: ClassVar[tuple[str, ...]] = (
+        *RigidBars.assumptions,
+        "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
+        "the thesis does not print its exponents, (1, 1.3) are inferred from its section.",
+        "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
+    )
+
+    def surface(self, column: Column) -> YieldSurface:
+        """The yield surface of all hinges of the column."""
+        properties = column.properties
+        fitted = YieldSurface.fit(column.strength_section, column.steel, decimals=1)
+        return YieldSurface(
+            properties.squash_load,
+            properties.plastic_moment,
+            fitted.alpha if self.alpha is None else self.alpha,
+            fitted.beta if self.beta is None else self.beta,
+        )
+
+    def _strength(self, column: Column, bars: Any) -> None:
+        surface = self.surface(column)
+        bars["squash_loads"], bars["plastic_moments"] = surface.axial_bounds, surface.moment_bounds
+        bars["alpha"], bars["beta"] = surface.alpha, surface.beta
+        bars["small_rotations"] = self.small_rotations
+
+
+@dataclass(frozen=True)
+class FourDofShear(RigidBars):
+    """Four-DOF column whose webs yield in shear and slide.
+
+    Option, further to those of all: `web_depth`, what of the webs carries shear: between the
+    centre lines of the flanges, as in a solid, or clear between them, as in `fiber-shear`.
+    """
+
+    web_depth: str = checked(Choice(SHEAR_DEPTHS), "centre")
+
+    name: ClassVar[str] = "four-dof-shear"
+    version: ClassVar[int] = 1
+    assumptions: ClassVar[tuple[str, ...]] = (
+        *RigidBars.assumptions,
+        "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V domain "
+        "of the plates, root fillets left out.",
+        "A web slides without limit and a sliding bar stretches, as its flanges are continuous: no "
+        "web buckling, no fracture, no mechanism of the flanges, no strain-rate effect.",
+    )
+    _STEP: ClassVar[tuple[float, float]] = (2.0, 0.5)
+    _BALANCE: ClassVar[float] = 1e-6
+
+    def _strength(self, column: Column, bars: Any) -> None:
+        bars["web"] = ShearSurface(column.section, column.steel, self.web_depth).record
+        web = bars["web"]
+        bars["squash_loads"] = web["flange_axial"] + web["web_axial"]
+        bars["plastic_moments"] = web["flange_moment"] + web["web_moment"]
+
+
 def _dead_work(column: Column, records: Any) -> Array:
     """Work of the axial load, in J."""
     return np.asarray(-column.axial_load * (records["q"][:, U2] - records["q"][0, U2]))
@@ -238,7 +293,16 @@ def _elastic_energy(bars: Any, records: Any) -> Array:
     for (bar, j), stiffness in np.ndenumerate(bars["stiffness"]):
         if stiffness > 0.0:
             energy = energy + 0.5 * records["stress"][:, bar, j] ** 2 / stiffness
+    if bars["web"]["stiffness"] > 0.0:
+        shear = _shear_forces(bars, records)
+        energy = energy + 0.5 * shear**2 @ bars["lengths"] / bars["web"]["stiffness"]
     return np.asarray(energy)
+
+
+def _shear_forces(bars: Any, records: Any) -> Array:
+    """Shear forces (steps, 2) of panels, constant along each bar, in N."""
+    moments = records["stress"][:, :, 1] - records["stress"][:, :, 2]
+    return np.asarray(moments / bars["lengths"])
 
 
 def _at_hinges(values: Array) -> Array:

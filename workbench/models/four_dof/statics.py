@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.hinges.kernels import Hinges, newton_in_bracket, project
+from workbench.hinges.panel_kernels import WEB, Panel, project_condensed
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import solve_dense
@@ -20,10 +21,13 @@ COLUMN = np.dtype(
     [
         ("lengths", float, 2),  # of the bars below and above, m
         ("stiffness", float, (2, 3)),  # k_N, k_end, k_mid of each bar, N/m and N m/rad
+        ("flexibility", float, (2, 4)),  # as a panel has it: 1/k_N, 1/k_end, 0, 1/k_mid
+        ("pinned", np.uint8, (2, 2)),
         ("squash_loads", float, 2),  # of all hinges, in tension and compression, N
         ("plastic_moments", float, (2, 2)),  # of the hinges of a bar, for both signs, N m
         ("alpha", float),  # exponents of the yield surface
         ("beta", float),
+        ("web", WEB),  # yields in shear; without shear stiffness: it does not
         ("load", float),  # at the head, compression positive, N
         ("spring", float),  # axial restraint at the head, N/m
         ("unstressed", float),  # displacement of the head without force in the spring, m
@@ -56,8 +60,28 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("k", float, (2, 3, 3)),
         ("D", float, (3, 3)),
         ("trial", float, 3),
+        ("flow", float, 4),
     ]
 )
+
+
+@njit(cache=True, error_model="numpy")
+def slide(column, bar, stress, work):
+    """Forces of a bar whose web yields in shear, for the deformations `work.trial`; its tangent.
+
+    The chord turns by psi, the sections at both ends by phi = psi - d less, d the shear angle of
+    the panel: theta_end = phi, theta_mid = b - phi, and V l = M_end - M_mid turns the chord. The
+    kinematics stay those of the chord, on which N acts: flanges are continuous, so that a sliding
+    bar stretches. A panel has both rotations in one sense: that of the middle changes its sign.
+    """
+    flexibility, pinned = column.flexibility[bar], column.pinned[bar]
+    trial, D = work.trial, work.D
+    trial[2], stress[2] = -trial[2], -stress[2]
+    panel = Panel(flexibility, pinned, column.lengths[bar], column.web)
+    project_condensed(panel, trial, stress, D, work.flow)
+    stress[2] = -stress[2]
+    for j in range(2):
+        D[2, j], D[j, 2] = -D[2, j], -D[j, 2]
 
 
 @njit(cache=True, error_model="numpy")
@@ -67,12 +91,16 @@ def bar_forces(column, bar, state, work):
     small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial, work.D
     v, x, b = geometry.place(state.q, column.lengths, bar)
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
-    trial[0] = k[bar, 0] * (stretch - plastic[bar, 0])
-    trial[1] = k[bar, 1] * (angle - plastic[bar, 1])
-    trial[2] = k[bar, 2] * (b - angle - plastic[bar, 2])
-    bounds = column.squash_loads, column.plastic_moments
-    hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
-    project(hinges, trial, stress[bar], D)
+    trial[0], trial[1] = stretch - plastic[bar, 0], angle - plastic[bar, 1]
+    trial[2] = b - angle - plastic[bar, 2]
+    if column.web.stiffness > 0.0:
+        slide(column, bar, stress[bar], work)
+    else:
+        for j in range(3):
+            trial[j] *= k[bar, j]
+        bounds = column.squash_loads, column.plastic_moments
+        hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
+        project(hinges, trial, stress[bar], D)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
     ev, ex, pv, px = geometry.gradients(v, x, length, small)
     f, K = work.f[bar], work.k[bar]
@@ -140,6 +168,10 @@ def balance_rotation(column, state, work):
     _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
     one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
     low, high = min(one, two), max(one, two)
+    if column.web.stiffness > 0.0:  # the sections turn less than the chords, down to their ends
+        one = state.plastic[BELOW, 1] + state.plastic[BELOW, 2]
+        two = -state.plastic[ABOVE, 1] - state.plastic[ABOVE, 2]
+        low, high = min(low, min(one, two)), max(high, max(one, two))
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
         internal_forces(column, state, work)
@@ -224,6 +256,9 @@ def commit(column, start, state):
             new = total[j]  # a pin: all of its rotation is free
             if column.stiffness[bar, j] > 0.0:
                 new -= state.stress[bar, j] / column.stiffness[bar, j]
+            if j > 0 and column.web.stiffness > 0.0:  # the elastic shear angle V / G A_w
+                angle = (state.stress[bar, 1] - state.stress[bar, 2]) / length
+                new -= (1.0 if j == 1 else -1.0) * angle / column.web.stiffness
             mean = 0.5 * (start[bar, j] + state.stress[bar, j])
             state.dissipated += mean * (new - state.plastic[bar, j])
             state.plastic[bar, j] = new

@@ -5,7 +5,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from workbench.arrays import Array, Indices
-from workbench.materials import Steel
+from workbench.materials import POISSON_RATIO, Steel
 from workbench.references.solid.material import (
     SQUEEZE_STIFFNESS,
     SQUEEZED,
@@ -16,7 +16,6 @@ from workbench.references.solid.material import (
 from workbench.references.solid.mesh import SolidMesh
 from workbench.references.solid.supports import Supports
 
-POISSON = 0.3
 
 
 class SolidAssembly:
@@ -34,7 +33,7 @@ class SolidAssembly:
     ) -> None:
         self.mesh, self.supports = mesh, supports
         modulus = steel.elastic_modulus
-        self.steel = SolidSteel(modulus, POISSON, steel.yield_stress, hardening_ratio * modulus)
+        self.steel = SolidSteel(modulus, POISSON_RATIO, steel.yield_stress, hardening_ratio * modulus)
         self.hardening_ratio = hardening_ratio
         self.squash_load = steel.yield_stress * mesh.area
         # strain is a difference of numbers near 1
@@ -114,8 +113,8 @@ class SolidAssembly:
         """Elastic energy of the committed state, spring and squeeze guard included, in J."""
         modulus = self.steel.modulus
         t1, t2, t3 = self._old.stress
-        density = 0.5 / modulus * (t1**2 + t2**2 - 2 * POISSON * t1 * t2)
-        density += (1.0 + POISSON) / modulus * t3**2
+        density = 0.5 / modulus * (t1**2 + t2**2 - 2 * POISSON_RATIO * t1 * t2)
+        density += (1.0 + POISSON_RATIO) / modulus * t3**2
         squeezed = np.maximum(np.log(SQUEEZED / self.area_ratio()), 0.0)
         density += 0.5 * SQUEEZE_STIFFNESS * modulus * squeezed**2
         stiffness, unstressed = self.spring
