@@ -51,9 +51,15 @@ class ShearSurface(Declared, table="shear_surface"):
         clear, between, b = shape.height - 2.0 * flange, shape.height - flange, shape.width
         area = upright * (clear if self.depth == "clear" else between)
         own = np.zeros(1, panel_kernels.WEB)[0]
-        own["shear"], own["stiffness"] = area * self.steel.shear_yield_stress, area * self.steel.shear_modulus
+        own["shear"], own["stiffness"] = (
+            area * self.steel.shear_yield_stress,
+            area * self.steel.shear_modulus,
+        )
         own["web_axial"], own["web_moment"] = upright * clear * f_y, upright * clear**2 * f_y / 4.0
-        own["flange_axial"], own["flange_moment"] = 2.0 * b * flange * f_y, b * flange * between * f_y
+        own["flange_axial"], own["flange_moment"] = (
+            2.0 * b * flange * f_y,
+            b * flange * between * f_y,
+        )
         own["half_web"], own["half_height"] = clear / 2.0, shape.height / 2.0
         own["flanges"] = 2.0 * b * f_y
         return own
@@ -67,6 +73,13 @@ class ShearSurface(Declared, table="shear_surface"):
     def squash_load(self) -> float:
         """Plastic axial resistance without shear, in N."""
         return float(self.record["flange_axial"] + self.record["web_axial"])
+
+    @property
+    def web_slenderness(self) -> float:
+        """Clear height over thickness of one web."""
+        upright, flange = self.section.shape.plates
+        one = upright / (2.0 if isinstance(self.section.shape, RectangularTube) else 1.0)
+        return (self.section.height - 2.0 * flange) / one
 
     def moment_capacity(self, axial_force: ArrayLike, shear_force: ArrayLike) -> Array:
         """M_c (N m) beside axial and shear forces (N) of any shapes that fit; NaN outside."""

@@ -8,8 +8,7 @@ condition is needed. Rotations e - d of the ends and the sliding displacement l 
 angle d of the panel; backward Euler is the unique minimiser over (N, V, M_1, M_4) of the
 complementary energy less the work on the deformations (e_N, l d, e_1 - d, e_4 - d).
 
-`project_panel` has d given; `project_condensed` finds d from the equilibrium V l = M_1 + M_4, so
-that a panel is an element with the three forces of `pair_kernels`.
+Here d is given; `panel_elements` finds it from the equilibrium of the panel.
 """
 
 from typing import Any, NamedTuple
@@ -22,8 +21,7 @@ from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.pair_kernels import End, moments_in_box
 
 Vector = NDArray[np.float64]
-ELASTIC, SLIDING, CURVE, NESTED = 0, 1, 2, 3
-_LIMIT = 0.5 * np.pi
+LIMIT = 0.5 * np.pi
 
 
 WEB = np.dtype(
@@ -76,7 +74,7 @@ class Point(NamedTuple):
 def moment_capacity(web, N, rho):
     """M_c and its derivatives (C, C_N, C_r, C_NN, C_Nr, C_rr) for N, rho >= 0."""
     limit, Nw = rho * web.web_axial, web.web_axial
-    if N < limit or (N == 0.0 and rho > 0.0):
+    if limit > N or (N == 0.0 and rho > 0.0):
         share, Mw = N / limit, web.web_moment
         C = web.flange_moment + rho * Mw * (1.0 - share * share)
         CN, Cr = -2.0 * Mw * share / Nw, Mw * (1.0 + share * share)
@@ -94,7 +92,7 @@ def _end(panel, h, e):
 
 
 @njit(cache=True, error_model="numpy")
-def _elastic(panel):
+def elastic(panel):
     """Elastic stiffness B_11, B_14, B_44 of the moments."""
     _, f11, f14, f44 = panel.flexibility
     if panel.pinned[0] or panel.pinned[1]:
@@ -104,7 +102,7 @@ def _elastic(panel):
 
 
 @njit(cache=True, error_model="numpy")
-def _point(panel, e, N, a, d):
+def point(panel, e, N, a, d):
     """The `Point` (N >= 0, a, d) for deformations e_N >= 0, e_1, e_4."""
     f_n, f11, f14, f44 = panel.flexibility
     rho, sine = np.cos(a), np.sin(a)
@@ -125,7 +123,7 @@ def _point(panel, e, N, a, d):
         if not one.pinned:
             p1, Q, B11 = -s4 * f14 / f11, f44 - f14 * f14 / f11, 1.0 / f11
     else:
-        B11, B14, B44 = _elastic(panel)
+        B11, B14, B44 = elastic(panel)
     r1, r4 = (r1 if at1 else 0.0), (r4 if at4 else 0.0)
     push = abs(r1) + abs(r4)
     V, Va = panel.web.shear * sine, panel.web.shear * rho
@@ -142,14 +140,14 @@ def _point(panel, e, N, a, d):
 
 @njit(cache=True, error_model="numpy")
 def _least_axial(panel, e, a, d, N):
-    """N that minimises at given a and d; whether it is the apex N = N_f + rho N_w without moment."""
+    """N that minimises at given a and d; whether it is the apex N_f + rho N_w without moment."""
     top = panel.web.flange_axial + np.cos(a) * panel.web.web_axial
     low, high = 0.0, min(e[0] / panel.flexibility[0], top)
-    if high == top and _point(panel, e, top, a, d).residual[0] <= 0.0:
+    if high == top and point(panel, e, top, a, d).residual[0] <= 0.0:
         return top, True
     N, last = min(max(N, low), high), False
     for _ in range(100):
-        at = _point(panel, e, N, a, d)
+        at = point(panel, e, N, a, d)
         g, slope = at.residual[0], at.hessian[0] * top
         if last or g == 0.0:
             break
@@ -159,14 +157,14 @@ def _least_axial(panel, e, a, d, N):
 
 
 @njit(cache=True, error_model="numpy")
-def _inside(web, N, a):
+def inside(web, N, a):
     """Whether N and a are where both forces and the capacity are defined and smooth."""
     top = web.flange_axial + np.cos(a) * web.web_axial
-    return 0.0 <= N < top and abs(a) < _LIMIT
+    return 0.0 <= N < top and abs(a) < LIMIT
 
 
 @njit(cache=True, error_model="numpy")
-def _slides_back(web, V, a, d):
+def slides_back(web, V, a, d):
     """Whether a web would slide against its shear force: then the point is no minimum."""
     return (V - web.stiffness * d) * a > 1e-12 * web.shear
 
@@ -176,15 +174,15 @@ def _least(panel, e, d, N, a):
     """(N, a, at the apex) that minimise at given d: by Newton, or a in a bracket, N inside."""
     top, start = panel.web.flange_axial + panel.web.web_axial, (N, a)
     for _ in range(12):
-        at = _point(panel, e, N, a, d)
+        at = point(panel, e, N, a, d)
         (JNN, JNa, Jaa), (gN, ga, _) = at.hessian, at.residual
         det = JNN * Jaa - JNa * JNa
         dN, da = (JNa * ga - Jaa * gN) / det, (JNa * gN - JNN * ga) / det
-        if not (det > 0.0 and _inside(panel.web, N + dN, a + da)):
+        if not (det > 0.0 and inside(panel.web, N + dN, a + da)):
             break
         N, a = N + dN, a + da
         if abs(dN) <= 1e-13 * top and abs(da) <= 1e-13:
-            if _slides_back(panel.web, panel.web.shear * np.sin(a), a, d):
+            if slides_back(panel.web, panel.web.shear * np.sin(a), a, d):
                 break
             return N, a, False
     N, a = start
@@ -193,7 +191,7 @@ def _least(panel, e, d, N, a):
     guess, a, last, apex = min(abs(a), high), high, False, False
     for i in range(200):
         N, apex = _least_axial(panel, e, sign * a, d, N)
-        at = _point(panel, e, N, sign * a, d)
+        at = point(panel, e, N, sign * a, d)
         (JNN, JNa, Jaa), (V, Va) = at.hessian, at.shear
         slope, bend = sign * at.residual[1], Jaa - JNa * JNa / JNN
         if apex:  # along its ridge there are no moments
@@ -221,7 +219,7 @@ def project_panel(panel, e, forces, tangent):
     size = (abs(e[0]), e[2] + d, e[3] + d)
     a = np.arcsin(min(max(forces[1] / panel.web.shear, -1.0), 1.0))
     N, a, apex = _least(panel, size, d, min(abs(forces[0]), size[0] / panel.flexibility[0]), a)
-    at, sign = _point(panel, size, N, a, d), 1.0 if e[0] >= 0.0 else -1.0
+    at, sign = point(panel, size, N, a, d), 1.0 if e[0] >= 0.0 else -1.0
     (V, Va), (_, CN, Ca), (JNN, JNa, Jaa) = at.shear, at.capacity, at.hessian
     forces[0], forces[1], forces[2], forces[3] = sign * N, V, at.moments[0], at.moments[1]
     if apex:  # along the ridge N = N_f + rho N_w, without moments
@@ -247,150 +245,3 @@ def project_panel(panel, e, forces, tangent):
         tangent[1, j] += Va * da
         for i in range(2, 4):
             tangent[i, j] += p[i] * (CN * dN + Ca * da)
-
-
-@njit(cache=True, error_model="numpy")
-def _write(panel, e, N, m1, m4, rotations, forces, flow):
-    """Forces, and what of the deformations is not elastic; hinges share the elongation as r."""
-    f_n, f11, f14, f44 = panel.flexibility
-    slide = (m1 + m4) / (panel.length * panel.web.stiffness)
-    forces[0], forces[1], forces[2] = N, m1, m4
-    r1, total = abs(rotations[0]), abs(rotations[0]) + abs(rotations[1])
-    stretched = e[0] - f_n * N
-    flow[0] = stretched * (r1 / total if total > 0.0 else 0.5)
-    flow[2] = stretched - flow[0]
-    flow[1] = e[1] - f14 * m4 - slide - (0.0 if panel.pinned[0] else f11 * m1)
-    flow[3] = e[2] - f14 * m1 - slide - (0.0 if panel.pinned[1] else f44 * m4)
-
-
-@njit(cache=True, error_model="numpy")
-def _with_elastic_moments(panel, e, forces, tangent, flow):
-    """The branches in which no hinge flows: elastic, or a web that slides. Whether it is one."""
-    B11, B14, B44 = _elastic(panel)
-    S1, S4 = B11 + B14, B14 + B44
-    l, stiff, T = panel.length, panel.web.stiffness, abs(e[0]) / panel.flexibility[0]
-    m1, m4 = B11 * e[1] + B14 * e[2], B14 * e[1] + B44 * e[2]
-    resists = stiff * l + S1 + S4
-    d = (m1 + m4) / resists
-    V, branch = stiff * d, ELASTIC
-    if abs(V) > panel.web.shear:
-        V, resists, branch = np.copysign(panel.web.shear, d), S1 + S4, SLIDING
-        d = (m1 + m4 - V * l) / resists
-        if stiff * abs(d) < panel.web.shear:
-            return -1
-    share = abs(V) / panel.web.shear
-    rho = np.sqrt((1.0 - share) * (1.0 + share))
-    if T > panel.web.flange_axial + rho * panel.web.web_axial:
-        return -1
-    C, m1, m4 = moment_capacity(panel.web, T, rho)[0], m1 - S1 * d, m4 - S4 * d
-    if abs(m1) > C or abs(m4) > C:
-        return -1
-    _write(panel, e, e[0] / panel.flexibility[0], m1, m4, (0.0, 0.0), forces, flow)
-    tangent[:] = 0.0
-    tangent[0, 0] = 1.0 / panel.flexibility[0]
-    tangent[1, 1], tangent[2, 2] = B11 - S1 * S1 / resists, B44 - S4 * S4 / resists
-    tangent[1, 2] = tangent[2, 1] = B14 - S1 * S4 / resists
-    if branch == ELASTIC:
-        flow[0] = flow[2] = 0.0
-        flow[1], flow[3] = (flow[1] if panel.pinned[0] else 0.0), (flow[3] if panel.pinned[1] else 0.0)
-    return branch
-
-
-@njit(cache=True, error_model="numpy")
-def project_condensed(panel, e, forces, tangent, flow):
-    """Nearest admissible (N, M_1, M_4) of a panel in equilibrium, V l = M_1 + M_4.
-
-    Arguments as of `project_pair`: `e` (3,): elongation (m) and end rotations, less what is
-    plastic. `forces` (3,) also are where the search begins. Writes `forces`, `tangent` (3, 3) and
-    `flow` (4,), plastic elongation and rotation of hinge 1, then of hinge 4; the sliding of the
-    web turns both. Returns the branch.
-    """
-    branch = _with_elastic_moments(panel, e, forces, tangent, flow)
-    if branch >= 0:
-        return branch
-    size, sign = (abs(e[0]), e[1], e[2]), 1.0 if e[0] >= 0.0 else -1.0
-    l, top = panel.length, panel.web.flange_axial + panel.web.web_axial
-    B11, B14, B44 = _elastic(panel)
-    S1, S4 = B11 + B14, B14 + B44
-    # Newton over N, a and d together, from the last forces
-    N = min(abs(forces[0]), size[0] / panel.flexibility[0])
-    a = np.arcsin(min(max((forces[1] + forces[2]) / (l * panel.web.shear), -0.999), 0.999))
-    low, high, last = min(e[1], e[2], 0.0), max(e[1], e[2], 0.0), False
-    d = (S1 * e[1] + S4 * e[2] - panel.web.shear * np.sin(a) * l) / (S1 + S4)
-    d = min(max(d, low), high)
-    for _ in range(12):  # equilibrium first, piecewise linear in d
-        at = _point(panel, size, N, a, d)
-        if last or abs(at.residual[2]) <= 1e-6 * at.capacity[0]:
-            break
-        slope = at.block[0] + 2.0 * at.block[1] + at.block[2]
-        d, low, high, last = newton_in_bracket(d, at.residual[2], slope, low, high)
-    for _ in range(30):
-        at = _point(panel, size, N, a, d)
-        (C, CN, Ca), (p1, p4), (V, Va), (B11, B14, B44) = at.capacity, at.slopes, at.shear, at.block
-        (JNN, JNa, Jaa), (gN, ga, gd) = at.hessian, at.residual
-        S1, S4 = B11 + B14, B14 + B44
-        det = JNN * Jaa - JNa * JNa
-        j1, j2 = (p1 + p4) * CN, (p1 + p4) * Ca - l * Va
-        b1, b2 = (Jaa * j1 - JNa * j2) / det, (JNN * j2 - JNa * j1) / det
-        schur = S1 + S4 + j1 * b1 + j2 * b2
-        if not (det > 0.0 and schur > 0.0):
-            break
-        dd = -(gd + b1 * gN + b2 * ga) / schur
-        dN = (JNa * ga - Jaa * gN) / det - b1 * dd
-        da = (JNa * gN - JNN * ga) / det - b2 * dd
-        factor = 1.0  # the part of the step that stays inside
-        while not _inside(panel.web, N + factor * dN, a + factor * da) and factor > 1e-3:
-            factor *= 0.5
-        N, a, d = N + factor * dN, a + factor * da, d + factor * dd
-        if abs(dN) <= 1e-11 * top and abs(da) <= 1e-11 and abs(gd) <= 1e-10 * C:
-            if _slides_back(panel.web, V, a, d):
-                break
-            dC = CN * dN + Ca * da
-            m1, m4 = at.moments[0] + p1 * dC - S1 * dd, at.moments[1] + p4 * dC - S4 * dd
-            _write(panel, e, sign * N, m1, m4, at.rotations, forces, flow)
-            tangent[:] = 0.0
-            tangent[1, 1], tangent[1, 2], tangent[2, 1], tangent[2, 2] = B11, B14, B14, B44
-            for j in range(3):
-                p, w = (0.0, p1, p4)[j], (0.0, S1, S4)[j]
-                x, y = sign if j == 0 else p * CN, p * Ca
-                dd = (w + b1 * x + b2 * y) / schur
-                dN = (Jaa * x - JNa * y) / det - b1 * dd
-                dC = CN * dN + Ca * ((JNN * y - JNa * x) / det - b2 * dd)
-                tangent[0, j] += sign * dN
-                tangent[1, j] += p1 * dC - S1 * dd
-                tangent[2, j] += p4 * dC - S4 * dd
-            return CURVE
-    return _by_angle(panel, e, forces, tangent, flow)
-
-
-@njit(cache=True, error_model="numpy")
-def _by_angle(panel, e, forces, tangent, flow):
-    """As `project_condensed`, safely: the angle d in a bracket, with `project_panel` inside.
-
-    The sum of the moments changes sign between the rotations of the ends, and V has the sign of d.
-    """
-    l, four, D, given = panel.length, np.zeros(4), np.zeros((4, 4)), np.zeros(4)
-    four[0], four[1] = forces[0], (forces[1] + forces[2]) / l
-    low, high, last = min(e[1], e[2], 0.0), max(e[1], e[2], 0.0), False
-    d, slope = 0.5 * (low + high), 0.0
-    given[0] = e[0]
-    sums = np.zeros(4)  # of D with the row (0, l, -1, -1)
-    for _ in range(200):
-        given[1], given[2], given[3] = l * d, e[1] - d, e[2] - d
-        project_panel(panel, given, four, D)
-        gd = four[1] * l - four[2] - four[3]
-        for j in range(4):
-            sums[j] = l * D[1, j] - D[2, j] - D[3, j]
-        slope = l * sums[1] - sums[2] - sums[3]
-        if last or gd == 0.0:
-            break
-        d, low, high, last = newton_in_bracket(d, gd, slope, low, high)
-    f = panel.flexibility
-    r1 = 0.0 if panel.pinned[0] else e[1] - d - f[1] * four[2] - f[2] * four[3]
-    r4 = 0.0 if panel.pinned[1] else e[2] - d - f[2] * four[2] - f[3] * four[3]
-    _write(panel, e, four[0], four[2], four[3], (r1, r4), forces, flow)
-    for i in range(3):
-        for j in range(3):
-            p, q = (i + 1 if i else 0), (j + 1 if j else 0)
-            tangent[i, j] = D[p, q] - (sums[p] * sums[q] / slope if slope > 0.0 else 0.0)
-    return NESTED

@@ -1,13 +1,17 @@
 """Where member models stop applying: stability of the column and plastic shear demand."""
 
-from math import pi
+from math import pi, sqrt
 
 from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
+from workbench.hinges import ShearSurface
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, FrameScenario
+from workbench.scenarios.members import MemberProperties
 
-SHEAR_REMEDY = "hold it against fiber-shear, whose webs yield in shear"
+SHEAR_REMEDY = "take four-dof-shear, whose webs yield in shear, or fiber-shear"
+_STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
+_FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of plates and that of a member
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -42,6 +46,11 @@ def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
     """
     if not isinstance(scenario, ColumnImpact | ColumnPushover):
         return frame_findings(scenario)
+    return buckling_findings(scenario) + shear_findings(scenario)
+
+
+def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
+    """Refusal of an axial load above the Euler load, warning of one above half of it."""
     findings = []
     load, critical = scenario.column.axial_load, euler_load(scenario)
     if load >= critical:
@@ -56,6 +65,12 @@ def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
             "between the hinges, which rigid-bar models lack, matters"
         )
         findings.append(Finding("buckling", text, number=load / critical))
+    return findings
+
+
+def shear_findings(scenario: ColumnScenario) -> list[Finding]:
+    """Warnings of segments whose bending mechanism needs more shear than the webs carry."""
+    findings = []
     bound = shear_bound(scenario.column.strength_section)
     for segment, ratio in shear_demand(scenario).items():
         if bound < ratio <= 1.0:
@@ -86,3 +101,33 @@ def step_finding(step: float, stable: float) -> list[Finding]:
         f"scheme, {limit:.3g} s: reduce it"
     )
     return [Finding("time-step", text, refusal=True)]
+
+
+def panel_findings(
+    surface: ShearSurface, properties: MemberProperties, subject: str
+) -> list[Finding]:
+    """Where a panel stops applying to a member: web buckling, strength that its plates lack.
+
+    `subject`, by which the member is called. Refusals: a web slender enough to buckle in shear
+    (EN 1993-1-5, 5.1: clear height over thickness above 72 epsilon / eta, eta 1.2); a plastic
+    moment or squash load more than 10 % off that of the plates. Above 1 % off it is a warning.
+    """
+    findings = []
+    epsilon = sqrt(235e6 / surface.steel.yield_stress)
+    slenderness = surface.web_slenderness / (_STOCKY * epsilon)
+    if slenderness > 1.0:
+        text = (
+            f"the web of {subject} is {slenderness:.2f} times as slender as 72 epsilon / eta: it "
+            "buckles in shear before it yields"
+        )
+        findings.append(Finding("shear-buckling", text, refusal=True, number=slenderness))
+    own = float(surface.moment_capacity(0.0, 0.0))
+    pairs = (own / properties.plastic_moment, surface.squash_load / properties.squash_load)
+    ratio = max(pairs, key=lambda share: abs(share - 1.0))
+    if abs(ratio - 1.0) > _FEW_PERCENT:
+        text = (
+            f"the plates of {subject} alone have {ratio:.3f} of its plastic moment or squash load "
+            "(root fillets and overrides are left out of panels)"
+        )
+        findings.append(Finding("plates", text, refusal=abs(ratio - 1.0) > _MUCH, number=ratio))
+    return findings

@@ -91,6 +91,7 @@ class ISection(Shape):
 
     @property
     def plates(self) -> tuple[float, float]:
+        """Thickness of web and flange."""
         return self.web, self.flange
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
@@ -115,6 +116,7 @@ class Rectangle(Shape):
 
     @property
     def plates(self) -> tuple[float, float]:
+        """The whole width; nothing lies across."""
         return self.width, 0.0
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:
@@ -142,6 +144,7 @@ class RectangularTube(Shape):
 
     @property
     def plates(self) -> tuple[float, float]:
+        """Thickness of both walls that stand upright, and of one across."""
         return 2.0 * self.wall, self.wall
 
 
@@ -170,6 +173,7 @@ class CircularTube(Shape):
 
     @property
     def plates(self) -> tuple[float, float]:
+        """Thickness of both walls that stand upright, and of one across."""
         return 2.0 * self.wall, self.wall  # the shear area of a thin tube, 2 A / pi
 
     def layers(self, half_count: int) -> tuple[Layers, ...]:

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
-from workbench.models.four_dof import statics
+from workbench.models.four_dof import panels, statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
 from workbench.structures.kernels import solve_dense
 
@@ -28,6 +28,11 @@ def mean_forces(column, state, work):
         v0, x0, _ = geometry.place(work.q0, lengths, bar)
         v1, x1, _ = geometry.place(state.q, lengths, bar)
         small = column.small_rotations
+        if column.sliding == panels.SECTION:
+            sine, c = panels.section_step_gradients(work.turn0[bar], state.turn[bar])
+            shear = 0.5 * (a[bar, 3] + b[bar, 3])
+            work.f[bar, 0], work.f[bar, 1] = N * sine + shear * c, N * c - shear * sine
+            continue
         ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
         work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px
     statics.add_up(column, work.f, 0.5 * (work.q0[U2] + state.q[U2]), work.mean)
@@ -111,6 +116,7 @@ def midpoint_step(column, dt, closing, state, work):
     """
     q, w, mass = state.q, state.w, column.striker_mass
     work.q0[:], work.w0[:], work.stress0[:] = q, w, state.stress
+    work.turn0[:] = state.turn
     before = state.striker_velocity
     gamma = w[V] - before
     eps = law.rebound(gamma, column.restitution)
@@ -132,7 +138,7 @@ def midpoint_step(column, dt, closing, state, work):
         w[i] = 2.0 * (q[i] - work.q0[i]) / dt - work.w0[i]
     state.striker_velocity = before - percussion / mass
     state.striker += 0.5 * dt * (before + state.striker_velocity)
-    statics.commit(column, work.stress0, state)
+    statics.commit(column, work.stress0, state, work)
     state.percussion += percussion
     state.contact_loss += law.contact_loss(percussion, gamma, w[V] - state.striker_velocity)
     if closing and percussion > 0.0 and q[V] < state.striker:
@@ -161,7 +167,7 @@ def follow(column, state, work):
     residual = statics.axial_equilibrium(column, False, massless, state, work)
     if residual > statics.TOLERANCE:
         return False, residual
-    statics.commit(column, state.stress, state)
+    statics.commit(column, state.stress, state, work)
     return True, residual
 
 

@@ -1,216 +1,21 @@
-"""The impacted column as two rigid bars and four generalized hinges, with four unknowns.
-
-Heng 2017, section 5.1: hinges at the base (1), on both sides of the hit point (2, 3) and at the
-head (4). Each hinge of a bar of length l has the rotational stiffness 6 EI / l and shares the
-axial stiffness EA / l of the bar with the other one; a bar with one pinned end has the single
-stiffness 3 EI / l at the other. The impact mass m1 (a third of the column) sits at the hit point,
-the head mass at the head. Derivation: `kinematics`, `statics`, `dynamics`, in this order.
-"""
+"""The two models of two rigid bars: hinges that see N and M, and panels that see V as well."""
 
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from workbench.errors import OutOfDomainError, SolverError
-from workbench.fields import Choice, Declared, Flag, Number, checked
-from workbench.hinges import ShearSurface, YieldSurface
+from workbench.fields import Choice, Flag, Number, checked
+from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.hinges.panel import SHEAR_DEPTHS
-from workbench.models.base import respond
-from workbench.models.domain import member_findings, step_finding
-from workbench.models.four_dof import dynamics, statics
-from workbench.models.four_dof.kinematics import U1, U2, V
-from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
+from workbench.models.domain import panel_findings
+from workbench.models.four_dof import panels
+from workbench.models.four_dof.rigid_bars import RigidBars
+from workbench.responses import Finding
+from workbench.scenarios import Column, ColumnScenario
 
-Array = NDArray[np.float64]
-HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
-SEGMENTS = ("below", "above")
-_SCHEMES = {
-    "midpoint": dynamics.MIDPOINT,
-    "moreau": dynamics.MOREAU,
-    "gear-gupta-leimkuhler": dynamics.GEAR_GUPTA_LEIMKUHLER,
-}
-_PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
-_SHORTEST_STEP = 1e-8  # s
-
-
-@dataclass(frozen=True)
-class RigidBars(Declared, table="option"):
-    """What all columns of two rigid bars and four hinges have; models say how hinges yield.
-
-    Options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6);
-    `integrator`; `time_step` in s (None: a share of the inverse of the highest axial frequency,
-    finer with restitution, refined until the energy balance closes); `spring_shares_load`: the
-    restraint spring is there before the axial load comes on.
-    """
-
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
-    integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
-    time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
-    spring_shares_load: bool = checked(Flag(), False)
-
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
-    assumptions: ClassVar[tuple[str, ...]] = (
-        "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
-        "Hinge stiffness 6EI/l: the elastic lateral stiffness is exact for a hit at mid-height "
-        "and too stiff for an eccentric hit (36 % for the thesis column).",
-        "One third of the column's mass acts at the hit point; bending waves are left out.",
-    )
-    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-    _STEP: ClassVar[tuple[float, float]] = (0.2, 0.05)  # plastic impact and with restitution
-    _BALANCE: ClassVar[float] = 1e-7  # of the input energy, in which the ledger closes
-
-    def _strength(self, column: Column, bars: Any) -> None:
-        """Write the strength of the hinges into the column of the kernels."""
-        raise NotImplementedError
-
-    def domain(self, scenario: ColumnScenario) -> list[Finding]:
-        """Findings common to all member models, and the step limit of the explicit scheme."""
-        findings = member_findings(scenario)
-        if isinstance(scenario, ColumnImpact) and self.integrator == "moreau" and self.time_step:
-            stable = 2.0 / self._highest_frequency(scenario.column)
-            findings += step_finding(self.time_step, stable)
-        return findings
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
-
-    def _solve(self, scenario: ColumnScenario) -> Response:
-        if isinstance(scenario, ColumnPushover):
-            return self._pushover(scenario)
-        return self._impact(scenario)
-
-    def _bars(self, column: Column) -> tuple[Any, Array]:
-        """The column as the kernels take it, and its preloaded (straight) state q."""
-        properties = column.properties
-        lengths = np.array([column.length_below, column.length_above])
-        axial = column.steel.elastic_modulus * properties.area / lengths
-        bending = column.steel.elastic_modulus * properties.second_moment / lengths
-        bars = np.zeros(1, statics.COLUMN)[0]
-        bars["lengths"] = lengths
-        bars["stiffness"] = np.stack([axial, *[self.rotational_stiffness * bending] * 2], axis=1)
-        for bar, end in enumerate((column.base, column.head)):
-            if end == "pinned":
-                bars["stiffness"][bar, 1:] *= [0.0, 0.5]  # 3 EI / l: the far end turns freely
-        bars["pinned"] = bars["stiffness"][:, 1:] == 0.0
-        bars["flexibility"][:, [0, 1, 3]] = np.divide(
-            1.0, bars["stiffness"], out=np.zeros((2, 3)), where=bars["stiffness"] > 0.0
-        )
-        self._strength(column, bars)
-        bars["free_head"] = column.head != "fixed"
-        bars["spring"] = column.restraint_stiffness if bars["free_head"] else 0.0
-        bars["load"] = force = column.axial_load
-        bars["mass"] = properties.impact_mass, properties.impact_mass, 0.0, column.head_mass
-        flexibility = float(np.sum(1.0 / axial))
-        if self.spring_shares_load:
-            force = force / (1.0 + bars["spring"] * flexibility)
-        else:
-            bars["unstressed"] = -force * flexibility
-        return bars, np.array([0.0, -force / axial[0], 0.0, -force * flexibility])
-
-    def _highest_frequency(self, column: Column) -> float:
-        """Bound of the highest (axial) circular frequency, in rad/s."""
-        bars, _ = self._bars(column)
-        axial = bars["stiffness"][:, 0]
-        square = float(np.sum(axial)) / column.properties.impact_mass
-        if column.head_mass > 0.0 and bars["free_head"]:
-            square = max(square, (axial[1] + column.restraint_stiffness) / column.head_mass)
-        return float(np.sqrt(square))
-
-    def _pushover(self, scenario: ColumnPushover) -> Response:
-        column = scenario.column
-        bars, q = self._bars(column)
-        steps = max(200, int(np.ceil(scenario.displacement / _PUSH_STEP)))
-        path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
-        records = np.zeros(steps + 1, statics.STATE)
-        records["q"][0] = q
-        shared = q[U1] * bars["stiffness"][0, 0]
-        records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
-        status, last, residual = statics.pushover(bars, path, records, np.zeros(1, statics.WORK)[0])
-        if status != statics.OK:
-            where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
-            raise SolverError(where, residual, tried)
-        values = _histories(column, records)
-        force = values["force"]
-        pieces = 0.5 * (force[1:] + force[:-1]) * np.diff(values["displacement"])
-        external = np.concatenate([[0.0], np.cumsum(pieces)])
-        values["elastic"] = _elastic_energy(bars, records)
-        values["external_work"] = external + _dead_work(column, records)
-        values["input_energy"] = external[-1]
-        return build_response(values, steps=steps + 1, hinges=tuple(HINGES), segments=SEGMENTS)
-
-    def _impact(self, scenario: ColumnImpact) -> Response:
-        started = perf_counter()
-        frequency = self._highest_frequency(scenario.column)
-        share = self._STEP[scenario.striker.restitution > 0.0]
-        step = min(self.time_step or share / frequency, scenario.duration / 20)
-        error = np.inf
-        for _ in range(5):
-            records, energies = self._march(scenario, step)
-            error = float(np.max(np.abs(energies["balance_error"]))) / scenario.input_energy
-            exact = self.integrator == "midpoint" and self.time_step is None
-            if not exact or error < self._BALANCE:
-                break
-            step *= 0.5
-        else:
-            raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
-        solved = perf_counter() - started
-        values = {
-            **_histories(scenario.column, records),
-            **energies,
-            "velocity": records["w"][:, V],
-            "striker_velocity": records["striker_velocity"],
-            "percussion": records["percussion"],
-            "contact_loss": records["contact_loss"],
-            "input_energy": scenario.input_energy,
-            "plastic_rotation": _at_hinges(records["plastic"]),
-        }
-        time = np.linspace(0.0, scenario.duration, len(records))
-        response = build_response(values, time=time, hinges=tuple(HINGES), segments=SEGMENTS)
-        response.attrs["solve_time"] = solved
-        return response
-
-    def _march(self, scenario: ColumnImpact, step: float) -> tuple[Any, dict[str, Array]]:
-        """Records (steps + 1,) of one run, and its energies."""
-        column, striker = scenario.column, scenario.striker
-        bars, q = self._bars(column)
-        bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
-        steps = int(np.ceil(scenario.duration / step))
-        step = scenario.duration / steps
-        records = np.zeros(steps + 1, statics.STATE)
-        records["q"][0], records["striker_velocity"][0] = q, striker.velocity
-        status, last, residual, cuts = dynamics.impact(
-            bars, _SCHEMES[self.integrator], step, records, np.zeros(1, statics.WORK)[0]
-        )
-        if status == statics.NO_CONVERGENCE:
-            raise SolverError(
-                f"time {last * step:.6g} s (step {last} of {step:.3g} s)",
-                residual,
-                f"nested rotation balance, line search and 64 substeps ({cuts} cuts in all)",
-            )
-        if status == statics.COLLAPSE:
-            raise OutOfDomainError(
-                f"collapse at {last * step:.4g} s and {records['q'][last, V]:.4g} m: a bar reaches "
-                "its squash load or the displacement nine tenths of the shorter segment; the model "
-                "means nothing beyond"
-            )
-        m, w = bars["mass"], records["w"]
-        twice = (
-            m[V] * (w[:, V] ** 2 + w[:, U1] ** 2) + striker.mass * records["striker_velocity"] ** 2
-        )
-        kinetic = 0.5 * (twice + m[U2] * w[:, U2] ** 2 * bars["free_head"])
-        elastic, dead = _elastic_energy(bars, records), _dead_work(column, records)
-        total = kinetic + elastic + records["dissipated"] + records["contact_loss"]
-        return records, {
-            "kinetic": kinetic,
-            "elastic": elastic,
-            "external_work": dead,
-            "balance_error": total[0] + dead - total,
-        }
+_SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
+_KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
 
 
 @dataclass(frozen=True)
@@ -227,7 +32,6 @@ class FourDof(RigidBars):
     small_rotations: bool = checked(Flag(), False)
 
     name: ClassVar[str] = "four-dof"
-    version: ClassVar[int] = 1
     assumptions: ClassVar[tuple[str, ...]] = (
         *RigidBars.assumptions,
         "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
@@ -257,71 +61,50 @@ class FourDof(RigidBars):
 class FourDofShear(RigidBars):
     """Four-DOF column whose webs yield in shear and slide.
 
-    Option, further to those of all: `web_depth`, what of the webs carries shear: between the
-    centre lines of the flanges, as in a solid, or clear between them, as in `fiber-shear`.
+    Options, further to those of all: `kinematics`: sliding stretches a bar (chord, as in a solid)
+    or does not (section, as in `fiber-shear`); `web_depth`, what of the webs carries shear:
+    between the centre lines of the flanges, as in a solid, or clear, as in `fiber-shear`.
     """
 
+    kinematics: str = checked(Choice(tuple(_KINEMATICS)), "chord")
     web_depth: str = checked(Choice(SHEAR_DEPTHS), "centre")
 
     name: ClassVar[str] = "four-dof-shear"
-    version: ClassVar[int] = 1
     assumptions: ClassVar[tuple[str, ...]] = (
         *RigidBars.assumptions,
-        "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V domain "
-        "of the plates, root fillets left out.",
-        "A web slides without limit and a sliding bar stretches, as its flanges are continuous: no "
+        "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "
+        "domain of the plates, root fillets left out.",
+        "A web slides without limit, and a sliding bar stretches as its flanges are continuous: no "
         "web buckling, no fracture, no mechanism of the flanges, no strain-rate effect.",
     )
+    sources: ClassVar[tuple[str, ...]] = ("heng2017", "en1993-1-5")
     _STEP: ClassVar[tuple[float, float]] = (2.0, 0.5)
     _BALANCE: ClassVar[float] = 1e-6
 
+    def surface(self, column: Column) -> ShearSurface:
+        """The yield surface of both ends of all bars."""
+        return ShearSurface(column.section, column.steel, self.web_depth)
+
+    def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
+        column = scenario.column
+        if not has_webs(column.section):
+            text = f"{column.section.name} has no plane webs between flanges: take four-dof"
+            return [Finding("section", text, refusal=True, remedy="four-dof")]
+        return panel_findings(self.surface(column), column.properties, "the column")
+
+    def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
+        lengths = np.array([[column.length_below], [column.length_above]])
+        sheared = float(np.max(np.abs(values["sliding"]) / lengths))
+        if self.kinematics == "chord" or sheared <= _SHEARED:
+            return []
+        text = (
+            f"a web slides by {sheared:.2f} of its length; from {_SHEARED:g} on a bar that does "
+            "not stretch as it slides misses the tension of its flanges"
+        )
+        return [Finding("sliding", text, remedy="kinematics chord", number=sheared)]
+
     def _strength(self, column: Column, bars: Any) -> None:
-        bars["web"] = ShearSurface(column.section, column.steel, self.web_depth).record
-        web = bars["web"]
+        bars["web"] = self.surface(column).record
+        bars["sliding"], web = _KINEMATICS[self.kinematics], bars["web"]
         bars["squash_loads"] = web["flange_axial"] + web["web_axial"]
         bars["plastic_moments"] = web["flange_moment"] + web["web_moment"]
-
-
-def _dead_work(column: Column, records: Any) -> Array:
-    """Work of the axial load, in J."""
-    return np.asarray(-column.axial_load * (records["q"][:, U2] - records["q"][0, U2]))
-
-
-def _elastic_energy(bars: Any, records: Any) -> Array:
-    """Energy stored in the hinges and in the restraint spring, in J."""
-    energy = 0.5 * bars["spring"] * (records["q"][:, U2] - bars["unstressed"]) ** 2
-    for (bar, j), stiffness in np.ndenumerate(bars["stiffness"]):
-        if stiffness > 0.0:
-            energy = energy + 0.5 * records["stress"][:, bar, j] ** 2 / stiffness
-    if bars["web"]["stiffness"] > 0.0:
-        shear = _shear_forces(bars, records)
-        energy = energy + 0.5 * shear**2 @ bars["lengths"] / bars["web"]["stiffness"]
-    return np.asarray(energy)
-
-
-def _shear_forces(bars: Any, records: Any) -> Array:
-    """Shear forces (steps, 2) of panels, constant along each bar, in N."""
-    moments = records["stress"][:, :, 1] - records["stress"][:, :, 2]
-    return np.asarray(moments / bars["lengths"])
-
-
-def _at_hinges(values: Array) -> Array:
-    """Moments or rotations of the four hinges out of the records of the bars."""
-    return np.stack([values[:, bar, j] for bar, j in HINGES.values()])
-
-
-def _histories(column: Column, records: Any) -> dict[str, Any]:
-    """What pushovers and impacts have in common: displacements, forces, shear of the two bars."""
-    v, u1, u2 = (records["q"][:, i] for i in (V, U1, U2))
-    stress = records["stress"]
-    along = np.stack([column.length_below + u1, column.length_above + u2 - u1])
-    shear = np.abs(stress[:, :, 1] - stress[:, :, 2]).T / np.hypot(along, v[None, :])
-    return {
-        "displacement": v,
-        "force": records["force"],
-        "shortening": -u2,
-        "dissipated": records["dissipated"],
-        "axial_force": np.stack([stress[:, bar, 0] for bar, _ in HINGES.values()]),
-        "moment": _at_hinges(stress),
-        "shear_utilisation": shear.max(axis=1) / column.properties.shear_resistance,
-    }

@@ -9,8 +9,9 @@ import numpy as np
 from numba import njit
 
 from workbench.hinges.kernels import Hinges, newton_in_bracket, project
-from workbench.hinges.panel_kernels import WEB, Panel, project_condensed
+from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry
+from workbench.models.four_dof import panels
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import solve_dense
 
@@ -27,7 +28,8 @@ COLUMN = np.dtype(
         ("plastic_moments", float, (2, 2)),  # of the hinges of a bar, for both signs, N m
         ("alpha", float),  # exponents of the yield surface
         ("beta", float),
-        ("web", WEB),  # yields in shear; without shear stiffness: it does not
+        ("web", WEB),  # of bars that slide
+        ("sliding", int),  # kinematics of them: none, chord, section
         ("load", float),  # at the head, compression positive, N
         ("spring", float),  # axial restraint at the head, N/m
         ("unstressed", float),  # displacement of the head without force in the spring, m
@@ -42,8 +44,9 @@ STATE = np.dtype(
     [
         ("q", float, 4),  # degrees of freedom
         ("w", float, 4),  # their velocities
-        ("stress", float, (2, 3)),  # N, M_end, M_mid of the bars below and above
-        ("plastic", float, (2, 3)),  # plastic elongation and rotations
+        ("stress", float, (2, 4)),  # N, M_end, M_mid, V of the bars below and above
+        ("plastic", float, (2, 4)),  # plastic elongation, rotations and sliding
+        ("turn", float, 2),  # phi, rotation of the sections of bars that slide
         ("force", float),  # F_v, the resistance to the hit, N
         ("striker", float),  # position, m
         ("striker_velocity", float),
@@ -54,34 +57,17 @@ STATE = np.dtype(
 )
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
-        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0")),
-        *((name, float, (4, 4)) for name in ("K", "J")),
-        *((name, float, (2, 3)) for name in ("f", "stress0")),
+        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q")),
+        *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4")),
+        ("f", float, (2, 3)),
+        ("stress0", float, (2, 4)),
+        ("turn0", float, 2),
         ("k", float, (2, 3, 3)),
         ("D", float, (3, 3)),
         ("trial", float, 3),
-        ("flow", float, 4),
+        ("flow", float, (2, 5)),
     ]
 )
-
-
-@njit(cache=True, error_model="numpy")
-def slide(column, bar, stress, work):
-    """Forces of a bar whose web yields in shear, for the deformations `work.trial`; its tangent.
-
-    The chord turns by psi, the sections at both ends by phi = psi - d less, d the shear angle of
-    the panel: theta_end = phi, theta_mid = b - phi, and V l = M_end - M_mid turns the chord. The
-    kinematics stay those of the chord, on which N acts: flanges are continuous, so that a sliding
-    bar stretches. A panel has both rotations in one sense: that of the middle changes its sign.
-    """
-    flexibility, pinned = column.flexibility[bar], column.pinned[bar]
-    trial, D = work.trial, work.D
-    trial[2], stress[2] = -trial[2], -stress[2]
-    panel = Panel(flexibility, pinned, column.lengths[bar], column.web)
-    project_condensed(panel, trial, stress, D, work.flow)
-    stress[2] = -stress[2]
-    for j in range(2):
-        D[2, j], D[j, 2] = -D[2, j], -D[j, 2]
 
 
 @njit(cache=True, error_model="numpy")
@@ -90,17 +76,20 @@ def bar_forces(column, bar, state, work):
     k, plastic, stress = column.stiffness, state.plastic, state.stress
     small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial, work.D
     v, x, b = geometry.place(state.q, column.lengths, bar)
+    if column.sliding == panels.SECTION:
+        panels.section_forces(column, bar, (v, x, b), state, work)
+        return
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
     trial[0], trial[1] = stretch - plastic[bar, 0], angle - plastic[bar, 1]
     trial[2] = b - angle - plastic[bar, 2]
-    if column.web.stiffness > 0.0:
-        slide(column, bar, stress[bar], work)
+    if column.sliding == panels.CHORD:
+        panels.chord_forces(column, bar, stress[bar], work)
     else:
         for j in range(3):
             trial[j] *= k[bar, j]
         bounds = column.squash_loads, column.plastic_moments
         hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
-        project(hinges, trial, stress[bar], D)
+        project(hinges, trial, stress[bar, :3], D)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
     ev, ex, pv, px = geometry.gradients(v, x, length, small)
     f, K = work.f[bar], work.k[bar]
@@ -168,10 +157,12 @@ def balance_rotation(column, state, work):
     _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
     one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
     low, high = min(one, two), max(one, two)
-    if column.web.stiffness > 0.0:  # the sections turn less than the chords, down to their ends
+    if column.sliding != panels.RIGID_IN_SHEAR:  # sections turn less than chords, to their ends
         one = state.plastic[BELOW, 1] + state.plastic[BELOW, 2]
         two = -state.plastic[ABOVE, 1] - state.plastic[ABOVE, 2]
         low, high = min(low, min(one, two)), max(high, max(one, two))
+        if column.sliding == panels.SECTION:  # and N turns them further
+            low, high = low - 0.5 * (high - low) - 1e-3, high + 0.5 * (high - low) + 1e-3
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
         internal_forces(column, state, work)
@@ -242,23 +233,32 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def commit(column, start, state):
+def commit(column, start, state, work):
     """Plastic deformations from the converged forces, total less elastic, and what they dissipate.
 
-    `start` (2, 3): the forces with which the step began; their mean with those at the end works.
+    `start` (2, 4): the forces with which the step began; their mean with those at the end works.
     """
     for bar in range(2):
         v, x, b = geometry.place(state.q, column.lengths, bar)
         length, small = column.lengths[bar], column.small_rotations
         stretch, angle = geometry.stretch_and_angle(v, x, length, small)
-        total = (stretch, angle, b - angle)
+        slide, turns = 0.0, 0.0
+        if column.sliding != panels.RIGID_IN_SHEAR:
+            slide = state.stress[bar, 3] * length / column.web.stiffness  # the elastic part
+        if column.sliding == panels.CHORD:
+            turns = slide / length
+            state.plastic[bar, 3] += work.flow[bar, 4]
+        elif column.sliding == panels.SECTION:
+            angle = state.turn[bar]
+            stretch, total_slide = panels.section_deformations(v, x, length, angle)
+            mean = 0.5 * (start[bar, 3] + state.stress[bar, 3])
+            state.dissipated += mean * (total_slide - slide - state.plastic[bar, 3])
+            state.plastic[bar, 3] = total_slide - slide
+        total = (stretch, angle - turns, b - angle + turns)
         for j in range(3):
             new = total[j]  # a pin: all of its rotation is free
             if column.stiffness[bar, j] > 0.0:
                 new -= state.stress[bar, j] / column.stiffness[bar, j]
-            if j > 0 and column.web.stiffness > 0.0:  # the elastic shear angle V / G A_w
-                angle = (state.stress[bar, 1] - state.stress[bar, 2]) / length
-                new -= (1.0 if j == 1 else -1.0) * angle / column.web.stiffness
             mean = 0.5 * (start[bar, j] + state.stress[bar, j])
             state.dissipated += mean * (new - state.plastic[bar, j])
             state.plastic[bar, j] = new
@@ -283,7 +283,7 @@ def pushover(column, path, records, work):
             q[V] = origin + (at + stride) * (path[i] - origin)
             residual = axial_equilibrium(column, True, column.free_head, state, work)
             if residual <= TOLERANCE:
-                commit(column, work.stress0, state)
+                commit(column, work.stress0, state, work)
                 work.stress0[:] = state.stress
                 at += stride
                 stride *= 2.0

@@ -17,7 +17,6 @@ from workbench.references.solid.mesh import SolidMesh
 from workbench.references.solid.supports import Supports
 
 
-
 class SolidAssembly:
     """Equilibrium of the solid in the unknowns q of its supports.
 
@@ -33,7 +32,9 @@ class SolidAssembly:
     ) -> None:
         self.mesh, self.supports = mesh, supports
         modulus = steel.elastic_modulus
-        self.steel = SolidSteel(modulus, POISSON_RATIO, steel.yield_stress, hardening_ratio * modulus)
+        self.steel = SolidSteel(
+            modulus, POISSON_RATIO, steel.yield_stress, hardening_ratio * modulus
+        )
         self.hardening_ratio = hardening_ratio
         self.squash_load = steel.yield_stress * mesh.area
         # strain is a difference of numbers near 1
