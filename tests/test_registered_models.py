@@ -17,6 +17,7 @@ from workbench.testing import check_model
 ROOT = Path(__file__).resolve().parents[1]
 THEORY = {
     "four-dof": "four-dof.md",
+    "four-dof-shear": "shear-panel.md",
     "single-dof": "single-dof.md",
     "energy-estimate": "single-dof.md",
     "rigid-superelement": "superelements.md",

@@ -5,14 +5,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.fields import Choice, Declared, Instance, checked
 from workbench.hinges import panel_kernels
 from workbench.materials import Steel
 from workbench.sections import ISection, RectangularTube, Section
 
-Array = NDArray[np.float64]
 SHEAR_DEPTHS = ("centre", "clear")
 
 

@@ -12,8 +12,8 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.models.base import respond
@@ -23,7 +23,6 @@ from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
-Array = NDArray[np.float64]
 HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
 SEGMENTS = ("below", "above")
 _SCHEMES = {
