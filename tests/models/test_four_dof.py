@@ -10,7 +10,8 @@ from builders import Answers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.models.four_dof import FourDof, statics
+from workbench.hinges import ShearSurface
+from workbench.models.four_dof import FourDof, panels, statics
 from workbench.responses import Outcome, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find
@@ -85,13 +86,23 @@ def test_time_of_peak_and_peak_converge_at_least_first_order(thesis_impact) -> N
     assert errors[-1] < 1.2e-4 * float(fine)  # measured 6.1e-5
 
 
-@pytest.mark.parametrize("small", [False, True])
-def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool) -> None:
+@pytest.mark.parametrize(
+    ("small", "sliding"),
+    [
+        (False, panels.RIGID_IN_SHEAR),
+        (True, panels.RIGID_IN_SHEAR),
+        (False, panels.CHORD),
+        (False, panels.SECTION),
+    ],
+)
+def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, sliding) -> None:
     rng = np.random.default_rng(7)
     column, work = np.zeros(1, statics.COLUMN)[0], np.zeros(1, statics.WORK)[0]
     column["lengths"], column["stiffness"] = (0.8, 1.1), ((2.4e9, 1.27e8, 1.27e8),) * 2
     column["squash_loads"], column["plastic_moments"] = 3.1e6, 2.8e5
     column["alpha"], column["beta"], column["small_rotations"] = 1.0, 1.3, small
+    column["flexibility"][:, [0, 1, 3]] = 1.0 / column["stiffness"]
+    column["sliding"], column["web"] = sliding, ShearSurface(find("HEB 220")).record
     state = np.zeros(1, statics.STATE)[0]
 
     def forces(q: np.ndarray) -> np.ndarray:
@@ -102,7 +113,7 @@ def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool) -
     checked = 0
     for _ in range(100):
         at = np.array([0.1, 0.0, 0.0, 0.0]) + rng.normal(size=4) * [0.05, 5e-3, 0.1, 5e-3]
-        state["plastic"] = rng.normal(size=(2, 3)) * [1e-2, 0.1, 0.1]
+        state["plastic"] = rng.normal(size=(2, 4)) * [1e-2, 0.1, 0.1, 0.05]
         forces(at)
         tangent = work["K"].copy()
         numeric, half = (
