@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from workbench.errors import InputError
 from workbench.frames.findings import dead_load_state
-from workbench.models.four_dof import FourDof
+from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.scenarios import (
@@ -239,10 +239,17 @@ def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
 # -- columns ---------------------------------------------------------------------------------
 
 
-def test_a_column_is_answered_in_its_own_words(thesis_impact) -> None:
+BARS_AND_LUMPED = [
+    (RigidSuperelement(shear="none"), FourDof()),
+    (RigidSuperelement(), FourDofShear()),
+]
+
+
+@pytest.mark.parametrize(("bars", "four"), BARS_AND_LUMPED, ids=["none", "panel"])
+def test_a_column_is_answered_in_its_own_words(bars, four, thesis_impact) -> None:
     """Two rigid superelements are the four-dof column but for its mass."""
     impact = replace(thesis_impact, duration=0.03)
-    frame, lumped = RigidSuperelement().simulate(impact), FourDof().simulate(impact)
+    frame, lumped = bars.simulate(impact), four.simulate(impact)
     assert list(frame["hinge"].values) == list(lumped["hinge"].values)
     assert list(frame["segment"].values) == list(lumped["segment"].values)
     for name in ("moment", "axial_force", "plastic_rotation", "shortening"):
@@ -253,15 +260,26 @@ def test_a_column_is_answered_in_its_own_words(thesis_impact) -> None:
     np.testing.assert_allclose(frame["shear_utilisation"], lumped["shear_utilisation"], rtol=5e-3)
 
 
-def test_a_pinned_head_and_a_fixed_one(thesis_impact) -> None:
+@pytest.mark.parametrize(("bars", "four"), BARS_AND_LUMPED, ids=["none", "panel"])
+def test_a_pinned_head_and_a_fixed_one(bars, four, thesis_impact) -> None:
     for head in ("pinned", "fixed"):
         column = replace(thesis_impact.column, head=head)
         impact = replace(thesis_impact.at_velocity(10.0), column=column)
         peaks = [
-            float(answered(model.simulate(impact))["peak_displacement"])
-            for model in (RigidSuperelement(), FourDof())
+            float(answered(model.simulate(impact))["peak_displacement"]) for model in (bars, four)
         ]
         assert peaks[0] == pytest.approx(peaks[1], rel=2.5e-3)  # measured 0.0012
+
+
+def test_static_panels_are_those_of_the_four_dof_column(thesis_impact) -> None:
+    push = ColumnPushover("push", thesis_impact.column, 0.4)
+    at = np.linspace(0.002, 0.4, 30)
+    forces = [
+        np.interp(at, response["displacement"], response["force"])
+        for response in (model.simulate(push) for model in BARS_AND_LUMPED[1])
+    ]
+    # measured 7e-4: the share of elastic stiffness beside the hinges of superelements
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1.4e-3)
 
 
 # -- paths -----------------------------------------------------------------------------------
@@ -487,9 +505,18 @@ def test_a_column_that_is_run_over_is_out_of_domain() -> None:
 def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
     frame = frame_of(thesis_impact.column)
     impact = FrameImpact("hit", frame, FrameStriker(1500.0, 10.0, node="hit"), 0.03)
-    response = answered(RigidSuperelement().simulate(impact))
-    said = {finding.subject for finding in warnings_of(response)}
-    assert {"shear", "shear-reached"} <= said
+    said = {}
+    for shear in ("none", "panel"):
+        response = answered(RigidSuperelement(shear=shear).simulate(impact))
+        said[shear] = {finding.subject for finding in warnings_of(response)}
+    assert {"shear", "shear-reached"} <= said["none"]
+    assert not {"shear", "shear-reached"} & said["panel"]
+    assert float(response["shear_utilisation"].max()) <= 1.0 + 1e-9
+
+
+def test_exponents_do_not_apply_to_panels_and_it_says_so(thesis_impact) -> None:
+    (finding,) = RigidSuperelement(alpha=1.0).domain(thesis_impact)
+    assert finding.subject == "exponents"
 
 
 # -- random frames ---------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from superelement_cases import (
 
 from workbench.errors import InputError
 from workbench.hinges import GeneralizedHinge, YieldSurface
+from workbench.hinges.panel_kernels import WEB
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.paths import apply_loads
 from workbench.structures.superelements import (
@@ -136,7 +137,9 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
         end = HingeEnd(surface, axial, rotational)
         element = Superelement(end, end, EA, EI, flexible=kind == "flexible")
         tables = HingeTables(
-            *(np.stack([table]) for table in (element.flexibility(length), np.zeros(4))),
+            *(np.stack([table]) for table in [element.flexibility(length)] * 2 + [np.zeros(4)]),
+            np.zeros(1, WEB),
+            np.array([length]),
             *(np.stack([table]) for table in (element.bounds(), element.exponents())),
             np.zeros((1, 2), bool),
             np.zeros(1),
@@ -150,7 +153,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             k = np.zeros((3, 3))
             empty = (np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 3)))
             state = SuperelementState(*empty, total[None].copy(), np.zeros(1))
-            scratch = np.zeros(3), np.zeros(4)
+            scratch = np.zeros(3), np.zeros(5)
             kernels.hinge_bar_law(0, tables, plastic[None], state, k, *scratch)
             local, carried = state.local[0], state.carried[0]
             pair = plastic.reshape(2, 2)

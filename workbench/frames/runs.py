@@ -214,7 +214,7 @@ def _shear_reached(record: Record) -> list[Finding]:
         )
         return [Finding("shear-strain", text, number=float(strains.max()))]
     ratios = record.shear_utilisation()
-    above = [names[i] for i in np.argsort(-ratios) if ratios[i] > 1.0]
+    above = [names[i] for i in np.argsort(-ratios) if ratios[i] > 1.0 + 1e-9]  # panels reach 1
     if not above:
         return []
     text = (

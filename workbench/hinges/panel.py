@@ -81,6 +81,16 @@ class ShearSurface(Declared, table="shear_surface"):
         one = upright / (2.0 if isinstance(self.section.shape, RectangularTube) else 1.0)
         return (self.section.height - 2.0 * flange) / one
 
+    def utilisation(self, axial_force: float, shear_force: float, moments: ArrayLike) -> Array:
+        """Largest of |V| / V_pl, |N| over what V leaves and |M| over what both leave; 1: yields."""
+        own = self.record
+        share = min(abs(shear_force) / float(own["shear"]), 1.0)
+        rho = np.sqrt((1.0 - share) * (1.0 + share))
+        top = float(own["flange_axial"] + rho * own["web_axial"])
+        capacity = panel_kernels.moment_capacity(own, min(abs(axial_force), top), rho)[0]
+        bent = np.abs(moments) / capacity if capacity > 0.0 else np.ones(np.shape(moments))
+        return np.maximum(bent, max(abs(axial_force) / top, share))
+
     def moment_capacity(self, axial_force: ArrayLike, shear_force: ArrayLike) -> Array:
         """M_c (N m) beside axial and shear forces (N) of any shapes that fit; NaN outside."""
         own = self.record

@@ -18,7 +18,7 @@ flexible one has none. Time steps are energy-exact (midpoint of the forces, exac
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -36,8 +36,10 @@ from workbench.frames.superelements import (
     series,
 )
 from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
-from workbench.hinges import YieldSurface
+from workbench.hinges import ShearSurface, YieldSurface, has_webs
+from workbench.models.domain import panel_findings
 from workbench.models.frame_model import FrameModel, as_frame
+from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
@@ -52,7 +54,10 @@ COMMON = (
     "it is hit.",
     "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; joints "
     "weaker than the member interact linearly.",
-    "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
+    "Webs of I, box and tube sections deform, yield and slide in shear (option shear), with the "
+    "N-M-V domain of the plates at both ends; beside joints weaker than the member, and in other "
+    "sections, members are rigid in shear.",
+    "No local buckling, no strain-rate effect.",
 )
 
 
@@ -70,6 +75,7 @@ class _HingedBars(FrameModel):
         Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
     )
     geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
+    shear: str = checked(Choice(("panel", "none")), "panel")
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
@@ -99,7 +105,10 @@ class _HingedBars(FrameModel):
         elements = []
         for piece in pieces:
             first, last = (joint_surface(surfaces[piece.member.name], j) for j in piece.joints)
-            elements.append(self._piece(piece, (first, last)))
+            bars = self._piece(piece, (first, last))
+            web = self._web(frame, piece.member)
+            weak = web is None or not first == last == surfaces[piece.member.name]
+            elements.append(bars if weak else replace(bars, web=web))
         group = Superelements(
             nodes,
             sections=elements,
@@ -109,6 +118,31 @@ class _HingedBars(FrameModel):
         )
         members = SuperelementMembers(group, coordinates, self.elements)
         return stand_frame(frame, coordinates, [group], members, rotary_inertia=self.node_inertia)
+
+    def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
+        """The web of a member that yields in shear, if it does."""
+        section = frame.strength_section(member)
+        if self.shear == "none" or not has_webs(section):
+            return None
+        return ShearSurface(section, frame.steel)
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of all member models, of shear only where members are rigid in it."""
+        frame = as_frame(scenario).frame
+        findings = super().domain(scenario)
+        webs = {m.name: self._web(frame, m) for m in frame.members}
+        if all(webs.values()):
+            findings = [finding for finding in findings if finding.subject != "shear"]
+        if any(webs.values()) and not (self.alpha is None and self.beta is None):
+            text = "exponents do not apply to members with webs, whose N-M-V domain is of plates"
+            remedy = "take shear = none for a super-elliptic surface"
+            findings.append(Finding("exponents", text, remedy=remedy))
+        for member in frame.members:
+            web = webs[member.name]
+            if web is not None:
+                found = panel_findings(web, frame.properties(member), f"member {member.name}")
+                findings += [f for f in found if f not in findings]
+        return findings
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
@@ -145,7 +179,8 @@ class RigidSuperelement(_HingedBars):
     `node_inertia`, rotary inertia of every node in kg m2: without it the rotation of a joint at
     which all hinges yield is indeterminate; `regularisation`, share of the elastic stiffness
     beside the perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the
-    undeformed frame: first-order theory, for comparison).
+    undeformed frame: first-order theory, for comparison); `shear`, panel: webs yield and slide,
+    none: members are rigid in shear.
     """
 
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
@@ -153,7 +188,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",
@@ -191,13 +226,14 @@ class FlexibleSuperelement(_HingedBars):
     of that with restitution);
     `node_inertia`, rotary inertia of every node in kg m2; `regularisation`, share of the elastic
     stiffness beside the perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium
-    of the undeformed frame: first-order theory, for comparison).
+    of the undeformed frame: first-order theory, for comparison); `shear`, panel: webs yield and
+    slide, none: members are rigid in shear.
     """
 
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -8,7 +8,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Number, checked
-from workbench.hinges import YieldSurface
+from workbench.hinges import ShearSurface, YieldSurface
 
 INERTIAS = ("nonlinear", "linear", "none")
 _MASS = Number(0.0, 1e9, "kg/m")
@@ -50,7 +50,8 @@ class Superelement(Declared, table="superelement"):
     (N m2) of the bar if it is flexible, not used if it is rigid; `flexible`; `mass_per_length` in
     kg/m; `rotary_inertia` per length, rho I, in kg m, which acts on the rotation of the chord;
     `rotation_inertia`: that of the deformed chord (nonlinear), of the initial chord (linear),
-    none. Raises `InputError`.
+    none; `web` that yields in shear, whose surface is then that of both hinges (None: rigid in
+    shear). Raises `InputError`.
     """
 
     start: HingeEnd
@@ -61,6 +62,7 @@ class Superelement(Declared, table="superelement"):
     mass_per_length: float = checked(_MASS, 0.0)
     rotary_inertia: float = checked(_MASS, 0.0)
     rotation_inertia: str = checked(Choice(INERTIAS), "none")
+    web: ShearSurface | None = None
 
     def check(self) -> None:
         """Refuse stiffnesses that leave the bar or its hinges undetermined."""
@@ -89,6 +91,10 @@ class Superelement(Declared, table="superelement"):
             axial += length / self.axial_stiffness
             bend = length / (6.0 * self.bending_stiffness)
         return np.array([axial, own[0] + 2.0 * bend, -bend, own[1] + 2.0 * bend])
+
+    def shear_flexibility(self, length: float) -> float:
+        """Rotation of both ends by the elastic web per end moment (1/N m), `length` in m."""
+        return 0.0 if self.web is None else 1.0 / (length * float(self.web.record["stiffness"]))
 
     def bounds(self) -> Array:
         """Bounds (2, 4) of N in tension and compression and of M_1, M_4 positive and negative.

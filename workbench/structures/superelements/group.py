@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags
+from workbench.hinges.panel_kernels import WEB
 from workbench.structures.elements import Bars, MemberElements
 from workbench.structures.superelements import kernels
 from workbench.structures.superelements.element import Superelement
@@ -32,13 +33,18 @@ class SuperelementState(NamedTuple):
 class HingeTables(NamedTuple):
     """Hinges and bars of all elements, one row each.
 
-    `flexibility` (e, 4) as in `project_pair` and its inverse `stiffness` (e, 4), zero for pins;
-    `bounds` (e, 2, 4), `exponents` (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia
-    `rotary` (e,) of the turning chord in kg m2; share `eta` of elastic stiffness beside them.
+    `bending` (e, 4): flexibility as in `project_pair`; `flexibility` (e, 4) with that of the webs,
+    and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
+    rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
+    (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
+    in kg m2; share `eta` of elastic stiffness beside them.
     """
 
+    bending: Array
     flexibility: Array
     stiffness: Array
+    webs: Any
+    lengths: Array
     bounds: Array
     exponents: Array
     pinned: Flags
@@ -76,12 +82,21 @@ class Superelements(MemberElements):
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars._replace(first_order=self.first_order, relative=True))
-        own = zip(self._own, self.lengths, strict=True)
-        flexibility = np.stack([section.flexibility(length) for section, length in own])
+        own = list(zip(self._own, self.lengths, strict=True))
+        bending = np.stack([section.flexibility(length) for section, length in own])
+        slides = np.array([section.shear_flexibility(length) for section, length in own])
+        flexibility = bending + np.multiply.outer(slides, [0.0, 1.0, 1.0, 1.0])
+        webs = np.zeros(len(self._own), WEB)
+        for e, section in enumerate(self._own):
+            if section.web is not None:
+                webs[e] = section.web.record
         pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
         self._hinges = HingeTables(
+            bending,
             flexibility,
             _inverse(flexibility, pinned),
+            webs,
+            self.lengths,
             np.stack([section.bounds() for section in self._own]),
             np.stack([section.exponents() for section in self._own]),
             pinned,
@@ -141,6 +156,13 @@ class Superelements(MemberElements):
         """Committed change of chord length of the elements (elements,), in m."""
         return self._old.deformation[:, 0]
 
+    @property
+    def shear_forces(self) -> Array:
+        """Committed shear force of the elements (elements,), in N; in panels that of the web."""
+        carried = self._old.carried
+        sliding = (carried[:, 1] + carried[:, 2]) / self.lengths
+        return np.where(self._hinges.webs["stiffness"] > 0.0, sliding, super().shear_forces)
+
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
         carried = self._old.carried
@@ -148,7 +170,12 @@ class Superelements(MemberElements):
         n = np.abs(carried[:, :1]) / np.where(carried[:, :1] >= 0.0, bounds[..., 0], bounds[..., 1])
         moment = carried[:, 1:]
         m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
-        return np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
+        used = np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
+        for e, section in enumerate(self._own):
+            if section.web is not None:
+                shear = float(moment[e].sum() / self.lengths[e])
+                used[e] = section.web.utilisation(carried[e, 0], shear, moment[e])
+        return used
 
     def shapes(self, displacement: Array, points: ArrayLike) -> Array:
         """Displaced axis (elements, points, 2) less the initial position of the first node, in m.

@@ -13,6 +13,8 @@ import numpy as np
 from numba import njit
 
 from workbench.hinges.pair_kernels import Pair, project_pair
+from workbench.hinges.panel_elements import project_condensed
+from workbench.hinges.panel_kernels import Panel
 from workbench.structures.corotation.kernels import add_element, chord_at
 
 
@@ -22,15 +24,20 @@ def hinge_bar_law(e, hinges, plastic, new, k, trial, flow):
 
     Arguments: `hinges`, see `HingeTables`; committed `plastic` deformations (e, 4). Writes the new
     plastic deformations, the forces carried by the hinges, local forces and their tangent `k`
-    (3, 3); scratch `trial` (3,), `flow` (4,).
+    (3, 3); scratch `trial` (3,), `flow` (5,).
     """
     eta = hinges.eta
     deformation, carried, local = new.deformation[e], new.carried[e], new.local[e]
     trial[0] = deformation[0] - plastic[e, 0] - plastic[e, 2]
     trial[1] = deformation[1] - plastic[e, 1]
     trial[2] = deformation[2] - plastic[e, 3]
-    pair = Pair(hinges.flexibility[e], hinges.bounds[e], hinges.exponents[e], hinges.pinned[e])
-    project_pair(pair, trial, carried, k, flow)
+    bending, pinned = hinges.bending[e], hinges.pinned[e]
+    if hinges.webs[e].stiffness > 0.0:
+        panel = Panel(bending, pinned, hinges.lengths[e], hinges.webs[e])
+        project_condensed(panel, trial, carried, k, flow)
+    else:
+        pair = Pair(bending, hinges.bounds[e], hinges.exponents[e], pinned)
+        project_pair(pair, trial, carried, k, flow)
     for i in range(4):
         new.plastic[e, i] = plastic[e, i] + flow[i]
     rest = 1.0 - eta
@@ -58,7 +65,7 @@ def assemble(step, bars, hinges, old, new):
     k = np.empty((3, 3))
     work = np.empty((7, 4))
     trial = np.empty(3)
-    flow = np.empty(4)
+    flow = np.empty(5)
     moving = step.dynamic and math.isfinite(step.duration)
     for e in range(bars.dofs.shape[0]):
         chord = chord_at(bars, e, step.end)
