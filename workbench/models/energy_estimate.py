@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from workbench.errors import OutOfDomainError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
-from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
+from workbench.models.resistance import SHAPES, column_curve
 from workbench.models.resistance.limits import (
     analytic_companion,
     curve_findings,
@@ -28,11 +28,11 @@ _HEAVY = 5.0  # striker over impact mass; above, the balance with restitution er
 class EnergyEstimate(Declared, table="option"):
     """Energy-equivalent displacements.
 
-    Options: `resistance`: analytic, cubic or linear, as in the single-DOF column;
+    Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6).
     """
 
-    resistance: str = checked(Choice(RESISTANCES), "cubic")
+    resistance: str = checked(Choice(SHAPES), "cubic")
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
 
     name: ClassVar[str] = "energy-estimate"
@@ -50,13 +50,14 @@ class EnergyEstimate(Declared, table="option"):
         "the inelastic case, so its energy is taken (within 1 % for the thesis column at 10 to "
         "20 m/s).",
         "Elastic unloading with the initial stiffness gives the permanent displacement.",
-        "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
+        "No shear deformation, no shear yielding but with resistance = panel, the static curve of "
+        "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and the restitution that the balance does not cover."""
-        findings = curve_findings(scenario)
+        findings = curve_findings(scenario, self.resistance)
         if not isinstance(scenario, ColumnImpact) or scenario.striker.restitution == 0.0:
             return findings
         restitution = scenario.striker.restitution
@@ -83,7 +84,7 @@ class EnergyEstimate(Declared, table="option"):
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
-        curve = resistance_curve(mechanism_of(column, self.rotational_stiffness), self.resistance)
+        curve = column_curve(column, self.rotational_stiffness, self.resistance)
         peak = curve.displacement_at(energy_to_absorb(scenario))
         if peak > reach(column):
             raise OutOfDomainError(

@@ -1,8 +1,10 @@
-"""Resistance of the column at its hit point: analytic curve and its two simplifications."""
+"""Resistance of the column at its hit point: analytic, two simplifications, panels."""
 
 from workbench.models.resistance.curve import Event as Event
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.mechanism import Mechanism as Mechanism
 from workbench.models.resistance.mechanism import mechanism_of as mechanism_of
+from workbench.models.resistance.panel import SHAPES as SHAPES
+from workbench.models.resistance.panel import column_curve as column_curve
 from workbench.models.resistance.shapes import RESISTANCES as RESISTANCES
 from workbench.models.resistance.shapes import resistance_curve as resistance_curve

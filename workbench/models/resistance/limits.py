@@ -4,7 +4,9 @@ import numpy as np
 
 from workbench.errors import OutOfDomainError
 from workbench.models.domain import member_findings
+from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import Array, ResistanceCurve
+from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover
@@ -19,12 +21,14 @@ def reach(column: Column) -> float:
     return _REACH * min(column.length_below, column.length_above)
 
 
-def curve_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
+def curve_findings(scenario: ColumnImpact | ColumnPushover, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
-    Warning: a head mass, which these models leave out. Refusal: a push beyond their reach.
+    Of the shape of panels those of the four-DOF column with them. Warning: a head mass, which
+    these models leave out. Refusal: a push beyond their reach.
     """
-    findings = member_findings(scenario)
+    own = FourDofShear().domain if shape == PANEL else member_findings
+    findings = own(scenario)
     column = scenario.column
     if column.head_mass > 0.0 and isinstance(scenario, ColumnImpact):
         text = (
@@ -41,9 +45,12 @@ def curve_findings(scenario: ColumnImpact | ColumnPushover) -> list[Finding]:
 
 
 def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
-    """The analytic curve of the same mechanism (None where its derivation does not hold)."""
-    if curve.shape == "analytic":
-        return curve
+    """The analytic curve of the same mechanism (None where its derivation does not hold).
+
+    The curve of panels simplifies no other one.
+    """
+    if curve.shape in ("analytic", PANEL):
+        return curve if curve.knows_moments else None
     try:
         return resistance_curve(curve.mechanism, "analytic")
     except OutOfDomainError:
@@ -60,7 +67,7 @@ def reached_findings(
     """
     findings = []
     rotation = displacement / min(curve.mechanism.lengths)
-    if rotation > _ROTATION:
+    if rotation > _ROTATION and curve.shape != PANEL:
         text = (
             f"the shorter segment turns by {rotation:.2f} at {displacement:.4g} m: the model's "
             "small-rotation kinematics err by several percent"

@@ -21,7 +21,7 @@ from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.models.base import respond
 from workbench.models.domain import step_finding
-from workbench.models.resistance import RESISTANCES, ResistanceCurve, mechanism_of, resistance_curve
+from workbench.models.resistance import SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
     analytic_companion,
     curve_findings,
@@ -56,13 +56,14 @@ class _Run(NamedTuple):
 class SingleDof(Declared, table="option"):
     """Single-degree-of-freedom column.
 
-    Options: `resistance`: envelope of the spring, analytic, cubic or linear (in the axial force);
+    Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
+    or panel (webs yield in shear: the static curve of `four-dof-shear`);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
     50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most 0.1 ms);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6).
     """
 
-    resistance: str = checked(Choice(RESISTANCES), "cubic")
+    resistance: str = checked(Choice(SHAPES), "cubic")
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
@@ -81,17 +82,18 @@ class SingleDof(Declared, table="option"):
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
         "reached is a convention: the model is meant for one push and its rebound.",
         "One third of the column's mass acts at the hit point; a head mass is left out.",
-        "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
+        "No shear deformation, no shear yielding but with resistance = panel, the static curve of "
+        "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def curve(self, column: Column) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        return resistance_curve(mechanism_of(column, self.rotational_stiffness), self.resistance)
+        return column_curve(column, self.rotational_stiffness, self.resistance)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
-        findings = curve_findings(scenario)
+        findings = curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact) and self.time_step is not None:
             findings.extend(self._step_findings(scenario, self.time_step))
         return findings
