@@ -11,16 +11,22 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from workbench.errors import OutOfDomainError
-from workbench.models.four_dof import FourDof
+from workbench.hinges import ShearSurface
+from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.resistance import (
     RESISTANCES,
     Mechanism,
     ResistanceCurve,
+    column_curve,
     mechanism_of,
     resistance_curve,
 )
+from workbench.models.resistance.panel import plateau, transition_length
+from workbench.models.single_dof import SingleDof
+from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnPushover
-from workbench.sections import find
+from workbench.sections import find, square
 
 MODULUS = 210e9
 
@@ -370,3 +376,49 @@ def test_unknown_axial_force_and_moments_are_not_invented(thesis) -> None:
     with pytest.raises(ValueError, match="hinge moments"):
         thesis["cubic"].largest_shear(0.1)
     assert float(thesis["linear"].axial_force(0.01)) == -0.5e6
+
+
+# -- panels ----------------------------------------------------------------------------------
+
+
+def test_plateau_of_panels_in_closed_form() -> None:
+    # five digits of an own evaluation of R0 = Vpl + Vb, Vb Lb = Mf + Mc(Vb); 2 m: V L = 2 Mc(V)
+    surface = ShearSurface(find("HEB 220"), depth="clear")
+    found = [plateau(surface, (below, 4.0 - below)) for below in (0.4, 0.8, 2.0)]
+    assert found == pytest.approx([515.2e3, 533.7e3, 549.2e3], rel=1e-4)
+    assert plateau(surface, (3.2, 0.8)) == found[1]
+    assert transition_length(surface) == pytest.approx(1.39, abs=5e-3)
+
+
+def test_curve_of_panels_reaches_the_plateau() -> None:
+    column = Column(find("HEB 220"), 0.8, 3.2, fillets=False)
+    curve = column_curve(column, 6.0, "panel")
+    expected = plateau(ShearSurface(column.section), (0.8, 3.2))
+    # without restraint the axial force stays zero; the chords turn: measured 1.3e-3
+    assert float(curve.force(0.045)) == pytest.approx(expected, rel=2.6e-3)
+    assert 0.0 < curve.elastic_limit < 0.02
+
+
+@pytest.mark.parametrize("velocity", [5.0, 15.0])
+def test_energy_and_sdof_on_panels_give_the_peak_of_the_four_dof_column(
+    velocity, thesis_impact
+) -> None:
+    impact = thesis_impact.at_velocity(velocity)
+    peaks = [
+        float(model.simulate(impact)["peak_displacement"])
+        for model in (
+            FourDofShear(),
+            SingleDof(resistance="panel"),
+            EnergyEstimate(resistance="panel"),
+        )
+    ]
+    assert peaks[1:] == pytest.approx([peaks[0]] * 2, rel=2e-3)  # measured 1.0e-3
+    without = float(SingleDof(resistance="analytic").simulate(impact)["peak_displacement"])
+    assert without < 0.7 * peaks[0]
+
+
+def test_curve_of_panels_is_refused_where_they_do_not_hold(thesis_impact) -> None:
+    solid = replace(thesis_impact, column=Column(square(0.2), 0.8, 3.2))
+    response = SingleDof(resistance="panel").simulate(solid)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    assert "plane webs" in response.attrs["message"]

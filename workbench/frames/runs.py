@@ -20,7 +20,7 @@ from workbench.structures.time_steps import TimeStep
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
 LEAST_STEPS_TO_PEAK = 30
-LARGEST_SHEAR_STRAIN = 0.3  # mean of a member
+LARGEST_SHEAR_STRAIN = 0.15  # mean of a member; a solid carries 7 % more from there on
 OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a result
 
 
@@ -212,7 +212,8 @@ def _shear_reached(record: Record) -> list[Finding]:
             f"{LARGEST_SHEAR_STRAIN}: the model lets members slide without stretching and misses "
             "the catenary action that then sets in"
         )
-        return [Finding("shear-strain", text, number=float(strains.max()))]
+        remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
+        return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
     ratios = record.shear_utilisation()
     above = [names[i] for i in np.argsort(-ratios) if ratios[i] > 1.0 + 1e-9]  # panels reach 1
     if not above:
