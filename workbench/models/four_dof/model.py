@@ -22,9 +22,13 @@ _KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
 class FourDof(RigidBars):
     """Four-degree-of-freedom column of the thesis.
 
-    Options, further to those of all: `alpha`, `beta`: exponents of the yield surface (None: fitted
-    to the exact N-M envelope of the section and stated to one decimal, as the thesis does);
-    `small_rotations`: the kinematics of the SDOF model.
+    Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
+    envelope of the section and stated to one decimal, as the thesis does);
+    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6); `integrator`;
+    `time_step` in s (None: a fifth of the inverse of the highest axial frequency, finer with
+    restitution, refined until the energy balance closes to 1e-7); `small_rotations`: the
+    kinematics of the SDOF model; `spring_shares_load`: the restraint spring is there before the
+    axial load comes on.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -61,9 +65,11 @@ class FourDof(RigidBars):
 class FourDofShear(RigidBars):
     """Four-DOF column whose webs yield in shear and slide.
 
-    Options, further to those of all: `kinematics`: sliding stretches a bar (chord, as in a solid)
-    or does not (section, as in `fiber-shear`); `web_depth`, what of the webs carries shear:
-    between the centre lines of the flanges, as in a solid, or clear, as in `fiber-shear`.
+    Options: `kinematics`: sliding stretches a bar (chord, as in a solid) or does not (section, as
+    in `fiber-shear`); `web_depth`, what of the webs carries shear: between the centre lines of the
+    flanges, as in a solid, or clear, as in `fiber-shear`; `rotational_stiffness`, `integrator` and
+    `spring_shares_load` as in `four-dof`; `time_step` in s (None: twice the inverse of the highest
+    axial frequency, a half with restitution, refined until the energy balance closes to 1e-6).
     """
 
     kinematics: str = checked(Choice(tuple(_KINEMATICS)), "chord")

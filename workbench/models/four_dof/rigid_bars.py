@@ -40,10 +40,7 @@ _KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
 class RigidBars(Declared, table="option"):
     """What all columns of two rigid bars and four hinges have; models say how hinges yield.
 
-    Options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6);
-    `integrator`; `time_step` in s (None: a share of the inverse of the highest axial frequency,
-    finer with restitution, refined until the energy balance closes); `spring_shares_load`: the
-    restraint spring is there before the axial load comes on.
+    The options that they share are explained with each.
     """
 
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
