@@ -250,3 +250,41 @@ def test_sections_without_webs_are_refused() -> None:
 def test_slenderness_of_one_web() -> None:
     assert ShearSurface(rectangular_tube(0.2, 0.2, 0.01)).web_slenderness == pytest.approx(18.0)
     assert ShearSurface(i_section(0.5, 0.2, 0.01, 0.02)).web_slenderness == pytest.approx(46.0)
+
+
+def states_of_one_shear_rate(surface: ShearSurface) -> np.ndarray:
+    """Forces (N, V, M) on the exact yield surface: plane sections, one shear rate in the web."""
+    shape, f_y = surface.section.shape, surface.steel.yield_stress
+    upright, flange = shape.plates
+    clear = shape.height - 2.0 * flange
+    y = (np.arange(400) + 0.5) / 400.0 - 0.5
+    middle, curvature = (v.ravel() for v in np.meshgrid(np.geomspace(1e-3, 1e3, 50) - 1e-3,
+                                                         np.geomspace(1e-2, 1e4, 60)))  # fmt: skip
+    strain = middle[:, None] + curvature[:, None] * y * clear
+    size = np.sqrt(1.0 + strain**2)  # the shear rate over sqrt(3) is one
+    area = upright * clear / 400.0
+    N, V = f_y * area * (strain / size).sum(1), f_y / 3**0.5 * area * (1.0 / size).sum(1)
+    M = f_y * area * (strain / size * y * clear).sum(1)
+    at = (np.arange(100) + 0.5) / 100.0 * flange + 0.5 * clear
+    for side in (-at, at):
+        force = np.sign(middle[:, None] + curvature[:, None] * side) * f_y * shape.width * flange
+        N, M = N + force.mean(1), M + (force * side).mean(1)
+    return np.column_stack([N, V, M])
+
+
+@pytest.mark.parametrize(
+    ("name", "bound", "lack"), [("HEB 220", 0.0069, 0.015), ("IPE 300", 0.0153, 0.0328)]
+)
+def test_distance_from_the_exact_set_of_one_shear_rate(name, bound, lack) -> None:
+    surface = ShearSurface(SURFACES[name].section, Steel(), "clear")
+    plastic = strengths(surface)[2]
+    share = np.linspace(0.0, 1.0, 401)
+    domain = surface.moment_capacity(0.0, share * surface.shear_resistance)
+    missing = (surface.one_shear_rate(share) - domain) / plastic
+    assert np.min(missing) >= -1e-6  # a lower bound, but for interpolation
+    assert np.max(missing) == pytest.approx(bound, abs=2e-4)  # without axial force
+    N, V, M = states_of_one_shear_rate(surface).T
+    within = surface.shear_resistance * (1.0 - 1e-9) > V
+    missing = (M - surface.moment_capacity(N, V))[within] / plastic
+    assert np.nanmin(missing) >= -1e-9  # a lower bound; measured 7e-14
+    assert np.nanmax(missing) == pytest.approx(lack, abs=2e-4)  # with any axial force
