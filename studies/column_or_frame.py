@@ -124,8 +124,8 @@ models = {
     COLUMN: ColumnOfFrame(),
     YIELDING: ColumnOfFrame(model="rigid-superelement", restraint="yielding"),
     HINGED: ColumnOfFrame(head="pinned"),
-    RIGID: RigidSuperelement(),
-    FLEXIBLE: FlexibleSuperelement(),
+    RIGID: RigidSuperelement(shear="none"),
+    FLEXIBLE: FlexibleSuperelement(shear="none"),
 }
 
 OWN_BOUND = "Bound set by this study, not by a standard."

@@ -45,11 +45,11 @@ CONSTANT, INCREASING = "constant amplitude", "increasing amplitude"
 
 models = {
     REFERENCE: FiberReissner(),
-    FITTED: FlexibleSuperelement(),
-    LINEAR: FlexibleSuperelement(alpha=1.0, beta=1.0),
-    ROUND: FlexibleSuperelement(alpha=2.0, beta=2.0),
-    BOX: FlexibleSuperelement(alpha=20.0, beta=20.0),
-    RIGID: RigidSuperelement(),
+    FITTED: FlexibleSuperelement(shear="none"),
+    LINEAR: FlexibleSuperelement(alpha=1.0, beta=1.0, shear="none"),
+    ROUND: FlexibleSuperelement(alpha=2.0, beta=2.0, shear="none"),
+    BOX: FlexibleSuperelement(alpha=20.0, beta=20.0, shear="none"),
+    RIGID: RigidSuperelement(shear="none"),
 }
 cases = (
     Case(CONSTANT, cycles(CONSTANT, cyclic_path((0.3,), 3))),

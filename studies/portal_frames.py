@@ -53,10 +53,10 @@ SOFT, PINNED = "semi-rigid joints, 0.1 Np", "pinned joints, 0.1 Np"
 
 models = {
     REFERENCE: FiberReissner(),
-    FLEXIBLE: FlexibleSuperelement(),
-    RIGID: RigidSuperelement(),
-    ALONE: FlexibleSuperelement(alpha=20.0, beta=20.0),
-    FIRST_ORDER: FlexibleSuperelement(geometry="linear"),
+    FLEXIBLE: FlexibleSuperelement(shear="none"),
+    RIGID: RigidSuperelement(shear="none"),
+    ALONE: FlexibleSuperelement(alpha=20.0, beta=20.0, shear="none"),
+    FIRST_ORDER: FlexibleSuperelement(geometry="linear", shear="none"),
 }
 cases = tuple(
     Case(name, portal(name, axial, joint))

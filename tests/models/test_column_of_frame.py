@@ -530,8 +530,12 @@ def test_it_is_the_frame_where_its_own_mechanism_governs(member: str, velocity: 
     # measured: round-off
     assert ColumnOfFrame().estimate(scenario).collapse_ratio == pytest.approx(1.0, abs=1e-8)
     assert "restraint" not in subjects(response)
-    # measured 0.0042
-    assert peak(response) == pytest.approx(peak(RigidSuperelement().simulate(scenario)), rel=9e-3)
+    bars = RigidSuperelement(shear="none").simulate(scenario)
+    assert peak(response) == pytest.approx(peak(bars), rel=9e-3)  # measured 0.0042
+    # and with webs that yield in shear, in both: measured 0.006
+    panels = ColumnOfFrame(model="four-dof-shear").simulate(scenario)
+    bars = RigidSuperelement().simulate(scenario)
+    assert peak(panels) == pytest.approx(peak(bars), rel=0.02)
 
 
 @pytest.mark.parametrize(("member", "at"), [("B1-B2", 1.0), ("B0-B1", 3.2)])
@@ -542,14 +546,14 @@ def test_it_says_so_where_the_ends_give_way(member: str, at: float) -> None:
     assert ratio is not None
     assert ratio < 0.6
     assert any("peaks come out too small" in f.text for f in warnings_of(response))
-    assert peak(response) < 0.8 * peak(RigidSuperelement().simulate(scenario))
+    assert peak(response) < 0.8 * peak(RigidSuperelement(shear="none").simulate(scenario))
 
 
 def test_a_yielding_restraint_mends_catenary_action() -> None:
     # Heng 2017, figure 5.13
     frame = thesis_frame().split("C0-C1", 0.8, "hit")
     scenario = FrameImpact("thesis", frame, FrameStriker(1500.0, 50.0, node="hit"), 0.04)
-    whole = peak(RigidSuperelement().simulate(scenario))
+    whole = peak(RigidSuperelement(shear="none").simulate(scenario))
     elastic = ColumnOfFrame().simulate(scenario)
     assert "restraint" in subjects(elastic)
     assert -0.10 < peak(elastic) / whole - 1.0 < -0.05

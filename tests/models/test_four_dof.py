@@ -122,7 +122,9 @@ def test_tangent_equals_finite_differences_of_the_internal_forces(small: bool, s
         )
         if np.max(np.abs(numeric - half)) > 2e-6 * 2.4e9:
             continue  # a kink lies within the step
-        np.testing.assert_allclose(tangent, numeric, atol=1e-8 * 2.4e9)  # measured 2.4e-9
+        # measured 2.4e-9, and 3.5e-8 where the rotation of sections is iterated
+        bound = 7e-8 if sliding == panels.SECTION else 1e-8
+        np.testing.assert_allclose(tangent, numeric, atol=bound * 2.4e9)
         checked += 1
     assert checked > 40
 

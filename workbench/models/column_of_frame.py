@@ -18,7 +18,7 @@ from workbench.frames.column_estimate import HEAD_MASSES, HEADS, ColumnEstimate,
 from workbench.frames.findings import frame_findings
 from workbench.models.base import respond
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.models.four_dof import FourDof
+from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
@@ -34,8 +34,13 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.members import OVERRIDES
 
-MODELS: dict[str, type[Any]] = {
-    kind.name: kind for kind in (FourDof, SingleDof, EnergyEstimate, RigidSuperelement)
+# rigid in shear but for `four-dof-shear`
+MODELS: dict[str, Any] = {
+    model.name: model
+    for model in (
+        *(FourDof(), FourDofShear(), SingleDof(), EnergyEstimate()),
+        RigidSuperelement(shear="none"),
+    )
 }
 RESTRAINTS = ("elastic", "yielding")
 RESTRAINT, ANCHOR = "restraint", "anchor"
@@ -101,7 +106,7 @@ class ColumnOfFrame(Declared, table="option"):
         if self.restraint == "yielding" and estimate.restraint_limit is None:
             text = "without the column the frame collapses under its dead loads: nothing restrains"
             findings.append(Finding("restraint", text, refusal=True))
-        inner = MODELS[self.model]().domain(estimate.column)
+        inner = MODELS[self.model].domain(estimate.column)
         return [*findings, *inner, *estimate.findings()]
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -114,7 +119,7 @@ class ColumnOfFrame(Declared, table="option"):
 
     def _solve(self, scenario: FrameImpact) -> Response:
         estimate = self.estimate(scenario)
-        model = MODELS[self.model]()
+        model = MODELS[self.model]
         if self.model == RigidSuperelement.name:
             limit = estimate.restraint_limit if self.restraint == "yielding" else None
             response, force = _as_bars(model, estimate, limit)
