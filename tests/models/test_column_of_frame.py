@@ -350,7 +350,7 @@ def test_joints_bound_the_collapse_load_by_sign() -> None:
 # -- the model ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", [name for name in MODELS if name != "four-dof-shear"])
 def test_it_keeps_the_contract_of_a_model(model: str) -> None:
     loads = (Load("1", y=-2e5), Load("2", y=-1e5))
     check_model(ColumnOfFrame(model=model), [hit(cross()), hit(replace(cross(2), loads=loads))])
@@ -469,7 +469,7 @@ def test_a_pinned_head_that_cannot_move_becomes_the_base() -> None:
     assert (column.length_below, column.length_above) == (HEIGHT - AT, AT)
 
 
-@pytest.mark.parametrize("examples", [15, pytest.param(25, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", [25, pytest.param(50, marks=pytest.mark.slow)])
 def test_any_frame_gives_a_column_or_a_reason(examples: int) -> None:
     answers = Answers()
 

@@ -139,7 +139,7 @@ def test_paths_of_superelements_reach_the_surface_that_they_state(tmp_path, beta
     study = replace(
         frame_study("pushed"),
         cases=(Case("push", push),),
-        models={"reference": FlexibleSuperelement(alpha=1.0, beta=beta)},
+        models={"reference": FlexibleSuperelement(alpha=1.0, beta=beta, shear="none")},
         quantities=("resistance",),
         figures=(),
     )

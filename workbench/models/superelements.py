@@ -89,8 +89,12 @@ class _HingedBars(FrameModel):
         """That of the energy ledger, which is open by design with Moreau's time stepping."""
         return None if self.integrator == MOREAU else OPEN_LEDGER
 
-    def member_surface(self, frame: Frame, member: Member) -> YieldSurface:
+    def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
+        return self._web(frame, member) or self._ellipse(frame, member)
+
+    def _ellipse(self, frame: Frame, member: Member) -> YieldSurface:
+        """That of a member which is rigid in shear."""
         properties = frame.properties(member)
         fitted = YieldSurface.fit(frame.strength_section(member), frame.steel, decimals=1)
         alpha = fitted.alpha if self.alpha is None else self.alpha
@@ -101,7 +105,7 @@ class _HingedBars(FrameModel):
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
         frame = as_frame(scenario).frame
         coordinates, nodes, pieces = cut_members(frame, self.elements)
-        surfaces = {m.name: self.member_surface(frame, m) for m in frame.members}
+        surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
         elements = []
         for piece in pieces:
             first, last = (joint_surface(surfaces[piece.member.name], j) for j in piece.joints)

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 
 from workbench.content.formatting import several
 from workbench.errors import InputError
+from workbench.hinges import YieldSurface
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, evenly, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry
@@ -109,7 +110,8 @@ def _exponents(
         surfaces = [each(frame, member) for member in members]
     elif callable(column) and hasattr(case.scenario, "column"):
         surfaces = [column(case.scenario.column)]
-    pairs = [(float(surface.alpha), float(surface.beta)) for surface in surfaces]
+    ellipses = [surface for surface in surfaces if isinstance(surface, YieldSurface)]
+    pairs = [(float(surface.alpha), float(surface.beta)) for surface in ellipses]
     pairs += [(float(a), float(b)) for a, b in request.option("surfaces", ())]
     return list(dict.fromkeys(pairs))
 
