@@ -11,7 +11,7 @@ from time import perf_counter
 
 from workbench.datafiles import data_directory
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.models.four_dof import FourDof
+from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import load_scenario
@@ -21,6 +21,8 @@ MODELS = {
     "SDOF cubic": (SingleDof(), 50),
     "SDOF analytic": (SingleDof(resistance="analytic"), 50),
     "4-DOF": (FourDof(), 20),
+    "4-DOF with panels": (FourDofShear(), 20),
+    "energy with panels": (EnergyEstimate(resistance="panel"), 10),
     "4-DOF explicit": (FourDof(integrator="moreau"), 20),
     "fiber coarse": (FiberCorotational(levels=1, refinement=-1), 3),
     "fiber medium": (FiberCorotational(levels=1, refinement=0), 3),
