@@ -288,3 +288,16 @@ def test_distance_from_the_exact_set_of_one_shear_rate(name, bound, lack) -> Non
     missing = (M - surface.moment_capacity(N, V))[within] / plastic
     assert np.nanmin(missing) >= -1e-9  # a lower bound; measured 7e-14
     assert np.nanmax(missing) == pytest.approx(lack, abs=2e-4)  # with any axial force
+
+
+def test_the_apex_is_where_stretching_outweighs_bending() -> None:
+    top, half = HEB.squash_load, float(HEB.record["half_height"])
+    stretch = RIGID[0] * top + half * 3e-3  # just as far as the normal cone of the apex reaches
+    forces, tangent, flow, branch = element(RIGID)([1.0001 * stretch, 1e-3, -2e-3])
+    assert branch == panel_elements.APEX
+    np.testing.assert_allclose(forces, [top, 0.0, 0.0])
+    assert not tangent.any()
+    np.testing.assert_allclose(flow[[1, 3]], [1e-3, -2e-3])
+    forces, _, _, branch = element(RIGID)([0.999 * stretch, 1e-3, -2e-3])
+    assert branch != panel_elements.APEX
+    np.testing.assert_allclose(forces, [top, 0.0, 0.0], atol=0.03 * top)  # goes over into it

@@ -17,7 +17,7 @@ from workbench.hinges.panel_kernels import (
     slides_back,
 )
 
-ELASTIC, SLIDING, CURVE, NESTED = 0, 1, 2, 3
+ELASTIC, SLIDING, CURVE, NESTED, APEX = 0, 1, 2, 3, 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -73,6 +73,15 @@ def _with_elastic_moments(panel, e, forces, tangent, flow):
 
 
 @njit(cache=True, error_model="numpy")
+def _at_apex(panel, size):
+    """Whether the whole section flows in N, without moments and hence without shear."""
+    top = panel.web.flange_axial + panel.web.web_axial
+    turned = 0.0 if panel.pinned[0] else abs(size[1])
+    turned += 0.0 if panel.pinned[1] else abs(size[2])
+    return size[0] - panel.flexibility[0] * top >= panel.web.half_height * turned
+
+
+@njit(cache=True, error_model="numpy")
 def project_condensed(panel, e, forces, tangent, flow):
     """Nearest admissible (N, M_1, M_4) of a panel in equilibrium, V l = M_1 + M_4.
 
@@ -85,6 +94,11 @@ def project_condensed(panel, e, forces, tangent, flow):
     if branch >= 0:
         return branch
     size, sign = (abs(e[0]), e[1], e[2]), 1.0 if e[0] >= 0.0 else -1.0
+    if _at_apex(panel, size):
+        top = panel.web.flange_axial + panel.web.web_axial
+        _write(panel, e, sign * top, (0.0, 0.0), 0.0, (e[1], e[2]), forces, flow)
+        tangent[:] = 0.0
+        return APEX
     length, top = panel.length, panel.web.flange_axial + panel.web.web_axial
     B11, B14, B44 = elastic(panel)
     S1, S4 = B11 + B14, B14 + B44
