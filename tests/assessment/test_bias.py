@@ -23,8 +23,8 @@ def test_known_bias_and_scatter_are_recovered():
     # expected ratio 0.9, model scatter 0.2
     model = truth * 0.9 * np.exp(0.2 * random.standard_normal(len(truth)) - 0.5 * 0.2**2)
     found = bias_and_scatter(model, truth)
-    assert found.bias == pytest.approx(0.9, rel=2e-3)
-    assert found.model_scatter == pytest.approx(0.2, rel=8e-3)  # measured 0.0039
+    assert found.bias == pytest.approx(0.9, rel=1.4e-3)  # measured 7.3e-4
+    assert found.model_scatter == pytest.approx(0.2, rel=4.5e-3)  # measured 0.0022
 
 
 def test_the_interval_covers_as_often_as_it_says():
@@ -36,7 +36,7 @@ def test_the_interval_covers_as_often_as_it_says():
         assert found.low is not None
         assert found.high is not None
         covered += found.low <= np.exp(0.5 * 0.15**2) <= found.high
-    assert 0.91 <= covered / 600 <= 0.99
+    assert covered / 600 == pytest.approx(0.95, abs=0.023)  # measured 0.938
 
 
 def test_one_pair_has_no_interval():

@@ -49,7 +49,7 @@ def test_orders_outside_the_accepted_range_get_the_cautious_factor(order):
     assert found.factor == 3.0
     assert found.converging
     assert not found.accepted
-    assert found.uncertainty >= 0.6 * abs(values[-1] - limit)
+    assert found.uncertainty >= abs(values[-1] - limit)  # measured 1.08 times at order 0.2
     assert "safety factor 3" in found.note
 
 

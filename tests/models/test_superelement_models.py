@@ -100,7 +100,7 @@ def test_rigid_bars_are_exact_in_sway() -> None:
     for model, tolerance in ((RigidSuperelement(), 2e-3), (stiffer, 2e-3)):
         response = answered(model.simulate(push))
         found = float(response["force"][-1] / response["displacement"][-1])
-        assert found == pytest.approx(expected, rel=tolerance)
+        assert found == pytest.approx(expected, rel=tolerance)  # measured 1.25e-3
 
 
 @pytest.mark.parametrize("joint", [0.0, 1e5, 1e6, 1e7, None])
@@ -146,7 +146,8 @@ def test_a_partial_strength_joint_yields_at_its_own_moment() -> None:
             assert rotation * moment > 0.0
             # measured 5.6e-5
             assert float(response["force"][-1]) == pytest.approx(bound / 2.0, rel=1.2e-4)
-            assert abs(float(response["moment"].sel(hinge=f"m:{tip}").values[-1])) < 1.0
+            # measured: none
+            assert abs(float(response["moment"].sel(hinge=f"m:{tip}").values[-1])) < 1e-6
 
 
 def test_a_strut_between_free_ends_shortens() -> None:
@@ -170,8 +171,7 @@ def test_a_pinned_beam_end_carries_no_moment() -> None:
     for model in MODELS:
         response = answered(model.simulate(impact))
         moment = np.abs(response["moment"].sel(hinge="A1-B1:start").values)
-        # what is left is the regularising stiffness and the inertia of the node
-        assert moment.max() < 1e-3 * SQUARE.plastic_moment(frame.steel)
+        assert moment.max() < 1e-12 * SQUARE.plastic_moment(frame.steel)  # measured: none
 
 
 def test_a_free_mass_only_moves_on() -> None:
@@ -256,7 +256,8 @@ def test_a_column_is_answered_in_its_own_words(bars, four, thesis_impact) -> Non
         scale = float(np.abs(lumped[name]).max())
         known = lumped[name].interp(time=frame["time"].values)
         error = np.abs(frame[name].values - known.values)[..., -40:].mean(axis=-1)
-        assert np.max(error) < 0.1 * scale, name
+        assert np.max(error) < 0.092 * scale, name  # measured 0.078; 0.046 with panels
+    # measured 4.1e-3
     np.testing.assert_allclose(frame["shear_utilisation"], lumped["shear_utilisation"], rtol=5e-3)
 
 
@@ -278,8 +279,8 @@ def test_static_panels_are_those_of_the_four_dof_column(thesis_impact) -> None:
         np.interp(at, response["displacement"], response["force"])
         for response in (model.simulate(push) for model in BARS_AND_LUMPED[1])
     ]
-    # measured 7e-4: the share of elastic stiffness beside the hinges of superelements
-    np.testing.assert_allclose(forces[0], forces[1], rtol=1.4e-3)
+    # measured 3.2e-4: the share of elastic stiffness beside the hinges of superelements
+    np.testing.assert_allclose(forces[0], forces[1], rtol=6.4e-4)
 
 
 # -- paths -----------------------------------------------------------------------------------
@@ -347,6 +348,7 @@ def test_ground_motion_of_an_elastic_portal_is_that_of_an_oscillator() -> None:
     free = np.exp(-decay * t) * (np.cos(turned * t) + decay / turned * np.sin(turned * t))
     exact = amplitude / (damping * omega) * (np.cos(omega * t) - free)
     scale = np.abs(exact).max()
+    # measured 0.0104
     np.testing.assert_allclose(response["displacement"], exact, atol=0.02 * scale)
 
 
@@ -364,7 +366,7 @@ def test_snapshots_show_the_frame(model) -> None:
     assert at[-1] == response["time"].values[-1]
     assert np.all(np.diff(at) > 0.0)
     peak = float(response["time_of_peak"])
-    assert np.min(np.abs(at - peak)) < 3.0 * response.attrs["time_step"]
+    assert np.min(np.abs(at - peak)) < 2.0 * response.attrs["time_step"]  # measured 1.01
     frame = impact.frame
     for member in frame.members:
         start, end = frame.node(member.start), frame.node(member.end)
@@ -423,6 +425,7 @@ def test_a_column_under_pinned_beams_is_a_cantilever() -> None:
         column = frame.properties("A0-A1")
         stiffness = 6.0 * frame.steel.elastic_modulus * column.second_moment / height**3
         found = float(response["force"][-1] / response["displacement"][-1])
+        # measured 0.048
         assert found == pytest.approx(stiffness, rel=tolerance)  # flexible: hinges in series
 
 
@@ -450,7 +453,7 @@ def test_a_weak_joint_whose_axial_force_changes_its_sign() -> None:
         axial = response["axial_force"].sel(hinge="beam:start").values
         assert axial.min() < 0.0 < axial.max()
         forces.append(float(response["force"][-1]))
-    assert forces[0] == pytest.approx(forces[1], rel=3.4e-4)  # measured 1.7e-4
+    assert forces[0] == pytest.approx(forces[1], rel=2.7e-4)  # measured 1.4e-4
 
 
 def test_a_load_beyond_the_mechanism_is_carried_by_another_shape_and_says_so() -> None:
@@ -486,7 +489,7 @@ def test_ledger_closes_over_thousands_of_steps(model, steps: int) -> None:
     response = answered(replace(model, time_step=5e-5).simulate(impact))
     assert response.sizes["time"] >= steps + 1
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
-    assert float(error) < 1e-6
+    assert float(error) < 1e-8  # measured 2.5e-11
     assert float(response["dissipated"][-1]) > 0.3 * float(response["input_energy"])
 
 
@@ -587,8 +590,8 @@ def test_random_frames_run_or_end_in_a_typed_outcome(examples: int) -> None:
             assert len(response.attrs["message"].split()) > 5
             return
         error = np.abs(response["balance_error"]).max() / response["input_energy"]
-        assert float(error) < 1e-6
-        assert np.min(np.diff(response["dissipated"])) >= -1e-6 * impact.input_energy
+        assert float(error) < 1e-8  # measured 3.6e-10
+        assert np.min(np.diff(response["dissipated"])) >= -1e-9 * impact.input_energy
 
     check()
     answers.demand()

@@ -80,12 +80,14 @@ def test_classical_element_converges_to_the_same_peak_from_below(thesis_impact):
     ]
     extrapolated = 2 * peaks[1] - peaks[0]
     assert peaks[0] < peaks[1] < extrapolated
+    # measured 0.0063
     assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(extrapolated, rel=0.01)
 
 
 def test_clamped_column_of_the_thesis(clamped_impact):
     """Axially fixed ends, 25 m/s: converged 0.5055 m."""
     scenario = replace(clamped_impact, duration=0.042)
+    # measured 0.0042
     assert peak(FiberCorotational(levels=1), scenario) == pytest.approx(0.5055, rel=0.008)
 
 
@@ -97,12 +99,13 @@ def test_pushover_of_the_thesis_column(thesis_impact, element, early, late):
     scenario = ColumnPushover("push", thesis_impact.column, 0.3)
     response = FiberCorotational(levels=1, element=element).simulate(scenario)
     force = np.interp(STATIC_AT, response["displacement"], response["force"])
-    assert force == pytest.approx(STATIC, rel=late)
-    assert force[:3] == pytest.approx(STATIC[:3], rel=early)
+    assert force == pytest.approx(STATIC, rel=late)  # measured 0.98 of it
+    assert force[:3] == pytest.approx(STATIC[:3], rel=early)  # measured 0.87 of it
     assert response["displacement"].values[-1] == pytest.approx(0.3)
     assert "shear-reached" in subjects(response)
     assert response["shear_utilisation"].values[0] == pytest.approx(1.8, abs=0.04)  # measured 0.018
-    assert np.abs(response["balance_error"]).max() < 1e-6 * response["input_energy"]
+    # measured 3.0e-8
+    assert np.abs(response["balance_error"]).max() < 6e-8 * response["input_energy"]
 
 
 @pytest.mark.parametrize(("base", "head"), [("clamped", "guided"), ("pinned", "pinned")])
@@ -132,7 +135,7 @@ def test_signs_of_the_watched_sections(thesis_impact):
     # no moment is applied in between; measured 1.6e-13
     assert moment[1] == pytest.approx(moment[2], rel=1e-8)
     rotation = response["plastic_rotation"].values[:, -1]
-    assert rotation[0] == pytest.approx(0.05 / 0.8, rel=0.12)
+    assert rotation[0] == pytest.approx(0.05 / 0.8, rel=0.12)  # measured 0.092
     # measured 2.0e-4
     assert rotation[0] + rotation[1] + rotation[2] + rotation[3] == pytest.approx(0.0, abs=4.1e-4)
     axial = response["axial_force"].values[:, 0]
@@ -168,8 +171,9 @@ def test_impulse_is_the_momentum_that_the_striker_lost(thesis_impact):
     lost = scenario.striker.mass * (10.0 - response["striker_velocity"].values[-1])
     assert response["impulse"] == pytest.approx(lost, rel=1e-9)
     assert float(response["percussion"].min()) >= 0.0
-    assert response.attrs["yield_ratio"] > 0.995
-    assert response.attrs["algorithmic_dissipation"] < 0.03 * scenario.input_energy
+    assert response.attrs["yield_ratio"] > 0.99986  # measured 0.99993
+    # measured 0.0099
+    assert response.attrs["algorithmic_dissipation"] < 0.0198 * scenario.input_energy
 
 
 def test_record_that_ends_before_the_peak(thesis_impact):

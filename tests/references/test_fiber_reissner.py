@@ -78,6 +78,7 @@ def test_the_elastic_column_agrees_with_the_corotational_one(thesis_impact, monk
     for k in range(4):
         model = FiberReissner(levels=1, smallest_element=0.2, largest_element=0.2, refinement=k)
         errors.append(force_at(model.simulate(push), 1e-4) / expected - 1.0)
+    # measured 0.0155
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2.0, atol=0.02)
     # measured 9.1e-4
     assert abs(errors[-1] - errors[-2]) / 3.0 == pytest.approx(abs(errors[-1]), rel=2e-3)
@@ -96,7 +97,7 @@ def test_both_formulations_agree_for_all_supports(thesis_impact, base, head) -> 
             FiberCorotational(levels=1, element="interpolated", **mesh),
         )
     ]
-    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)  # measured 0.0080
 
 
 # -- numbers ---------------------------------------------------------------------------------
@@ -114,7 +115,7 @@ def test_static_curve_of_the_thesis_column(thesis_impact) -> None:
         )
         for k in (1, 2)
     )
-    np.testing.assert_allclose((2.0 * fine - coarse) / 1e6, STATIC, rtol=5e-3)
+    np.testing.assert_allclose((2.0 * fine - coarse) / 1e6, STATIC, rtol=5e-3)  # measured 3.4e-3
 
 
 def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> None:
@@ -126,7 +127,7 @@ def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> No
     width = np.array([widths[quantity] for quantity in quantities]) / 1e6
     force = force_at(response, AT) / 1e6
     assert np.all(np.abs(force - STATIC) <= width)
-    assert np.all(width / STATIC < 0.03)
+    assert np.all(width / STATIC < 0.03)  # measured 0.026
 
 
 @pytest.mark.parametrize(
@@ -146,8 +147,8 @@ def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
     width = json.loads(response.attrs["numerical_uncertainty"])[quantity]
     force = float(force_at(response, 0.002))
     exact = float(force_at(FiberReissner(levels=1, refinement=3).simulate(push), 0.002))
-    assert abs(force - exact) <= 0.5 * width
-    assert width <= 0.03 * exact
+    assert abs(force - exact) <= 0.32 * width  # measured 0.16
+    assert width <= 0.03 * exact  # measured 0.018
 
 
 @pytest.mark.parametrize(
@@ -182,7 +183,7 @@ def test_peaks_of_the_clamped_column(clamped_impact) -> None:
         )
         for h in (0.05, 0.025, 0.0125)
     ]
-    np.testing.assert_allclose(peaks, [0.5021, 0.5039, 0.5047], rtol=2e-3)
+    np.testing.assert_allclose(peaks, [0.5021, 0.5039, 0.5047], rtol=2e-3)  # measured 1.5e-3
 
 
 @pytest.mark.parametrize(
@@ -202,7 +203,7 @@ def test_yield_ratio_of_averaged_stresses(clamped_impact, weight, h, expected) -
     )
     response = model.simulate(replace(clamped_impact, duration=0.036))
     lost = 1.0 - response.attrs["yield_ratio"]
-    assert lost == pytest.approx(1.0 - expected, rel=0.25, abs=2e-4)
+    assert lost == pytest.approx(1.0 - expected, rel=0.25, abs=2e-4)  # measured 0.127
     warned = "yield-ratio" in {finding.subject for finding in warnings_of(response)}
     assert warned == (expected < 0.995)
 
@@ -211,7 +212,7 @@ def test_energy_balance_and_yield_ratio_of_the_defaults(thesis_impact) -> None:
     response = FiberReissner(levels=1).simulate(replace(thesis_impact, duration=0.04))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
-    assert response.attrs["yield_ratio"] > 0.995
+    assert response.attrs["yield_ratio"] > 0.99906  # measured 0.99953
 
 
 def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
@@ -226,10 +227,10 @@ def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
     slack = 0.5 * model.lengths(thesis_impact)[0][0] * shear
     m = np.abs(response["moment"][0].values) / section.plastic_moment(steel)
     allowed = np.interp(np.abs(n), *section.interaction_envelope())
-    assert np.all(m <= allowed + slack / section.plastic_moment(steel) + 0.01)
+    assert np.all(m <= allowed + slack / section.plastic_moment(steel))
     v = response["displacement"].values
     plastic = (v > 0.05) & (v < 0.4)
-    assert np.all(m[plastic] >= allowed[plastic] - 0.02)
+    assert np.all(m[plastic] >= allowed[plastic] - 4e-4)  # measured 2.0e-4
     assert n.min() < -0.15
     assert n.max() > 0.7
 
@@ -243,10 +244,11 @@ def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
         impact
     )
     implicit = FiberReissner(levels=1, smallest_element=0.05, time_step=1e-5).simulate(impact)
-    assert peak(explicit) == pytest.approx(peak(implicit), rel=3e-3)
+    assert peak(explicit) == pytest.approx(peak(implicit), rel=3e-3)  # measured 2.4e-3
     error = np.abs(explicit["balance_error"]).max() / explicit["input_energy"]
-    assert float(error) < 1e-5
+    assert float(error) < 1.3e-7  # measured 6.7e-8
     assert explicit.sizes["time"] < 2000  # records, not steps
+    # measured 1.1e-3
     assert float(explicit["impulse"]) == pytest.approx(float(implicit["impulse"]), rel=2e-3)
 
 
@@ -255,7 +257,7 @@ def test_explicit_steps_serve_the_corotational_beam_too(thesis_impact) -> None:
     mesh = {"smallest_element": 0.1, "largest_element": 0.2, "refinement": 0}
     explicit = FiberCorotational(levels=1, integrator="explicit", **mesh).simulate(impact)
     implicit = FiberCorotational(levels=1, time_step=1e-5, **mesh).simulate(impact)
-    assert peak(explicit) == pytest.approx(peak(implicit), rel=0.01)
+    assert peak(explicit) == pytest.approx(peak(implicit), rel=0.01)  # measured 0.0057
 
 
 def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact) -> None:
@@ -267,7 +269,7 @@ def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact)
     early, late = [0.002, 0.004, 0.005], 0.05
     share = force_at(rolled, early) / force_at(plain, early)
     assert share[0] == pytest.approx(1.0, rel=1e-8)  # measured: round-off
-    assert np.all((share[1:] > 0.98) & (share[1:] < 0.992))
+    assert np.all((share[1:] > 0.98) & (share[1:] < 0.992))  # measured 0.99
     # measured 7.2e-5
     assert force_at(rolled, late) == pytest.approx(force_at(plain, late), rel=1.5e-4)
     assert float(rolled["elastic"][0]) > float(plain["elastic"][0])
@@ -289,7 +291,7 @@ def test_crookedness_is_amplified_by_the_axial_load() -> None:
     euler = np.pi**2 * bending / 6.0**2
     ratio = 1e6 / (euler / (1.0 + euler / shear_stiffness(section, column.steel)))
     grown = float(structure.assembly.displacement[structure.dof("hit", "x")[0]])
-    assert grown == pytest.approx(6e-3 * ratio / (1.0 - ratio), rel=5e-3)
+    assert grown == pytest.approx(6e-3 * ratio / (1.0 - ratio), rel=5e-3)  # measured 3.8e-3
 
 
 def test_steel_options_stiffen_the_column(thesis_impact) -> None:
@@ -320,7 +322,7 @@ def test_menegotto_pinto_keeps_the_ledger(thesis_impact) -> None:
     response = model.simulate(replace(thesis_impact, duration=0.06))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
-    assert response.attrs["yield_ratio"] > 0.995
+    assert response.attrs["yield_ratio"] > 0.9962  # measured 0.9981
 
 
 def test_coarse_meshes_are_told(thesis_impact) -> None:

@@ -41,10 +41,10 @@ def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
     response = FiberShear(levels=1, smallest_element=0.025).simulate(push)
     expected = [0.464, 0.512, 0.510, 0.508, 0.511, 0.521, 0.537, 0.545, 0.548]
-    np.testing.assert_allclose(force_at(response, AT), expected, rtol=5e-3)
+    np.testing.assert_allclose(force_at(response, AT), expected, rtol=5e-3)  # measured 3.6e-3
     assert {"shear-strain"} <= subjects(warnings_of(response))
     plastic = thesis_impact.column.properties.shear_resistance
-    assert 0.9 < float(response["shear_utilisation"][0]) < 1.0
+    assert 0.9 < float(response["shear_utilisation"][0]) < 1.0  # measured 0.92
     assert force_at(response, 0.2) > plastic / 1e6
 
 
@@ -52,6 +52,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
     for velocity, expected in ((10.0, 0.148), (15.0, 0.327)):
         impact = replace(thesis_impact.at_velocity(velocity), duration=0.06)
         response = FiberShear(levels=1, smallest_element=0.025).simulate(impact)
+        # measured 0.0063
         assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.01)
         error = np.abs(response["balance_error"]).max() / response["input_energy"]
         assert float(error) < 1e-8
@@ -79,8 +80,8 @@ def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
         )
         assert np.all(with_shear < without)
         np.testing.assert_allclose(with_shear, shearing, rtol=0.42 * tolerance)  # measured 0.21
-        np.testing.assert_allclose(without, plain, rtol=tolerance)
-        assert np.all(with_shear > 0.97 * without)
+        np.testing.assert_allclose(without, plain, rtol=tolerance)  # measured 0.0171
+        assert np.all(with_shear > 0.97 * without)  # measured 0.978
 
 
 def test_explicit_steps_check_the_implicit_ones(thesis_impact) -> None:
@@ -112,5 +113,5 @@ def test_shear_shares_add_up_to_the_shear_area(shape, tolerance) -> None:
     section = section_from(shape, "section")
     fibers = section_fibers(section, 20)
     carried = float(np.sum(fibers.area * fibers.share))
-    assert carried == pytest.approx(section.shear_area, rel=tolerance)
-    assert carried <= section.shear_area * (1.0 + 5e-3)
+    assert carried == pytest.approx(section.shear_area, rel=tolerance)  # measured 0.88 of it
+    assert carried <= section.shear_area * (1.0 + 5e-3)  # measured 4.2e-3

@@ -275,7 +275,7 @@ def test_joints_agree_with_superelements(kind, joint) -> None:
     # measured 0.0075
     np.testing.assert_allclose(forces[0][elastic], forces[1][elastic], rtol=0.016)
     # fibers of the columns still spread where hinges have yielded at once
-    assert forces[0][-1] == pytest.approx(forces[1][-1], rel=0.04)
+    assert forces[0][-1] == pytest.approx(forces[1][-1], rel=0.04)  # measured 0.032
     for name in ("A1-B1:start", "A1-B1:end"):
         moments = [float(r["moment"].sel(hinge=name)[-1]) for r in (fine, hinges)]
         # measured 0.0047
@@ -311,9 +311,9 @@ def test_ground_motion_agrees_with_superelements() -> None:
         FlexibleSuperelement(hinge_stiffness=100.0).simulate(shake),
     ):
         error = np.abs(response["balance_error"]).max() / response["input_energy"]
-        assert float(error) < 1e-6
+        assert float(error) < 1e-8  # measured 5.3e-10
         peaks.append(float(np.abs(response["displacement"]).max()))
-    assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.02)  # measured 0.0168
 
 
 # -- what is read off ------------------------------------------------------------------------
@@ -332,7 +332,7 @@ def test_snapshots_and_utilisation() -> None:
     assert float(used.min()) >= 0.0
     # on the exact envelope, but for the layers (0.4 %) and the regularising hardening
     assert float(used.max()) == pytest.approx(1.0, abs=1.7e-4)  # measured 8.0e-5
-    assert float(used.isel(snapshot=0).max()) < 1e-3
+    assert float(used.isel(snapshot=0).max()) < 1e-12  # measured: none
 
 
 def test_findings_name_joints_overrides_and_coarse_meshes() -> None:

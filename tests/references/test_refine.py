@@ -359,7 +359,7 @@ def test_the_static_beam_covers_the_next_level(thesis_impact) -> None:
     widths, table = answer(response)
     finer = replace(model, refinement=1, levels=1).simulate(push)
     gap = abs(float(finer["input_energy"]) - float(response["input_energy"]))
-    assert 0.05 * widths["input_energy"] < gap < widths["input_energy"]
+    assert 0.05 * widths["input_energy"] < gap < widths["input_energy"]  # measured 0.36
     assert set(table["quantities"]["input_energy"]["parts"]) == {
         *("space and steps", "fibers", "steps"),
     }
@@ -373,6 +373,7 @@ def test_an_impact_keeps_its_numbers_and_the_contract(thesis_impact) -> None:
     for name in alone.data_vars:
         assert response[name].equals(alone[name])
     widths, _ = answer(response)
+    # measured 0.11
     assert 0.0 < widths["peak_displacement"] < 0.2 * float(response["peak_displacement"])
     assert widths["input_energy"] == 0.0
     assert "mesh" not in [f.subject for f in warnings_of(response)]

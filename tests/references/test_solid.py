@@ -70,7 +70,7 @@ def test_elastic_stiffness_is_timoshenkos(
     shear = length / (4.0 * modulus / 2.6 * shear_area)
     ratio = float(response["force"][-1] / response["displacement"][-1]) * (bending + shear)
     # stiffer by what the rigid end and hit sections hold back, which falls with h / length
-    assert 1.0 < ratio < 1.0 + excess
+    assert 1.0 < ratio < 1.0 + excess  # measured 0.0046, 0.0021, 0.0067
 
 
 @pytest.mark.parametrize(("ends", "hinges"), [(("clamped", "guided"), 8), (("pinned",) * 2, 4)])
@@ -79,7 +79,7 @@ def test_slender_bar_collapses_at_its_plastic_moment(ends, hinges: int) -> None:
     response = push(column, 0.08)
     limit = hinges * column.properties.plastic_moment / column.length
     # above the beam's limit load only by the lateral restraint at held sections (at most 15 %)
-    assert 1.0 < float(response["force"][-1]) / limit < 1.05
+    assert 1.0 < float(response["force"][-1]) / limit < 1.05  # measured 1.042
     assert response["shear_utilisation"].max() < 0.05
 
 
@@ -90,14 +90,14 @@ def test_axial_load_takes_from_the_plastic_moment(share: float) -> None:
     response = push(replace(column, axial_load=share * squash), 0.02)
     # rectangle: m = 1 - n^2; mechanism with P v: F l = 8 M - 4 P v (0.68 of 8 M_p at n = 0.4)
     limit = (8.0 * (1.0 - share**2) * moment - 4.0 * share * squash * 0.02) / column.length
-    assert 1.0 < float(response["force"][-1]) / limit < 1.09
+    assert 1.0 < float(response["force"][-1]) / limit < 1.09  # measured 1.088
 
 
 def test_short_web_yields_in_shear_at_its_plastic_resistance(thesis_push) -> None:
     below, above = thesis_push["shear_utilisation"].values
     # V_pl = t_w (h - t_f) f_y / sqrt(3); the flanges' roots carry a few per cent on top
-    assert below == pytest.approx(1.0, abs=0.04)
-    assert above < 0.45
+    assert below == pytest.approx(1.0, abs=0.04)  # measured 0.028
+    assert above < 0.45  # measured 0.395
     bending = 2.0 * THESIS.properties.plastic_moment / 0.8 / THESIS.properties.shear_resistance
     assert bending > 1.7  # what a beam without shear yielding would need
 
@@ -113,16 +113,18 @@ def test_short_web_yields_in_shear_at_its_plastic_resistance(thesis_push) -> Non
 def test_force_of_an_independent_implementation(pushed, at, forces, tolerance, request) -> None:
     response = request.getfixturevalue(pushed)
     for displacement, force in zip(at, forces, strict=True):
+        # measured 0.87 of it
         assert force_at(response, displacement) == pytest.approx(force, rel=tolerance)
 
 
 def test_thesis_column_against_an_independent_implementation(thesis_push) -> None:
     at = (0.02, 0.05, 0.1, 0.2, 0.3)
     for displacement, force in zip(at, (0.498, 0.521, 0.480, 0.535, 0.721), strict=True):
+        # measured 0.019
         assert force_at(thesis_push, displacement) == pytest.approx(force, rel=0.02)
     # 40 % below the shear-free plastic mechanism: 2 M_N (1 / 0.8 + 1 / 3.2), m = 0.9349
     mechanism = 2.0 * 0.9349 * THESIS.properties.plastic_moment * (1 / 0.8 + 1 / 3.2) * 1e-6
-    assert force_at(thesis_push, 0.05) < 0.65 * mechanism
+    assert force_at(thesis_push, 0.05) < 0.65 * mechanism  # measured 0.63
 
 
 # --- numerics -------------------------------------------------------------------------------
@@ -130,7 +132,7 @@ def test_thesis_column_against_an_independent_implementation(thesis_push) -> Non
 
 def test_ledger_closes_at_second_order_in_the_step(thesis_push) -> None:
     balance = np.abs(thesis_push["balance_error"]).max() / thesis_push["input_energy"]
-    assert 1e-9 < float(balance) < 5e-5
+    assert 1e-9 < float(balance) < 3.9e-5  # measured 2.0e-5
     coarse, halved = (push(THESIS, 0.05, step=step) for step in (2.5e-3, 1.25e-3))
     errors = [float(np.abs(r["balance_error"]).max() / r["input_energy"]) for r in (coarse, halved)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.04)  # measured 2.02
@@ -150,7 +152,7 @@ def test_hardening_regularises_what_perfect_plasticity_leaves_to_the_mesh(meshes
         subjects = {finding.subject for finding in warnings_of(coarse)}
         assert ("mesh" in subjects) == (hardening < 1e-3)
     assert -0.10 < drift[1e-6] < -0.03  # falls with the mesh, and says so
-    assert abs(drift[1e-2]) < 0.005
+    assert abs(drift[1e-2]) < 0.005  # measured 0.0033, 0.0036 finer
 
 
 def test_turning_the_column_upside_down_changes_nothing() -> None:
@@ -180,7 +182,7 @@ def test_pinned_ends_weaken_the_column(middle_push) -> None:
     forces = [force_at(middle_push, 0.05), *others]
     assert forces[0] > forces[1] > forces[2]
     # mechanism without axial force: 8, 6 and 4 M_p / l; P v takes a little more from the pinned
-    assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.05)  # measured 0.022
+    assert forces[2] / forces[0] == pytest.approx(0.5, abs=0.0437)  # measured 0.0219
     assert forces[1] / forces[0] == pytest.approx(0.75, abs=0.041)  # measured 0.02
 
 
@@ -250,8 +252,8 @@ def test_refinement_ladder_of_the_thesis_column() -> None:
     forces = np.array([[force_at(r, v) for v in (0.02, 0.05, 0.1, 0.2)] for r in ladder])
     change = np.diff(forces, axis=0) / forces[:-1]
     # shear governs: 0.1 % at first; kinks lower it by a few per cent later
-    assert np.all(np.abs(change[:, 0]) < 0.002)
-    assert np.all(np.abs(change) < 0.05)
+    assert np.all(np.abs(change[:, 0]) < 1.8e-3)  # measured 9.4e-4
+    assert np.all(np.abs(change) < 0.05)  # measured 0.031
 
 
 @pytest.mark.slow

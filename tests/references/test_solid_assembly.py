@@ -48,7 +48,7 @@ def test_weights_hold_the_exact_area_and_inertia(section: Section) -> None:
     # x of the quadrature points as d(x^2/2)/dx, exact for quadratic shape functions
     x = np.einsum("egn,en->eg", mesh.gradients[:, :, 0, 0::2], 0.5 * nodes**2)
     inertia = np.sum(mesh.weights * x**2) / 2.4
-    assert inertia == pytest.approx(section.second_moment, rel=6e-3)  # arcs
+    assert inertia == pytest.approx(section.second_moment, rel=6e-3)  # arcs; measured 0.0048
     if not any(band.arc for band in section.shape.bands):
         assert inertia == pytest.approx(section.second_moment, rel=1e-12)
 
@@ -195,7 +195,7 @@ def test_axial_load_shortens_the_column_and_stops_at_the_squash_load() -> None:
     axial = STEEL.elastic_modulus * case.strength_section.area / case.length
     shortening = -elastic.q[elastic.supports.head]
     # end plates keep the section from widening: slightly stiffer than the bar
-    assert shortening == pytest.approx(0.4 * squash / axial, rel=2e-3)
+    assert shortening == pytest.approx(0.4 * squash / axial, rel=2e-3)  # measured 1.8e-3
     assert shortening < 0.4 * squash / axial
     # measured 2.9e-6
     assert elastic.stored() == pytest.approx(0.5 * 0.4 * squash * shortening, rel=6e-6)

@@ -131,7 +131,7 @@ def test_return_is_the_closest_point_on_the_yield_surface(strain: list[float], H
         [(2 * T[0] - T[1]) / 3, (2 * T[1] - T[0]) / 3, 2 * T[2]]
     )  # fmt: skip
     np.testing.assert_allclose(plastic, hardened * normal, rtol=1e-11, atol=1e-16)
-    assert np.min(np.linalg.eigvalsh(C)) > -1e-6 * E
+    assert np.min(np.linalg.eigvalsh(C)) > -1e-12 * E  # semi-definite: round-off
 
 
 def test_uniaxial_hardening_has_the_slope_of_the_bar() -> None:
@@ -159,7 +159,7 @@ def test_squeezed_point_stiffens_smoothly_and_never_vanishes() -> None:
         plastic = point(F).strain
         exact = point(F, plastic).tangent
         measured = differences(F, 1e-5 * c, plastic=plastic)
-        assert np.max(np.abs(measured - exact)) < 1e-7 * np.max(np.abs(exact))
+        assert np.max(np.abs(measured - exact)) < 1e-9 * np.max(np.abs(exact))  # measured 1.5e-10
         normal.append(point(np.array([c, 0.0, 0.0, tall]), plastic=plastic).nominal[0])
     assert normal[1] < normal[2] < normal[0] < 0.0
     limit = SQUEEZED / tall

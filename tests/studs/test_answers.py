@@ -126,7 +126,7 @@ def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     given = asked("load-slip", tables=(), curves=CURVES, validate=("lehigh279", "mcgarraugh1971"))
     fitted = StudLoadSlip().simulate(given)
     assert content_of(fitted)["judgement"]["curves"] == 4
-    assert 0.8 < number(fitted, "coverage") <= 1.0
+    assert 0.8 < number(fitted, "coverage") <= 1.0  # nominal 0.9, measured 0.97
     assert json.loads(fitted.attrs["sampling_uncertainty"])["coverage"] >= 0.25
     published = StudLoadSlip(published=True).simulate(given)
     assert "coverage" not in published
@@ -233,7 +233,8 @@ def test_one_test_per_campaign_is_no_crash() -> None:
     half = 2.015048 * np.std(logs, ddof=1) / np.sqrt(6)  # t_5(0.95)
     assert found.interval is not None
     assert (found.interval.low, found.interval.high) == pytest.approx(
-        (np.exp(logs.mean() - half), np.exp(logs.mean() + half)), rel=1e-3
+        (np.exp(logs.mean() - half), np.exp(logs.mean() + half)),
+        rel=4.5e-8,  # measured 2.3e-8
     )
     single = judge(frame.iloc[:1], ratio[:1], np.ones(1))
     assert (single.interval, single.half_width) == (None, None)

@@ -51,7 +51,7 @@ def test_the_rational_law_has_its_only_maximum_at_the_peak(k: float, d: float) -
     q = law.ratio(np.linspace(0.0, 0.05, 400))
     assert law.ratio(5e-3) == pytest.approx(1.0)
     assert np.max(q) <= 1.0 + 1e-12
-    assert law.ratio(1e-12) / 1e-12 == pytest.approx(k / 5e-3, rel=1e-3)
+    assert law.ratio(1e-12) / 1e-12 == pytest.approx(k / 5e-3, rel=4e-8)  # 2e-8 by k s / s_p
     assert law.ratio(0.02) < 1.0
 
 
@@ -103,7 +103,7 @@ def test_a_curve_made_by_a_law_is_found_again() -> None:
     slip = np.linspace(0.0, 0.012, 40)
     for law in (OllgaardLaw(900.0, 0.55), RationalLaw(6e-3, 8.0, 0.4)):
         fit = fit_curve(slip, 80e3 * law.ratio(slip) / np.max(law.ratio(slip)), law.name)
-        assert fit.rms < 2e-3
+        assert fit.rms < 1.1e-4  # measured 5.5e-5
         assert not fit.near_interpolation
     exact = fit_curve(slip, RationalLaw(6e-3, 8.0, 0.4).ratio(slip), "rational")
     assert exact.parameters["stiffness_ratio"] == pytest.approx(8.0, rel=9e-5)  # measured 4.4e-5
@@ -119,6 +119,7 @@ def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
     load = 100e3 * OllgaardLaw(900.0, 0.55).ratio(slip)
     load[4] *= 0.4
     plain, robust = (fit_curve(slip, load, loss=loss) for loss in ("linear", "soft_l1"))
+    # measured 0.21
     assert abs(robust.parameters["exponent"] - 0.55) < 0.25 * abs(
         plain.parameters["exponent"] - 0.55
     )
@@ -148,7 +149,7 @@ def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
     low, high = fit.band(SLIPS, 0.9)
     assert np.all(low <= high)
     middle = fit.shape.ratio(SLIPS)
-    assert np.mean((middle >= low) & (middle <= high)) > 0.9
+    assert np.all((middle >= low) & (middle <= high))
 
 
 def test_rational_law_holds_what_ascending_curves_cannot_tell(curves: pd.DataFrame) -> None:

@@ -52,7 +52,8 @@ def test_bearing_slope_is_its_derivative(
     kink = min(abs(s - large), abs(s - small), abs(s)) < 3 * h
     gap = min(abs(ends[0]), abs(ends[1]), abs(force)) == 0.0
     if not (kink or gap):
-        assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-2, abs=1e-4 * k)
+        # round-off of the differences
+        assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=2e-9 * k)
     assert abs(force) <= f
 
 
@@ -127,7 +128,7 @@ def test_weak_concrete_gives_the_two_hinge_mechanism() -> None:
     assert mechanism < 0.5 * stud.shear_strength
     early, late = np.interp([0.002, 0.008], curve.slip, curve.load) / mechanism
     assert early == pytest.approx(1.0, abs=8e-3)  # measured 0.0038
-    assert 1.03 < late < 1.08  # later the inclined shank adds a rope force
+    assert 1.03 < late < 1.08  # later the inclined shank adds a rope force; measured 1.060
     assert curve.tension[-1] > 3.0 * float(np.interp(0.002, curve.slip, curve.tension))
 
 
@@ -146,7 +147,7 @@ def test_weak_cone_and_weak_steel_govern_the_pull_out() -> None:
     slender = Stud(0.0127, 0.2, 60e6, 36e9, 450e6)
     steel = pull_out(slender, AROUND)
     assert steel.failure == "steel"
-    assert 0.85 < steel.strength / slender.tensile_strength < 1.0
+    assert 0.921 < steel.strength / slender.tensile_strength < 1.0  # measured 0.960
 
 
 # -- numerics -----------------------------------------------------------------------------------
@@ -156,8 +157,8 @@ def test_strength_and_stiffness_converge_with_the_mesh() -> None:
     curves = [push_out(STUD, AROUND, refinement=level) for level in (0, 1, 2)]
     strengths = np.array([curve.strength for curve in curves])
     stiffness = np.array([curve.secant() for curve in curves])
-    assert np.abs(strengths / strengths[-1] - 1.0).max() < 0.01
-    assert np.abs(stiffness / stiffness[-1] - 1.0).max() < 0.02
+    assert np.abs(strengths / strengths[-1] - 1.0).max() < 0.01  # measured 0.0059
+    assert np.abs(stiffness / stiffness[-1] - 1.0).max() < 0.02  # measured 0.011
 
 
 def test_fewer_steps_change_little() -> None:
@@ -175,7 +176,7 @@ def test_work_is_stored_or_dissipated() -> None:
         work += 0.5 * (last + step.factor) * 2e-5
         dissipated += step.energies.plastic
         stored, last = step.energies.stored, step.factor
-        assert step.energies.plastic > -1e-6 * work
+        assert step.energies.plastic > 0.0
     assert dissipated + stored == pytest.approx(work, rel=5.2e-8)  # measured 2.6e-8
     assert dissipated > 0.5 * work
 
@@ -185,7 +186,7 @@ def test_the_flange_pulls_nothing_out_in_a_push_out() -> None:
     curve = shear(structure, 4e-3)
     assert curve.tension.max() > 0.0  # the inclined shank pulls at its head ...
     assert structure.cone_damage == 0.0  # ... but this closes over the contact of the flange
-    assert curve.uplift.max() < 1e-5
+    assert curve.uplift.max() < 1e-12  # measured: none
     assert np.all(np.diff(curve.slip) > 0.0)
 
 
@@ -205,7 +206,7 @@ def whole():
 
 def test_a_small_pull_out_leaves_nothing(whole) -> None:
     pulled, after = pull_then_push(STUD, AROUND, 1e-4, steps=120)
-    assert pulled.residual_uplift < 2e-5
+    assert pulled.residual_uplift < 8e-6  # measured 4.1e-6
     assert pulled.damage == 0.0
     assert after.strength == pytest.approx(whole.strength, rel=3.2e-3)  # measured 0.0016
     assert after.chord() == pytest.approx(whole.chord(), rel=6e-4)  # measured 2.8e-4
@@ -221,7 +222,7 @@ def test_a_broken_cone_costs_stiffness_by_what_is_assumed_of_it(whole) -> None:
         assert pulled.residual_uplift > 3e-3
         stiffness.append(after.chord() / whole.chord())
     assert stiffness[0] > stiffness[1] > stiffness[2]
-    assert stiffness[0] > 0.9
+    assert stiffness[0] > 0.996  # measured 0.998
     assert stiffness[2] < 0.6
 
 
@@ -233,7 +234,7 @@ def test_a_stretched_shank_slips_less_and_leaves_the_concrete() -> None:
     for uplift in (2e-3, 6e-3):
         pulled, after = pull_then_push(stud, AROUND, uplift, steps=120)
         assert (pulled.failure, pulled.damage) == ("none", 0.0)
-        assert pulled.residual_uplift == pytest.approx(uplift, rel=0.4)
+        assert pulled.residual_uplift == pytest.approx(uplift, rel=0.4)  # measured 0.34
         ratios.append((after.strength / base.strength, after.chord() / base.chord(),
                        after.slip[-1] / base.slip[-1]))  # fmt: skip
     assert ratios[1] < ratios[0] < (1.0, 1.0, 1.0)
@@ -291,13 +292,13 @@ def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
     assert fitted.identity.campaigns == {"provines2019"}
     ratio = fitted.rows["strength_ratio"]
     assert ratio.mean() == pytest.approx(1.0, abs=9e-3)  # measured 0.0043
-    assert fitted.scatter["strength"] < 0.12
+    assert fitted.scatter["strength"] < 0.12  # measured 0.097
     # the model tells cast in place (66 MPa) from precast (52 MPa) without a parameter for it
     for kind in ("CIP", "PC"):
         own = fitted.rows[fitted.rows["specimen"].str.endswith(kind)]
         assert own["strength_ratio"].mean() == pytest.approx(1.0, abs=0.015)  # measured 0.0073
     assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.02)  # measured 0.0093
-    assert max(fitted.standard_errors.values()) < 0.2
+    assert max(fitted.standard_errors.values()) < 0.14  # measured 0.072
     json.dumps(plain(fitted.to_dict()), allow_nan=False)
 
 
@@ -308,7 +309,7 @@ def test_validation_shows_where_the_model_fails(
         fitted.validate(push_outs)
     rows = fitted.validate(push_outs[push_outs["campaign"] != "provines2019"])
     ratio = rows.set_index("specimen")["strength_ratio"]
-    assert ratio["P8"] == pytest.approx(1.0, abs=0.15)
+    assert ratio["P8"] == pytest.approx(1.0, abs=0.15)  # measured 0.10
     # studs with slab cracks in weak concrete: calibrated on strong concrete, it is unsafe
     assert ratio["P3"] < 0.85
 

@@ -68,7 +68,8 @@ def test_balanced_one_way_layout_has_the_closed_form() -> None:
     interval = profile_interval(estimate, "mean", 0.9)
     half = 2.015048 * sqrt(between / 30)  # t_5(0.95)
     assert (interval.low, interval.high) == pytest.approx(
-        (y.mean() - half, y.mean() + half), rel=0.02
+        (y.mean() - half, y.mean() + half),
+        rel=4.8e-5,  # measured 2.4e-5
     )
 
 
@@ -98,10 +99,12 @@ def test_nonlinear_and_linear_solvers_agree() -> None:
         problem(y, groups, lambda p: p[0] + p[1] * x, ("mean", "slope"), [1.0, -1.0],
                 lower=-5.0, upper=5.0)
     )  # fmt: skip
-    assert general.theta == pytest.approx(linear.theta, abs=1e-5)
-    assert (general.sigma, general.tau) == pytest.approx((linear.sigma, linear.tau), rel=1e-3)
+    assert general.theta == pytest.approx(linear.theta, abs=2.3e-8)  # measured 1.2e-8
+    # measured 4.4e-6
+    assert (general.sigma, general.tau) == pytest.approx((linear.sigma, linear.tau), rel=8.7e-6)
     own, other = (profile_interval(e, "slope", 0.9) for e in (general, linear))
-    assert (own.low, own.high) == pytest.approx((other.low, other.high), abs=1e-3)
+    # measured 1.0e-8
+    assert (own.low, own.high) == pytest.approx((other.low, other.high), abs=2e-8)
 
 
 def test_weights_act_like_repeated_rows() -> None:
@@ -138,7 +141,8 @@ def test_campaigns_that_differ_far_beyond_their_scatter_are_followed() -> None:
     y = means[groups] + 3e-5 * np.tile([-1.0, 0.0, 1.0], 4)
     interval = profile_interval(fit(mean_problem(y, groups)), "mean", 0.9)
     half = 2.353363 * np.std(means, ddof=1) / 2.0  # t_3(0.95)
-    assert (interval.low, interval.high) == pytest.approx((0.15 - half, 0.15 + half), rel=0.01)
+    # measured 1.1e-6
+    assert (interval.low, interval.high) == pytest.approx((0.15 - half, 0.15 + half), rel=2.2e-6)
 
 
 def test_parameters_that_cannot_be_told_are_refused() -> None:
@@ -234,7 +238,7 @@ def test_a_prediction_for_a_new_campaign_is_on_the_safe_side() -> None:
             estimate = fit(mean_problem(y, groups))
             q = float(predictive_quantile(estimate, estimate.problem, 0.05)[0])
             below.append(0.5 * (1.0 + erf(q / sqrt(tau**2 + 0.08**2) / sqrt(2.0))))
-        assert least < np.mean(below) < 0.055, (campaigns, tau)
+        assert least < np.mean(below) < 0.05, (campaigns, tau)  # measured 0.017, 0.044, 0.044
 
 
 def test_few_campaigns_are_refused_where_they_do_not_suffice() -> None:
@@ -255,7 +259,7 @@ def test_leaving_a_campaign_out_finds_the_odd_one() -> None:
     left = {each.campaign: each for each in leave_one_campaign_out(mean_problem(y, groups))}
     assert left["2"].bias == pytest.approx(1.0, abs=0.08)  # measured 0.039
     assert left["2"].covered == 0.0
-    assert max(abs(each.bias) for name, each in left.items() if name != "2") < 0.35
+    assert max(abs(each.bias) for name, each in left.items() if name != "2") < 0.35  # measured 0.27
 
 
 def test_robust_losses_are_not_led_by_outliers() -> None:
@@ -268,8 +272,8 @@ def test_robust_losses_are_not_led_by_outliers() -> None:
     assert plain.theta[0] - clean.theta[0] == pytest.approx(6.0 / 40, abs=1.5e-9)
     for loss in ("huber", "bisquare"):
         robust = fit_robust(mean_problem(bad, groups), loss)
-        assert abs(robust.theta[0] - clean.theta[0]) < 0.02
-        assert robust.sigma < 0.3 * plain.sigma
+        assert abs(robust.theta[0] - clean.theta[0]) < 0.02  # measured 0.012
+        assert robust.sigma < 0.3 * plain.sigma  # measured 0.21
     with pytest.raises(InputError, match="must be one of linear, huber, bisquare"):
         fit_robust(mean_problem(y, groups), "cauchy")
 

@@ -128,7 +128,7 @@ def test_validation_refuses_seen_rows(damaged: Maker) -> None:
     found = fit.judge(unseen)
     assert len(found.rows) == 8
     error = found.rows["test"] - found.rows["prediction"]
-    assert np.sqrt(np.mean(error**2)) < 0.15
+    assert np.sqrt(np.mean(error**2)) < 0.079  # measured 0.0395
 
 
 def test_the_reference_may_come_from_companions() -> None:

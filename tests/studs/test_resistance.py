@@ -23,7 +23,7 @@ def test_en1994_by_hand() -> None:
     model = SHEAR_MODELS["en1994"]
     # 0.8 x 450 x 283.53 = 102.07 kN; 0.29 x 361 x sqrt(30 x 32000) = 102.58 kN
     assert model.steel(D, FU) == pytest.approx(102.07e3, rel=7e-6)  # measured 3.4e-6
-    assert model.concrete(D, H, FC, EC) == pytest.approx(102.58e3, rel=1e-4)
+    assert model.concrete(D, H, FC, EC) == pytest.approx(102.58e3, rel=1e-4)  # measured 5.0e-5
     # measured 3.4e-6
     assert model.resistance(D, H, FC, EC, FU) == pytest.approx(102.07e3, rel=7e-6)
 
@@ -61,7 +61,7 @@ def test_regression_agrees_with_its_simplified_form() -> None:
         # Q = 1.106 A_s f_c^0.3 E_c^0.44 in kip and inch, Ollgaard et al. 1971
         area, fc, ec = AREA / 0.0254**2, strength / 6.894757e6, float(modulus) / 6.894757e6
         regression = 4448.222 * 1.106 * area * fc**0.3 * ec**0.44
-        assert regression == pytest.approx(float(simple), rel=0.06)
+        assert regression == pytest.approx(float(simple), rel=0.06)  # measured 0.049
 
 
 def test_moduli_and_strengths() -> None:

@@ -30,13 +30,13 @@ TABLE = {
 @pytest.mark.parametrize("n", TABLE)
 def test_characteristic_factors_follow_from_their_definition(n: float) -> None:
     # the table is printed with two decimals, some cut and not rounded
-    assert fractile_factor(n) == pytest.approx(TABLE[n][0], abs=0.013)
+    assert fractile_factor(n) == pytest.approx(TABLE[n][0], abs=0.013)  # measured 0.012
 
 
 @pytest.mark.parametrize("n", [n for n, (_, design) in TABLE.items() if design])
 def test_design_factors_follow_the_probability_0_999(n: float) -> None:
     printed = TABLE[n][1]
-    assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(printed, rel=0.008)
+    assert fractile_factor(n, TABLE_DESIGN) == pytest.approx(printed, rel=0.008)  # measured 0.0076
     # the limit quoted as 3.04 belongs to 0.99882, with which the table does not agree
     assert fractile_factor(n, LIMIT_DESIGN) < printed * 0.99
     assert fractile_factor(inf, LIMIT_DESIGN) == pytest.approx(3.04, abs=1.5e-3)  # measured 7.4e-4
@@ -78,7 +78,7 @@ def test_d8_by_hand() -> None:
         "k_n": 2.6311403, "k_dn": 11.4201937, "r_m": 95.0, "r_k": 76.8701971, "r_d": 58.2588986,
         "gamma_m": 1.3194585, "r_nominal": 80.0, "gamma_m_star": 1.3731808,
     }  # fmt: skip
-    assert plain(found) == pytest.approx(expected, rel=1e-7)
+    assert plain(found) == pytest.approx(expected, rel=5e-8)  # measured 2.5e-8
 
 
 def test_d8_with_sensitivities() -> None:
@@ -90,7 +90,7 @@ def test_d8_with_sensitivities() -> None:
     exponents = sensitivities_of(
         lambda x: 3.0 * x["d"] ** 2 * sqrt(x["fc"]), {"d": 0.02, "fc": 3e7}
     )
-    assert exponents == pytest.approx({"d": 2.0, "fc": 0.5}, rel=1e-6)
+    assert exponents == pytest.approx({"d": 2.0, "fc": 0.5}, rel=1e-8)  # measured 1.2e-9
     with pytest.raises(InputError, match="have no variation"):
         evaluate_d8([1.0, 1.1], [1.0, 1.0], sensitivities={"fu": 1.0})
 
@@ -137,9 +137,9 @@ def test_a_new_test_falls_below_the_characteristic_value_in_five_per_cent(
     # the error of a simulation that draws one new test per set: sqrt(0.05 0.95 / 10 000)
     error = sqrt(0.05 * 0.95 / sets)
     if v_rt == 0.0:
-        assert abs(below.mean() - 0.05) < 2.0 * error
+        assert abs(below.mean() - 0.05) < 3.5e-3 < 2.0 * error  # measured 1.8e-3
     else:  # the mixture of known and estimated scatter is approximate, and safe
-        assert 0.035 < below.mean() < 0.05 + 2.0 * error
+        assert 0.039 < below.mean() < 0.05  # measured 0.0444 to 0.0488
 
 
 def test_d8_is_unsafe_for_tests_of_few_campaigns() -> None:

@@ -58,7 +58,7 @@ def test_bias_and_scatters_are_recovered() -> None:
     assert fit.fitted.tau.low < 0.08 < fit.fitted.tau.high
     assert np.mean([each.covered for each in fit.left_out]) > 0.8
     # 5 % fractile of a new campaign: 0.75 exp(-1.645 x 0.1) = 0.636 with scatters known
-    assert 0.58 < fit.new_campaign_factor < 0.65
+    assert 0.58 < fit.new_campaign_factor < 0.65  # measured 0.605
     measured, modulus = texts(fit)
     assert measured == "the uncertainty of the measured loads is not reported: it stays in sigma"
     assert "not measured, in 120 tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is" in modulus
@@ -87,7 +87,7 @@ def test_predictions_follow_the_fit() -> None:
     table = campaigns_of("roik-mean", 6, tau=0.0, sigma=1e-4)
     fit = fit_strength(table, "roik-mean", trends=("diameter",), resamples=50)
     tests = specimens(undamaged_headed_studs(table))
-    assert fit.predict(tests) == pytest.approx(tests.shear, rel=1e-3)
+    assert fit.predict(tests) == pytest.approx(tests.shear, rel=3.7e-4)  # measured 1.85e-4
 
 
 def test_d8_inside_the_fit_speaks_of_the_reference_stud() -> None:
@@ -171,7 +171,7 @@ def test_robust_fit_is_not_led_by_a_wrong_row() -> None:
         fit_strength(t, loss=loss, resamples=50).bias
         for t, loss in ((table, "linear"), (bad, "linear"), (bad, "bisquare"))
     )
-    assert abs(robust - clean) < 0.3 * abs(plain - clean)
+    assert abs(robust - clean) < 0.085 * abs(plain - clean)  # measured 0.043
 
 
 def test_factors_are_recovered_and_refused_without_influence() -> None:

@@ -70,6 +70,7 @@ def test_checks_table(push_outs: pd.DataFrame, name: str) -> None:
     count, mean, variation, concrete, steel, reduced = CHECKS[name]
     tests = specimens(group(push_outs, name))
     assert len(tests) == count
+    # printed digits; measured 0.048
     assert np.mean(tests.shear) / KILO == pytest.approx(mean, abs=0.051)
     stiff = np.sqrt(tests.concrete_strength * tests.concrete_modulus)
     over_steel = np.mean(tests.shear / (tests.area * tests.ultimate_strength))
@@ -84,7 +85,7 @@ def test_checks_table(push_outs: pd.DataFrame, name: str) -> None:
         ("over_steel", steel, 5.1e-3), ("over_reduced_steel", reduced, 5.1e-3),
     ):  # fmt: skip
         value = np.nan if expected is None else expected
-        assert found[column] == pytest.approx(value, abs=digit, nan_ok=True)
+        assert found[column] == pytest.approx(value, abs=digit, nan_ok=True)  # printed digits
 
 
 def test_every_specimen_of_provines_exceeds_its_shank(push_outs: pd.DataFrame) -> None:
@@ -98,8 +99,10 @@ def test_slip_at_maximum_and_initial_stiffness_of_provines(push_outs: pd.DataFra
     ):  # fmt: skip
         rows = group(push_outs, name)
         slip, k = rows["slip_at_max_mm"], rows["stiffness_5_40_kN_per_mm"].dropna()
+        # printed digits; measured 0.04
         assert (slip.min(), slip.max(), slip.mean()) == pytest.approx((low, high, mean), abs=0.05)
         assert len(k) == count
+        # printed digits; measured 0.41
         assert (k.mean(), k.std()) == pytest.approx((stiffness, scatter), abs=0.5)
         assert (slip > 6.0).all()
 
@@ -110,14 +113,14 @@ def test_shape_fits_of_the_load_slip_curves(curves: pd.DataFrame) -> None:
     for specimen, b, a in (
         ("P8", 0.46, 0.42), ("P2", 0.50, 0.40), ("P4", 1.10, 0.66), ("P3", 1.38, 0.60),
     ):  # fmt: skip
-        assert found.loc[specimen, "rate"] / KILO == pytest.approx(b, abs=0.006)
-        assert found.loc[specimen, "exponent"] == pytest.approx(a, abs=0.006)
+        assert found.loc[specimen, "rate"] / KILO == pytest.approx(b, abs=0.006)  # measured 0.0038
+        assert found.loc[specimen, "exponent"] == pytest.approx(a, abs=0.006)  # measured 0.0038
     # medians over all curves, quoted as 1.1 and 0.75; the second is 0.73 with the rows kept here
-    assert fit.rows["rate"].median() / KILO == pytest.approx(1.1, abs=0.05)
-    assert fit.rows["exponent"].median() == pytest.approx(0.75, abs=0.03)
+    assert fit.rows["rate"].median() / KILO == pytest.approx(1.1, abs=0.044)  # measured 0.022
+    assert fit.rows["exponent"].median() == pytest.approx(0.75, abs=0.03)  # measured 0.023
     # the published law: rms error 0.11 of the maximum, on the side of too much load
-    assert fit.rows["published_rms"].median() == pytest.approx(0.11, abs=0.005)
-    assert fit.rows["published_bias"].median() == pytest.approx(0.10, abs=0.011)
+    assert fit.rows["published_rms"].median() == pytest.approx(0.11, abs=4.9e-3)  # measured 0.0025
+    assert fit.rows["published_bias"].median() == pytest.approx(0.10, abs=0.011)  # measured 0.0096
 
 
 def test_secants_of_the_table_follow_from_the_points(
@@ -132,7 +135,8 @@ def test_secants_of_the_table_follow_from_the_points(
             ):
                 point = points.loc[f"{level} % of Qmax"]
                 secant = point["load_kN"] / point["slip_mm"]
-                assert secant == pytest.approx(row[f"secant_{level}_kN_per_mm"], rel=0.005)
+                # measured 0.0024
+                assert secant == pytest.approx(row[f"secant_{level}_kN_per_mm"], rel=4.7e-3)
                 checked += 1
     assert checked > 50
 
@@ -143,8 +147,9 @@ def test_permanent_slip_of_the_beam() -> None:
     assert ratio.round(2).tolist() == [0.29, 0.11, 0.30, 0.26, 0.26, 0.26, 0.57]
     earlier = rows["end_slip_residual_after_unloading_mm"].cumsum().shift(fill_value=0.0)
     cumulative = rows["end_slip_cycle_max_mm"] + earlier
-    assert np.abs(cumulative - rows["end_slip_cumulative_mm"]).max() <= 0.0201
+    assert np.abs(cumulative - rows["end_slip_cumulative_mm"]).max() <= 0.0201  # measured 0.0200
     moment = rows["load_kN_per_m2"] * 2.8 * 11.2**2 / 8.0
+    # printed digits; measured 0.048
     assert np.allclose(moment, rows["midspan_moment_kNm"], atol=0.06)
 
 
@@ -154,25 +159,25 @@ def test_markers_return_to_the_envelope_after_unloading() -> None:
         envelope = stud[stud["on_envelope"] == 1.0].sort_values("slip_mm")
         assert (envelope["load_kN"].diff().dropna() > 0.0).all()  # no loss after an unloading
     zero = points[(points["specimen"] == "P8") & (points["load_kN"] < 0.0)].iloc[0]
-    assert zero["slip_mm"] == pytest.approx(0.712, abs=0.0005)
+    assert zero["slip_mm"] == pytest.approx(0.712, abs=0.0005)  # measured 0.0003
     assert zero["probable_unloading_slip_mm"] == pytest.approx(1.034)
 
 
 def test_pull_out_of_the_plane_anchor() -> None:
     rows = shipped("stud-pull-out")
     load_ = rows["tension_kN"]
-    assert load_.mean() == pytest.approx(17.9, abs=0.05)
+    assert load_.mean() == pytest.approx(17.9, abs=0.05)  # measured 0.03
     assert load_.std() / load_.mean() == pytest.approx(0.08, abs=4.4e-3)  # measured 0.0022
     assert rows["uplift_at_max_mm"].agg(["min", "max"]).tolist() == [0.082, 0.133]
     # EN 1992-4: a cone of 60 mm, 40 mm from the edge, in a block of 80 mm
     cone = 12.7 * np.sqrt(56.8) * 60.0**1.5 / KILO
     predicted = cone * 80.0 / 180.0 * (0.7 + 0.3 * 40.0 / 90.0)
-    assert predicted == pytest.approx(16.5, abs=0.05)
+    assert predicted == pytest.approx(16.5, abs=0.048)  # measured 0.024
     assert load_.mean() / predicted == pytest.approx(1.09, abs=3.5e-3)  # measured 0.0017
     area = 2.0 * 80.0 * 60.0 / np.sin(np.radians(35.0))  # mm2, two planes at 35 degrees
     stress = KILO * load_.mean() / area
     assert stress == pytest.approx(1.07, abs=2.6e-3)  # measured 0.0013
-    assert stress / 4.42 == pytest.approx(0.25, abs=0.01)
+    assert stress / 4.42 == pytest.approx(0.25, abs=0.01)  # measured 0.0076
 
 
 def test_retested_beam() -> None:
@@ -182,11 +187,11 @@ def test_retested_beam() -> None:
     assert (moment / moment[0]).round(2).tolist()[2] == 0.94
     points = load("beam-retest-points")
     largest = points.groupby("test")["load_kN"].max().tolist()
-    assert largest == pytest.approx([210.0, 242.9, 262.9], abs=0.06)
+    assert largest == pytest.approx([210.0, 242.9, 262.9], abs=0.06)  # measured 0.05
     zero = points[points["load_kN"].abs() < 1.0].groupby("test")["midspan_deflection_this_test_mm"]
     left = zero.max()
     assert left["B3-T1"] == pytest.approx(22.9, abs=0.04)  # measured 0.02
-    assert left["B3-T1"] + left["B3-T2"] == pytest.approx(45.1, abs=0.06)
+    assert left["B3-T1"] + left["B3-T2"] == pytest.approx(45.1, abs=0.06)  # measured 0.05
     deepest = points.groupby("test")["midspan_deflection_this_test_mm"].max()
     ratio = left / deepest
     assert ratio[["B3-T1", "B3-T2"]].round(2).tolist() == [0.68, 0.63]
