@@ -577,15 +577,16 @@ def bears(impact: FrameImpact) -> bool:
     return impact.input_energy <= absorbed(lengths, moment, tuple(ends), max(axial, 0.0))
 
 
-@pytest.mark.parametrize("examples", [40, pytest.param(80, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", [70, pytest.param(150, marks=pytest.mark.slow)])
 def test_random_frames_run_or_end_in_a_typed_outcome(examples: int) -> None:
     answers = Answers()
 
     @settings(max_examples=examples)
-    @given(impacts(), st.sampled_from([replace(model, time_step=1e-4) for model in MODELS]))
-    def check(impact: FrameImpact, model) -> None:
+    @given(impacts(), st.sampled_from(MODELS), st.sampled_from(["none", "none", "panel"]))
+    def check(impact: FrameImpact, model, shear: str) -> None:
+        model = replace(model, time_step=1e-4, shear=shear)
         response = model.simulate(impact)
-        if not answers.note(model, impact, response, asked=bears(impact)):
+        if not answers.note(model, impact, response, asked=shear == "none" and bears(impact)):
             assert outcome_of(response) in (Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED)
             assert len(response.attrs["message"].split()) > 5
             return
