@@ -29,9 +29,7 @@ def mean_forces(column, state, work):
         v1, x1, _ = geometry.place(state.q, lengths, bar)
         small = column.small_rotations
         if column.sliding == panels.SECTION:
-            sine, c = panels.section_step_gradients(work.turn0[bar], state.turn[bar])
-            shear = 0.5 * (a[bar, 3] + b[bar, 3])
-            work.f[bar, 0], work.f[bar, 1] = N * sine + shear * c, N * c - shear * sine
+            panels.section_mean_forces(bar, state, work)
             continue
         ev, ex, pv, px = geometry.step_gradients(v0, x0, v1, x1, lengths[bar], small)
         work.f[bar, 0], work.f[bar, 1] = N * ev + M * pv, N * ex + M * px

@@ -99,7 +99,42 @@ def section_forces(column, bar, place, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def section_step_gradients(phi0, phi1):
-    """Mean sine and cosine of the direction of N over a step."""
-    sine, c = np.sin(0.5 * phi0) + np.sin(0.5 * phi1), np.cos(0.5 * phi0) + np.cos(0.5 * phi1)
-    return 0.5 * sine, 0.5 * c
+def section_mean_forces(bar, state, work):
+    """Mean forces of a step over v and x: averaged N and V in their mean direction."""
+    phi0, phi1, a, b = work.turn0[bar], state.turn[bar], work.stress0[bar], state.stress[bar]
+    sine = 0.5 * (np.sin(0.5 * phi0) + np.sin(0.5 * phi1))
+    c = 0.5 * (np.cos(0.5 * phi0) + np.cos(0.5 * phi1))
+    N, V = 0.5 * (a[0] + b[0]), 0.5 * (a[3] + b[3])
+    work.f[bar, 0], work.f[bar, 1] = N * sine + V * c, N * c - V * sine
+
+
+@njit(cache=True, error_model="numpy")
+def wider(column, state, low, high):
+    """The bracket of beta1 where sections turn less than the chords, down to their ends."""
+    below, above = state.plastic[0], state.plastic[1]
+    one, two = below[1] + below[2], -above[1] - above[2]
+    low, high = min(low, min(one, two)), max(high, max(one, two))
+    if column.sliding == SECTION:  # and N turns them further
+        low, high = low - 0.5 * (high - low) - 1e-3, high + 0.5 * (high - low) + 1e-3
+    return low, high
+
+
+@njit(cache=True, error_model="numpy")
+def commit_sliding(column, bar, place, total, start, state, work):
+    """Plastic sliding of a bar from its converged forces, and what it dissipates.
+
+    `total`: elongation and rotations of the hinges against the chord. Result: those that are left
+    to elongation and bending.
+    """
+    stretch, end, mid = total
+    length, plastic = column.lengths[bar], state.plastic[bar]
+    elastic = state.stress[bar, 3] * length / column.web.stiffness
+    if column.sliding == CHORD:  # its work is in that of the moments, whose rotations it adds to
+        plastic[3] += work.flow[bar, 4]
+        return stretch, end - elastic / length, mid + elastic / length
+    (v, x, b), phi = place, state.turn[bar]
+    stretch, slide = section_deformations(v, x, length, phi)
+    mean = 0.5 * (start[bar, 3] + state.stress[bar, 3])
+    state.dissipated += mean * (slide - elastic - plastic[3])
+    plastic[3] = slide - elastic
+    return stretch, phi, b - phi

@@ -157,12 +157,8 @@ def balance_rotation(column, state, work):
     _, above = geometry.stretch_and_angle(v, x, lengths[ABOVE], column.small_rotations)
     one, two = below + state.plastic[BELOW, 2], -above - state.plastic[ABOVE, 2]
     low, high = min(one, two), max(one, two)
-    if column.sliding != panels.RIGID_IN_SHEAR:  # sections turn less than chords, to their ends
-        one = state.plastic[BELOW, 1] + state.plastic[BELOW, 2]
-        two = -state.plastic[ABOVE, 1] - state.plastic[ABOVE, 2]
-        low, high = min(low, min(one, two)), max(high, max(one, two))
-        if column.sliding == panels.SECTION:  # and N turns them further
-            low, high = low - 0.5 * (high - low) - 1e-3, high + 0.5 * (high - low) + 1e-3
+    if column.sliding != panels.RIGID_IN_SHEAR:
+        low, high = panels.wider(column, state, low, high)
     q[BETA] = min(max(q[BETA], low), high)
     for _ in range(100):
         internal_forces(column, state, work)
@@ -242,19 +238,9 @@ def commit(column, start, state, work):
         v, x, b = geometry.place(state.q, column.lengths, bar)
         length, small = column.lengths[bar], column.small_rotations
         stretch, angle = geometry.stretch_and_angle(v, x, length, small)
-        slide, turns = 0.0, 0.0
+        total = (stretch, angle, b - angle)
         if column.sliding != panels.RIGID_IN_SHEAR:
-            slide = state.stress[bar, 3] * length / column.web.stiffness  # the elastic part
-        if column.sliding == panels.CHORD:
-            turns = slide / length
-            state.plastic[bar, 3] += work.flow[bar, 4]
-        elif column.sliding == panels.SECTION:
-            angle = state.turn[bar]
-            stretch, total_slide = panels.section_deformations(v, x, length, angle)
-            mean = 0.5 * (start[bar, 3] + state.stress[bar, 3])
-            state.dissipated += mean * (total_slide - slide - state.plastic[bar, 3])
-            state.plastic[bar, 3] = total_slide - slide
-        total = (stretch, angle - turns, b - angle + turns)
+            total = panels.commit_sliding(column, bar, (v, x, b), total, start, state, work)
         for j in range(3):
             new = total[j]  # a pin: all of its rotation is free
             if column.stiffness[bar, j] > 0.0:
