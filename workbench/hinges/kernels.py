@@ -113,9 +113,9 @@ def project(hinges, trial, stress, tangent):
         if Mp * cap < A:
             elastic = False
     if elastic:
-        stress[:] = trial
-        tangent[0, 0] = kN
+        stress[0], tangent[0, 0] = trial[0], kN
         for i in range(count):
+            stress[i + 1] = trial[i + 1]
             tangent[i + 1, i + 1] = k[i]
         return ELASTIC
 

@@ -1,4 +1,4 @@
-"""Band storage: products, and rows that are held; largest entries; small dense systems."""
+"""Band storage: products, and rows that are held; largest entries; small dense systems; copies."""
 
 import numpy as np
 from numba import njit
@@ -44,6 +44,13 @@ def largest(x: Array) -> float:
         if size > top:
             top = size
     return top
+
+
+@njit(cache=True, error_model="numpy")
+def copy(source, target):
+    """Copy an array of the same shape: a sliced assignment takes numba two seconds to compile."""
+    for i in np.ndindex(source.shape):
+        target[i] = source[i]
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,7 +11,7 @@ from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
 from workbench.models.four_dof.kinematics import BETA, U1, U2, V
-from workbench.structures.kernels import solve_dense
+from workbench.structures.kernels import copy, solve_dense
 
 _EPS = 2.220446049250313e-16
 _PIECES = 64  # into which a step may be cut
@@ -79,7 +79,7 @@ def step_residual(column, dt, nested, closed, jump, state, work):
 def solve_step(column, dt, nested, closed, jump, state, work):
     """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual)."""
     q, step, old = state.q, work.step, work.old
-    q[:] = work.q0
+    copy(work.q0, q)
     total = 2.0 * column.mass[V] + column.mass[U2] + column.striker_mass
     norm = step_residual(column, dt, nested, closed, jump, state, work)
     for _ in range(30):
@@ -113,17 +113,20 @@ def midpoint_step(column, dt, closing, state, work):
     `closing`: a gap that is negative afterwards is closed (Gear-Gupta-Leimkuhler).
     """
     q, w, mass = state.q, state.w, column.striker_mass
-    work.q0[:], work.w0[:], work.stress0[:] = q, w, state.stress
-    work.turn0[:] = state.turn
+    copy(q, work.q0)
+    copy(w, work.w0)
+    copy(state.stress, work.stress0)
+    copy(state.turn, work.turn0)
     before = state.striker_velocity
     gamma = w[V] - before
     eps = law.rebound(gamma, column.restitution)
     closed = law.touches(q[V] - state.striker, gamma, dt)
     while True:
         jump, percussion = (1.0 + eps) * gamma, 0.0
-        done, residual = solve_step(column, dt, False, closed, jump, state, work)
-        if not done:
-            done, residual = solve_step(column, dt, True, closed, jump, state, work)
+        for nested in (False, True):
+            done, residual = solve_step(column, dt, nested, closed, jump, state, work)
+            if done:
+                break
         if not done:
             return False, residual
         if closed:
@@ -162,7 +165,7 @@ def close_gap(column, state, work):
 def follow(column, state, work):
     """Equilibrium of the massless unknowns, and its plastic flow."""
     massless = column.free_head and column.mass[U2] == 0.0
-    residual = statics.axial_equilibrium(column, False, massless, state, work)
+    residual = statics.axial_equilibrium(column, statics.HELD, massless, state, work)
     if residual > statics.TOLERANCE:
         return False, residual
     statics.commit(column, state.stress, state, work)

@@ -30,8 +30,9 @@ def chord_forces(column, bar, stress, work):
 
     A panel has both rotations in one sense: that of the middle changes its sign.
     """
-    trial, D, length = work.trial, work.D, column.lengths[bar]
-    panel = Panel(column.flexibility[bar], column.pinned[bar], length, column.web)
+    trial, D, length = work.trial[:], work.D[:], column.lengths[bar]
+    pinned = column.pinned[bar].view(np.bool_)  # as the panels of frames have them
+    panel = Panel(column.flexibility[bar], pinned, length, column.web)
     trial[2], stress[2] = -trial[2], -stress[2]
     project_condensed(panel, trial, stress[:3], D, work.flow[bar])
     stress[2] = -stress[2]
@@ -56,9 +57,10 @@ def section_forces(column, bar, place, state, work):
     = 0, in a bracket.
     """
     (v, x, b), length = place, column.lengths[bar]
-    panel = Panel(column.flexibility[bar], column.pinned[bar], length, column.web)
-    stress, plastic, E, Q = state.stress[bar], state.plastic[bar], work.E, work.Q
-    B, D, K = work.B, work.D4, work.K4
+    pinned = column.pinned[bar].view(np.bool_)  # as the panels of frames have them
+    panel = Panel(column.flexibility[bar], pinned, length, column.web)
+    stress, plastic, E, Q = state.stress[bar], state.plastic[bar], work.E[:], work.Q[:]
+    B, D, K = work.B, work.D4[:], work.K4
     low, high, last, phi = -_STEEPEST, _STEEPEST, False, state.turn[bar]
     for _ in range(100):
         e, s = section_deformations(v, x, length, phi)

@@ -13,10 +13,11 @@ from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures.kernels import solve_dense
+from workbench.structures.kernels import copy, solve_dense
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load
+FREE, HELD = np.True_, np.False_  # not True and False, for each of which numba compiles anew
 _FLOWS = 1e-13  # of the elastic stiffness; below it both middle hinges flow
 COLUMN = np.dtype(
     [
@@ -74,7 +75,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
 def bar_forces(column, bar, state, work):
     """Forces `work.f` and tangent `work.k` of a bar over (v, x, b); its `state.stress`."""
     k, plastic, stress = column.stiffness, state.plastic, state.stress
-    small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial, work.D
+    small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial[:], work.D[:]
     v, x, b = geometry.place(state.q, column.lengths, bar)
     if column.sliding == panels.SECTION:
         panels.section_forces(column, bar, (v, x, b), state, work)
@@ -87,7 +88,7 @@ def bar_forces(column, bar, state, work):
     else:
         for j in range(3):
             trial[j] *= k[bar, j]
-        bounds = column.squash_loads, column.plastic_moments
+        bounds = column.squash_loads[:], column.plastic_moments[:]
         hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
         project(hinges, trial, stress[bar, :3], D)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
@@ -120,8 +121,8 @@ def add_up(column, f, u2, F):
 @njit(cache=True, error_model="numpy")
 def internal_forces(column, state, work):
     """Internal forces `work.F` (4,) and tangent `work.K` (4, 4) at `state.q`."""
-    bar_forces(column, BELOW, state, work)
-    bar_forces(column, ABOVE, state, work)
+    for bar in (BELOW, ABOVE):
+        bar_forces(column, bar, state, work)
     add_up(column, work.f, state.q[U2], work.F)
     K, a, b = work.K, work.k[BELOW], work.k[ABOVE]
     K[V, V] = a[0, 0] + b[0, 0]
@@ -199,7 +200,7 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
             k11 -= K[U1, BETA] ** 2 / K[BETA, BETA]
             k12 -= K[U1, BETA] * K[U2, BETA] / K[BETA, BETA]
             k22 -= K[U2, BETA] ** 2 / K[BETA, BETA]
-        old[:] = q
+        copy(q, old)
         better = False
         while not better and shift < 1e3:
             more = shift * column.stiffness[BELOW, 0]
@@ -264,17 +265,17 @@ def pushover(column, path, records, work):
         q, origin = state.q, state.q[V]
         at, stride = 0.0, 1.0
         while at < 1.0:
-            work.q0[:] = q
+            copy(q, work.q0)
             stride = min(stride, 1.0 - at)
             q[V] = origin + (at + stride) * (path[i] - origin)
-            residual = axial_equilibrium(column, True, column.free_head, state, work)
+            residual = axial_equilibrium(column, FREE, column.free_head, state, work)
             if residual <= TOLERANCE:
                 commit(column, work.stress0, state, work)
-                work.stress0[:] = state.stress
+                copy(state.stress, work.stress0)
                 at += stride
                 stride *= 2.0
             else:
-                q[:] = work.q0
+                copy(work.q0, q)
                 stride *= 0.5
                 if stride < 1.0 / 1024.0:
                     return NO_CONVERGENCE, i, residual

@@ -77,7 +77,8 @@ def analytic(m: Groups) -> tuple[Pieces, bool]:
             c[2] = s_plastic * m2 + kappa * (n1 + n2 * v)
             c[3] = kappa * n2
             piece.axial[0], piece.axial[1], piece.axial[2] = n0, n1, n2
-            piece.plastic[:] = plastic
+            for g in range(3):
+                piece.plastic[g] = plastic[g]
             n += 1
             if not caught:
                 # plastic rotation of a group grows at the rate (K_g - dM/dv) phi_g

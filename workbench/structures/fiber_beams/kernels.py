@@ -195,7 +195,8 @@ def assemble(step, bars, points, sections, old, new):
         inner = new.inner[e]
         inner[0] = chord.elongation
         if not (math.isfinite(inner[3]) and math.isfinite(inner[4])):
-            inner[1:] = old.inner[e, 1:]  # a wild trial must not spoil the next one
+            for i in range(1, inner.size):
+                inner[i] = old.inner[e, i]  # a wild trial must not spoil the next one
         beam = Beam(
             bars.lengths[e],
             sections.of[e],
