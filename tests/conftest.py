@@ -9,11 +9,13 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from threadpoolctl import threadpool_limits
 from toy_models import Spring
 
 from workbench.datafiles import data_directory
 from workbench.scenarios import ColumnImpact, load_scenario
 from workbench.study import Case, Study
+from workbench.study.executors import THREAD_VARIABLES
 
 # The same examples in every run, and no clock: a change fails because of the change, not because
 # of the day or of what else the machine has to do (`too_slow` is a clock as well).
@@ -39,7 +41,11 @@ def pytest_configure(config: pytest.Config) -> None:
     """Compile kernels into the cache before workers start, each of which would compile them all.
 
     Bytecode is kept as kernels are, whatever the environment says: tests start many processes.
+    Each has one thread, as workers of studies have: small eigenvalue problems take up to fifty
+    times as long where the threads of several processes wait for each other.
     """
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    threadpool_limits(1, user_api="blas")
     if config.getoption("--run-slow"):
         settings.load_profile("long")
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
