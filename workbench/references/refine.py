@@ -166,7 +166,9 @@ class _Refinement:
     def _run(self) -> tuple[Direction, ...]:
         """Answer on coarser meshes as far as they can be relied on; the directions they make."""
         model, names = _alone(self.model), level_names(self.levels)
-        together = getattr(model, "refines", SPACE_AND_STEPS)
+        together = SPACE_AND_STEPS
+        if self.scenario.STATIC:
+            together = getattr(model, "refines_in_statics", together)
         coarsest, used = model, [FINEST]
         for name, mesh in zip(reversed(names[:-1]), reversed(self._meshes()[:-1]), strict=True):
             if not self._answer(name, mesh, self.runs.get(used[0], self.response)):

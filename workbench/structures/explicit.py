@@ -13,14 +13,14 @@ Sources: Belytschko, Liu and Moran 2000, section 6.2; Moreau 1988.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.errors import SolverError
 from workbench.impact import restitution as contact
-from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.time_steps import PointMass, TimeStep
 
@@ -29,7 +29,45 @@ LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule
 
 
-def lumped_mass(assembly: PlanarAssembly) -> Array:
+class Moving(Protocol):
+    """What explicit steps ask of a structure, as `PlanarAssembly` has it."""
+
+    size: int
+    displacement: Array
+    velocity: Array
+    load: Array
+    stored: float
+
+    @property
+    def held(self) -> Indices:
+        """The dofs that are held."""
+
+    def mass_times(self, x: Array) -> Array:
+        """Product of the mass matrix with x (dofs,)."""
+
+    def assemble(self, end: Array, weight: float | None) -> Array:
+        """Internal forces (dofs,) of equilibrium at `end`; prepares the tangent."""
+
+    def tangent_times(self, x: Array) -> Array:
+        """Product of that tangent with x (dofs,)."""
+
+    def begin_step(self, duration: float) -> None:
+        """Learn how long the next step is, in s."""
+
+    def resist(self, end: Array) -> Array:
+        """Internal forces (dofs,) at `end`; the trial state is kept."""
+
+    def account(self, end: Array, weight: float) -> StepEnergies:
+        """Energies of the step to the trial state at `end`."""
+
+    def commit(self, end: Array) -> None:
+        """Make the trial state the committed one."""
+
+    def kinetic_energy(self) -> float:
+        """Kinetic energy of the committed velocities, in J."""
+
+
+def lumped_mass(assembly: Moving) -> Array:
     """Mass of every dof (dofs,) of an assembly with lumped mass; held dofs get infinite mass.
 
     Raises ValueError if the mass matrix is not diagonal or a free dof has no mass.
@@ -45,7 +83,7 @@ def lumped_mass(assembly: PlanarAssembly) -> Array:
     return mass
 
 
-def stable_step(assembly: PlanarAssembly) -> float:
+def stable_step(assembly: Moving) -> float:
     """Largest stable time step 2 / omega_max of the committed state, in s."""
     assembly.assemble(assembly.displacement, None)
     root = 1.0 / np.sqrt(lumped_mass(assembly))  # 0 at held dofs
@@ -60,7 +98,7 @@ def stable_step(assembly: PlanarAssembly) -> float:
 
 
 def explicit_impact(
-    assembly: PlanarAssembly,
+    assembly: Moving,
     dof: int,
     striker: PointMass,
     spans: Sequence[tuple[float, float]],

@@ -6,13 +6,8 @@ from scipy.sparse.linalg import splu
 
 from workbench.arrays import Array, Indices
 from workbench.materials import POISSON_RATIO, Steel
-from workbench.references.solid.material import (
-    SQUEEZE_STIFFNESS,
-    SQUEEZED,
-    SolidSteel,
-    State,
-    respond_to,
-)
+from workbench.references.solid.kernels import Elements, Energies, empty_state, respond
+from workbench.references.solid.material import SolidSteel
 from workbench.references.solid.mesh import SolidMesh
 from workbench.references.solid.supports import Supports
 
@@ -44,41 +39,36 @@ class SolidAssembly:
         self.force = np.zeros(mesh.size)
         self.tangent = csc_array((supports.unknowns, supports.unknowns))
         self.dissipated = 0.0
-        tensor = np.zeros((3, *mesh.weights.shape))
-        self._old = self._new = State(tensor, tensor[0], tensor)
-        self._strain = tensor
+        self.elements = Elements(mesh.gradients, mesh.weights, mesh.dofs)
+        self._old, self._new = empty_state(self.elements), empty_state(self.elements)
+        self._matrices = np.empty((len(mesh.dofs), mesh.dofs.shape[1], mesh.dofs.shape[1]))
+        self._energies = Energies(0.0, 0.0)
 
-    def residual(self, q: Array) -> Array:
+    def residual(self, q: Array, tangent: bool = True) -> Array:
         """Out-of-balance forces (unknowns,) at q; all NaN where the material has no answer.
 
-        Prepares the tangent. The unknowns that are imposed carry their reactions.
+        Prepares the tangent, if it is wanted. The unknowns that are imposed carry their reactions.
         """
         mesh, supports = self.mesh, self.supports
-        F = np.einsum("egad,ed->aeg", mesh.gradients, supports.expand(q)[mesh.dofs])
-        F[[0, 3]] += 1.0
-        found = respond_to(F, self._old, self.steel)
-        if found is None:
-            return np.full(supports.unknowns, np.nan)
-        self._strain, self._new = found.strain, found.state
-        weighted = mesh.gradients * mesh.weights[:, :, None, None]
-        forces = np.einsum("egad,aeg->ed", weighted, found.nominal)
         self.force = np.zeros(mesh.size)
-        np.add.at(self.force, mesh.dofs, forces)
-        # of each element G' A G, gradients of all its points in one column
-        elements, _, _, nodal = weighted.shape
-        stiff = np.einsum("abeg,egbd->egad", found.tangent, weighted)
-        columns = mesh.gradients.reshape(elements, -1, nodal)
-        matrices = columns.transpose(0, 2, 1) @ stiff.reshape(columns.shape)
-        rows = np.repeat(mesh.dofs, nodal, axis=1).ravel()
-        places = rows, np.tile(mesh.dofs, (1, nodal)).ravel()
-        stiffness = coo_array((matrices.ravel(), places), shape=(mesh.size, mesh.size)).tocsr()
-        derivative = supports.derivative(q)
+        matrices = self._matrices if tangent else self._matrices[:0]
+        u = supports.expand(q)
+        self._energies = respond(
+            self.elements, u, self._old, self._new, self.steel, self.force, matrices
+        )
+        if np.isnan(self._energies.stored):
+            return np.full(supports.unknowns, np.nan)
         spring, unstressed = self.spring
-        diagonal = supports.curvature(q, self.force)
-        diagonal[supports.head] += spring
-        self.tangent = (derivative.T @ stiffness @ derivative + diags_array(diagonal)).tocsc()
-        residual = np.asarray(derivative.T @ self.force)
+        residual = supports.gather(q, self.force)
         residual[supports.head] += spring * (q[supports.head] - unstressed) - self.load
+        if tangent:
+            rows = np.repeat(mesh.dofs, mesh.dofs.shape[1], axis=1).ravel()
+            places = rows, np.tile(mesh.dofs, (1, mesh.dofs.shape[1])).ravel()
+            stiffness = coo_array((matrices.ravel(), places), shape=(mesh.size, mesh.size)).tocsr()
+            derivative = supports.derivative(q)
+            diagonal = supports.curvature(q, self.force)
+            diagonal[supports.head] += spring
+            self.tangent = (derivative.T @ stiffness @ derivative + diags_array(diagonal)).tocsc()
         return residual
 
     def solve(self, right: Array, held: Indices) -> Array | None:
@@ -99,39 +89,36 @@ class SolidAssembly:
 
     @property
     def stress(self) -> Array:
-        """Biot stress (3, elements, points) of the last evaluation, squeeze guard left out."""
+        """Biot stress (elements, points, 3) of the last evaluation, squeeze guard left out."""
         return self._new.stress
+
+    @property
+    def plastic_work(self) -> float:
+        """Plastic work of the step to the last evaluation, in J."""
+        return self._energies.plastic
 
     def commit(self, q: Array) -> None:
         """Accept the state of the last evaluation, which was at q."""
-        plastic_step = self._new.plastic - self._old.plastic
-        mean = 0.5 * (self._old.stress + self._new.stress)
-        self.dissipated += self._integrate(np.sum(mean * plastic_step, axis=0))
+        self.dissipated += self.plastic_work
         self.q = q.copy()
-        self._old = self._new
+        self._old, self._new = self._new, self._old
 
-    def stored(self) -> float:
-        """Elastic energy of the committed state, spring and squeeze guard included, in J."""
-        modulus = self.steel.modulus
-        t1, t2, t3 = self._old.stress
-        density = 0.5 / modulus * (t1**2 + t2**2 - 2 * POISSON_RATIO * t1 * t2)
-        density += (1.0 + POISSON_RATIO) / modulus * t3**2
-        squeezed = np.maximum(np.log(SQUEEZED / self.area_ratio()), 0.0)
-        density += 0.5 * SQUEEZE_STIFFNESS * modulus * squeezed**2
+    def stored(self, q: Array | None = None) -> float:
+        """Elastic energy at the last evaluation, spring and squeeze guard included, in J.
+
+        It was at `q` (None: the committed unknowns).
+        """
         stiffness, unstressed = self.spring
-        pulled = self.q[self.supports.head] - unstressed
-        return self._integrate(density) + 0.5 * stiffness * float(pulled) ** 2
+        pulled = (self.q if q is None else q)[self.supports.head] - unstressed
+        return self._energies.stored + 0.5 * stiffness * float(pulled) ** 2
 
     def area_ratio(self) -> Array:
-        """Det U, the share of its area that a point keeps, of all points at the last evaluation."""
-        e1, e2, e3 = self._strain
+        """Det U, the share of its area that a point keeps, of all points of the committed state."""
+        e1, e2, e3 = np.moveaxis(self._old.strain, 2, 0)
         return np.asarray((1.0 + e1) * (1.0 + e2) - 0.25 * e3**2)
 
     def largest_strain(self) -> float:
-        """Largest principal nominal strain (magnitude) of the last evaluation."""
-        e1, e2, e3 = self._strain
+        """Largest principal nominal strain (magnitude) of the committed state."""
+        e1, e2, e3 = np.moveaxis(self._old.strain, 2, 0)
         centre, radius = 0.5 * (e1 + e2), np.hypot(0.5 * (e1 - e2), 0.5 * e3)
         return float(np.max(np.abs(centre) + radius))
-
-    def _integrate(self, density: Array) -> float:
-        return float(np.sum(self.mesh.weights * density))

@@ -1,13 +1,14 @@
-"""Steel at the points of the solid: polar decomposition, plane-stress return, squeeze guard.
+"""Steel at a point of the solid: polar decomposition, plane-stress return, squeeze guard.
 
-Arrays begin with components, all points (...) follow: tensors (11, 22, 12), strains with the
-engineering shear 2 e12; deformation gradients and what derives from them (11, 12, 21, 22).
+Compiled, one point at a time. Tensors are (11, 22, 12), strains with the engineering shear 2 e12;
+deformation gradients and what derives from them (11, 12, 21, 22).
 Source: Simo and Hughes 1998, section 3.4.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from workbench.arrays import Array
 
@@ -26,147 +27,201 @@ class SolidSteel(NamedTuple):
     hardening: float
 
 
-class State(NamedTuple):
-    """`plastic` strain (3, ...), equivalent plastic strain `hardened` (...), `stress` (3, ...)."""
+class Tensor(NamedTuple):
+    """Stress (Pa), or strain with the engineering shear."""
 
-    plastic: Array
-    hardened: Array
-    stress: Array
+    t11: float
+    t22: float
+    t12: float
 
 
 class Stretched(NamedTuple):
     """F = R U in the plane.
 
-    Biot `strain` (3, ...) of U and its `derivative` by F (3, 4, ...); `cosine` and `sine` of the
-    rotation; `turn` (4, ...), its derivative by F; the `trace` of U; the `area` ratio det F.
+    Biot `strain` U - I; `cosine` and `sine` of the rotation; the `trace` of U; the `area` ratio
+    det F.
     """
 
-    strain: Array
-    derivative: Array
-    cosine: Array
-    sine: Array
-    trace: Array
-    turn: Array
-    area: Array
+    strain: Tensor
+    cosine: float
+    sine: float
+    trace: float
+    area: float
 
 
-class Answer(NamedTuple):
-    """What points answer: nominal stress (4, ...), its tangent (4, 4, ...), strain, new state."""
+class Returned(NamedTuple):
+    """What the return mapping finds.
 
-    nominal: Array
-    tangent: Array
-    strain: Array
-    state: State
+    `stress`; multiplier `gamma`, 0 where elastic, NaN where the iteration does not converge; the
+    step of plastic strain `flow` and the equivalent plastic strain `hardened` at its end.
+    """
+
+    stress: Tensor
+    gamma: float
+    flow: Tensor
+    hardened: float
 
 
-def stretched(F: Array) -> Stretched:
-    """Polar decomposition of deformation gradients F (4, ...)."""
-    a, b = F[0] + F[3], F[2] - F[1]
+@njit(cache=True, error_model="numpy")
+def stretched(f11: float, f12: float, f21: float, f22: float) -> Stretched:
+    """Polar decomposition of a deformation gradient."""
+    a, b = f11 + f22, f21 - f12
     trace = np.sqrt(a * a + b * b)
-    c, s, zero = a / trace, b / trace, np.zeros_like(a)
-    u11, u22, u12 = c * F[0] + s * F[2], c * F[3] - s * F[1], c * F[1] + s * F[3]
-    turn = np.stack([-s, -c, c, -s]) / trace
-    rows = np.stack(
-        [
-            np.stack([c, zero, s, zero]) + u12 * turn,
-            np.stack([zero, -s, zero, c]) - u12 * turn,
-            np.stack([-s, c, c, s]) + (u22 - u11) * turn,
-        ]
-    )
-    strain = np.stack([u11 - 1.0, u22 - 1.0, 2.0 * u12])
-    return Stretched(strain, rows, c, s, trace, turn, F[0] * F[3] - F[1] * F[2])
+    c, s = a / trace, b / trace
+    u11, u22, u12 = c * f11 + s * f21, c * f22 - s * f12, c * f12 + s * f22
+    area = f11 * f22 - f12 * f21
+    return Stretched(Tensor(u11 - 1.0, u22 - 1.0, 2.0 * u12), c, s, trace, area)
 
 
-def turning(found: Stretched, T: Array) -> Array:
-    """sum_k T_k d2U_k/dF2 (4, 4, ...): the part of the tangent due to turning under stress T."""
-    c, s, turn, strain = found.cosine, found.sine, found.turn, found.strain
-    half, apart = 0.5 * (T[0] - T[1]), strain[1] - strain[0]
-    lever = (half * strain[2] + T[2] * apart) / found.trace
-    stiffening = 0.5 * found.trace * (T[0] + T[1]) + half * apart - T[2] * strain[2]
-    across = half * np.stack([-s, c, c, s]) + T[2] * np.stack([-c, -s, -s, c])
-    across += 0.5 * stiffening * turn - lever * np.stack([c, -s, s, c])
-    return np.asarray(across[:, None] * turn[None] + turn[:, None] * across[None])
+@njit(cache=True, error_model="numpy")
+def von_mises_squared(stress: Tensor) -> float:
+    """Square of the equivalent stress in plane stress."""
+    t1, t2, t3 = stress
+    return t1**2 - t1 * t2 + t2**2 + 3.0 * t3**2
 
 
-def plane_stress_return(strain: Array, old: State, steel: SolidSteel) -> tuple[State, Array]:
+@njit(cache=True, error_model="numpy")
+def return_mapping(elastic: Tensor, hardened: float, steel: SolidSteel) -> Returned:
     """Simo-Taylor return to the von Mises yield surface in plane stress.
 
-    Arguments: strain (3, ...), committed state `old`. Result: the new state, NaN where the
-    iteration does not converge, and the consistent tangent (3, 3, ...).
+    Arguments: strain less the plastic strain at the start, `elastic`; equivalent plastic strain
+    `hardened` at the start; `steel`.
     """
     E, nu, fy, H = steel
-    e1, e2, e3 = strain - old.plastic
+    e1, e2, e3 = elastic
     double_shear, bulk = E / (1.0 + nu), E / (1.0 - nu)
     # eigenvectors of elasticity and of the yield function: (1, 1, 0), (-1, 1, 0), (0, 0, 1)
     eta1, eta2, shear = bulk * (e1 + e2), double_shear * (e2 - e1), 0.5 * double_shear * e3
     a, b = 0.25 * eta1**2, 0.75 * eta2**2 + 3.0 * shear**2
-    strength = fy + H * old.hardened
+    strength = fy + H * hardened
     k1, k2 = bulk / 3.0, double_shear
-    gamma = np.zeros_like(a)
+    gamma, l1, l2, outside = 0.0, 1.0, 1.0, True
     # strength / stress(gamma) - 1 + 2/3 H gamma is concave and rises: Newton from 0 is safe
     for _ in range(RETURN_ITERATIONS):
         l1, l2 = 1.0 + k1 * gamma, 1.0 + k2 * gamma
         square = a / l1**2 + b / l2**2
         value = strength / np.sqrt(square) - 1.0 + 2.0 / 3.0 * H * gamma
-        outside = ~(value > -CLOSED)
-        if not outside.any():
+        outside = not value > -CLOSED
+        if not outside:
             break
         slope = strength * (a * k1 / l1**3 + b * k2 / l2**3) / square**1.5 + 2.0 / 3.0 * H
-        gamma = np.where(outside, gamma - value / slope, gamma)
-    gamma = np.where(outside, np.nan, gamma)
+        gamma -= value / slope
+    if outside:
+        gamma = np.nan
     eta1, eta2, shear = eta1 / l1, eta2 / l2, shear / l2
-    T = np.stack([0.5 * (eta1 - eta2), 0.5 * (eta1 + eta2), shear])
-    normal = np.stack([(2.0 * T[0] - T[1]) / 3.0, (2.0 * T[1] - T[0]) / 3.0, 2.0 * T[2]])
-    square = T[0] ** 2 - T[0] * T[1] + T[1] ** 2 + 3.0 * T[2] ** 2
-    hardened = old.hardened + 2.0 / 3.0 * gamma * np.sqrt(square)
-    x1, x2, zero = bulk / l1, double_shear / l2, np.zeros_like(a)
-    C = np.stack(
-        [
-            np.stack([0.5 * (x1 + x2), 0.5 * (x1 - x2), zero]),
-            np.stack([0.5 * (x1 - x2), 0.5 * (x1 + x2), zero]),
-            np.stack([zero, zero, 0.5 * x2]),
-        ]
+    stress = Tensor(0.5 * (eta1 - eta2), 0.5 * (eta1 + eta2), shear)
+    n1, n2, n3 = normal(stress)
+    flow = Tensor(gamma * n1, gamma * n2, gamma * n3)
+    hardened += 2.0 / 3.0 * gamma * np.sqrt(von_mises_squared(stress))
+    return Returned(stress, gamma, flow, hardened)
+
+
+@njit(cache=True, error_model="numpy")
+def normal(stress: Tensor) -> Tensor:
+    """Direction of plastic flow: derivative of half the square of the equivalent stress by 2/3."""
+    t1, t2, t3 = stress
+    return Tensor((2.0 * t1 - t2) / 3.0, (2.0 * t2 - t1) / 3.0, 2.0 * t3)
+
+
+@njit(cache=True, error_model="numpy")
+def add_return_tangent(found: Returned, steel: SolidSteel, C: Array) -> None:
+    """Add the consistent tangent of a return to C (3, 3)."""
+    E, nu, _, H = steel
+    gamma = found.gamma
+    double_shear, bulk = E / (1.0 + nu), E / (1.0 - nu)
+    x1 = bulk / (1.0 + bulk / 3.0 * gamma)
+    x2 = double_shear / (1.0 + double_shear * gamma)
+    C[0, 0] += 0.5 * (x1 + x2)
+    C[1, 1] += 0.5 * (x1 + x2)
+    C[0, 1] += 0.5 * (x1 - x2)
+    C[1, 0] += 0.5 * (x1 - x2)
+    C[2, 2] += 0.5 * x2
+    if gamma == 0.0:
+        return
+    n1, n2, n3 = normal(found.stress)
+    m = (
+        0.5 * (x1 + x2) * n1 + 0.5 * (x1 - x2) * n2,
+        0.5 * (x1 - x2) * n1 + 0.5 * (x1 + x2) * n2,
+        0.5 * x2 * n3,
     )
-    m = np.einsum("ij...,j...->i...", C, normal)
+    square = von_mises_squared(found.stress)
     softening = 4.0 / 9.0 * H * square / (1.0 - 2.0 / 3.0 * H * gamma)
-    scale = np.where(a + b > strength**2, 1.0 / (np.sum(normal * m, axis=0) + softening), 0.0)
-    C -= scale * m[:, None] * m[None]
-    return State(old.plastic + gamma * normal, hardened, T), C
+    scale = 1.0 / (n1 * m[0] + n2 * m[1] + n3 * m[2] + softening)
+    for i in range(3):
+        for j in range(3):
+            C[i, j] -= scale * m[i] * m[j]
 
 
-def squeeze(area: Array, strain: Array, modulus: float) -> tuple[Array, Array]:
-    """Stress (3, ...) and tangent (3, 3, ...) of the guard k/2 <ln(SQUEEZED / J)>^2, J = det F.
+@njit(cache=True, error_model="numpy")
+def squeeze(found: Stretched, modulus: float) -> Tensor:
+    """Stress of the guard k/2 <ln(SQUEEZED / J)>^2, J = det F.
 
     Perfect plasticity in nominal stress lets a singular corner shrink to no volume at all; the
-    guard acts below J = `area` = SQUEEZED only. Arguments: `strain` (3, ...), Young's modulus.
+    guard acts below J = SQUEEZED only.
     """
-    k = np.where(area < SQUEEZED, SQUEEZE_STIFFNESS * modulus, 0.0)
-    logarithm = np.log(SQUEEZED / area)
-    pressure = k * logarithm / area
+    e1, e2, e3 = found.strain
+    pressure = SQUEEZE_STIFFNESS * modulus * np.log(SQUEEZED / found.area) / found.area
     # derivatives of J = U11 U22 - U12^2 by (U11, U22, 2 U12)
-    j = np.stack([1.0 + strain[1], 1.0 + strain[0], -0.5 * strain[2]])
-    C = k * (1.0 + logarithm) / area**2 * j[:, None] * j[None]
+    return Tensor(-pressure * (1.0 + e2), -pressure * (1.0 + e1), 0.5 * pressure * e3)
+
+
+@njit(cache=True, error_model="numpy")
+def add_squeeze_tangent(found: Stretched, modulus: float, C: Array) -> None:
+    """Add the tangent of the squeeze guard to C (3, 3)."""
+    e1, e2, e3 = found.strain
+    k, logarithm = SQUEEZE_STIFFNESS * modulus, np.log(SQUEEZED / found.area)
+    j = (1.0 + e2, 1.0 + e1, -0.5 * e3)
+    for i in range(3):
+        for n in range(3):
+            C[i, n] += k * (1.0 + logarithm) / found.area**2 * j[i] * j[n]
+    pressure = k * logarithm / found.area
     C[0, 1] -= pressure
     C[1, 0] -= pressure
     C[2, 2] += 0.5 * pressure
-    return -pressure * j, C
 
 
-def respond_to(F: Array, old: State, steel: SolidSteel) -> Answer | None:
-    """What points answer to deformation gradients F (4, ...) from their committed state `old`.
+@njit(cache=True, error_model="numpy")
+def nominal_stress(found: Stretched, stress: Tensor) -> tuple[float, float, float, float]:
+    """Nominal stress (11, 12, 21, 22), conjugate to F, of the Biot stress conjugate to U."""
+    c, s = found.cosine, found.sine
+    e1, e2, e3 = found.strain
+    t1, t2, t3 = stress
+    lever = (0.5 * (t1 - t2) * e3 + t3 * (e2 - e1)) / found.trace
+    return (
+        c * t1 - s * t3 - lever * s,
+        c * t3 - s * t2 - lever * c,
+        s * t1 + c * t3 + lever * c,
+        s * t3 + c * t2 - lever * s,
+    )
 
-    The stress of the new state is Biot's without the squeeze guard, nominal stress and tangent
-    include it. None where a point is turned inside out or its return does not converge.
+
+@njit(cache=True, error_model="numpy")
+def nominal_tangent(found: Stretched, stress: Tensor, C: Array, D: Array, K: Array) -> None:
+    """Derivative K (4, 4) of the nominal stress by F.
+
+    Arguments: tangent C (3, 3) of the Biot stress by the strain; D (3, 4), room for the derivative
+    of the strain by F.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = stretched(F)
-        if not np.all((found.trace > 0.0) & (found.area > 0.0)):
-            return None
-        new, C = plane_stress_return(found.strain, old, steel)
-    if not np.isfinite(new.hardened).all():
-        return None
-    guard, guard_tangent = squeeze(found.area, found.strain, steel.modulus)
-    T, D = new.stress + guard, found.derivative
-    nominal = np.einsum("ki...,k...->i...", D, T)
-    tangent = np.einsum("ki...,km...,mj...->ij...", D, C + guard_tangent, D, optimize=True)
-    return Answer(nominal, tangent + turning(found, T), found.strain, new)
+    c, s = found.cosine, found.sine
+    e1, e2, e3 = found.strain
+    t1, t2, t3 = stress
+    turn = (-s / found.trace, -c / found.trace, c / found.trace, -s / found.trace)
+    fixed = ((c, 0.0, s, 0.0), (0.0, -s, 0.0, c), (-s, c, c, s))
+    half, apart = 0.5 * (t1 - t2), e2 - e1
+    lever = (half * e3 + t3 * apart) / found.trace
+    stiffening = 0.5 * found.trace * (t1 + t2) + half * apart - t3 * e3
+    along, across, rest = (-s, c, c, s), (-c, -s, -s, c), (c, -s, s, c)
+    for i in range(4):
+        D[0, i] = fixed[0][i] + 0.5 * e3 * turn[i]
+        D[1, i] = fixed[1][i] - 0.5 * e3 * turn[i]
+        D[2, i] = fixed[2][i] + apart * turn[i]
+    for i in range(4):
+        # due to turning, sum_k T_k d2U_k / dF2
+        turning_i = half * along[i] + t3 * across[i] + 0.5 * stiffening * turn[i] - lever * rest[i]
+        for j in range(4):
+            turning_j = half * along[j] + t3 * across[j] + 0.5 * stiffening * turn[j]
+            turning_j -= lever * rest[j]
+            K[i, j] = turning_i * turn[j] + turn[i] * turning_j
+            for k in range(3):
+                for n in range(3):
+                    K[i, j] += D[k, i] * C[k, n] * D[n, j]

@@ -27,9 +27,9 @@ class SolidMesh:
     """Tables of the discretised column, all in SI units.
 
     `area` of the section, `lengths` below and above the hit section, `smallest` length of an
-    element along the axis; `gradients` (elements, points, 4, dofs of one), by which the dofs of an
-    element give du (11, 12, 21, 22); `weights` (elements, points), thickness times area; `dofs`
-    (elements, dofs of one), x and y in turn; `size`, number of dofs; `places` (2, size), where the
+    element along the axis; `gradients` (elements, points, 2, nodes of one) of the shape functions
+    by x and y; `weights` (elements, points), thickness times area; `dofs` (elements, dofs of one),
+    x and y of its nodes in turn; `size`, number of dofs; `places` (2, size), where the
     node of each dof is, in m; `base`, `hit` and `head`: x dofs and y dofs of these sections, both
     from left to right.
     """
@@ -89,7 +89,8 @@ def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 
     along = axial_positions(column, smallest, refinement)
     mesh = MeshQuad.init_tensor(row_edges(section, refinement), along)
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=_ORDER)
-    gradients = np.stack([shape[0].grad for shape in basis.basis])  # (dofs, 2, 2, elements, points)
+    # of x displacements by x and y: (nodes, 2, elements, points)
+    gradients = np.stack([shape[0].grad[0] for shape in basis.basis[0::2]])
     horizontal = np.zeros(basis.N, dtype=bool)
     horizontal[basis.element_dofs[0::2]] = True
     hit = along[np.argmin(np.abs(along - column.length_below))]
@@ -97,9 +98,9 @@ def solid_mesh(column: Column, smallest: float | None = None, refinement: int = 
         area=section.area,
         lengths=(column.length_below, column.length_above),
         smallest=float(np.diff(along).min()),
-        gradients=gradients.reshape(basis.Nbfun, 4, *basis.dx.shape).transpose(2, 3, 1, 0).copy(),
+        gradients=gradients.transpose(2, 3, 1, 0).copy(),
         weights=basis.dx * _thickness(section, mesh, basis),
-        dofs=basis.element_dofs.T.astype(np.int64),
+        dofs=basis.element_dofs.T.astype(np.int64, order="C"),
         size=int(basis.N),
         places=basis.doflocs,
         base=_section_dofs(basis.doflocs, horizontal, along[0]),

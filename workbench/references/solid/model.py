@@ -1,5 +1,6 @@
-"""Reference: the column as an elastic-plastic solid in plane stress, pushed quasi-statically.
+"""Reference: the column as an elastic-plastic solid in plane stress, pushed or struck.
 
+A push is quasi-static; a strike moves the solid in explicit steps with its mass at the nodes.
 Nine-node elements of the thickness of the section at each height, nominal (Biot) strain with
 additive von Mises plasticity, so that N <= A f_y holds as in the beam theories. What beams leave
 out is in: shear yielding of the web, transverse stress at supports and plastic kinks.
@@ -22,10 +23,11 @@ from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.mesh import solid_mesh
 from workbench.references.solid.push import apply_load
 from workbench.references.solid.run import run_pushover
+from workbench.references.solid.struck import run_impact
 from workbench.references.solid.supports import supports_of
 from workbench.responses import Finding, Response
 from workbench.responses.uncertainty import SPACE
-from workbench.scenarios import ColumnPushover, ColumnScenario, Scenario, frame_of
+from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, Scenario, frame_of
 from workbench.sections import Section
 
 STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
@@ -42,7 +44,8 @@ class SolidPlaneStress(Declared, table="option"):
     `smallest_element` in m along the axis, at the ends and at the hit section (None: a sixth of
     the section's height); `refinement`, how often all elements are halved in both directions
     (-1: doubled); `hardening_ratio`, isotropic hardening modulus over Young's modulus; `step` of
-    the push in m (None: 1/320 of the shorter segment; the first ones are smaller);
+    the push in m (None: 1/320 of the shorter segment; the first ones are smaller); longest
+    `time_step` of an impact in s (None: what the fastest wave allows, never more);
     `step_refinement`, how often the steps are halved; `levels`, meshes behind an answer, each
     with twice the elements of the next finer one (1: that of `refinement` alone, the numerical
     uncertainty is then unknown).
@@ -52,27 +55,35 @@ class SolidPlaneStress(Declared, table="option"):
     refinement: int = checked(Number(COARSEST, 4, integer=True), 0)
     hardening_ratio: float = checked(Number(0.0, 0.1), 1e-6)
     step: float | None = checked(Number(1e-6, 1.0, "m"), optional=True)
+    time_step: float | None = checked(Number(1e-9, 1e-4, "s"), optional=True)
     step_refinement: int = checked(REFINEMENT, 0)
     levels: int = checked(LEVELS, 2)
 
     name: ClassVar[str] = "solid-plane-stress"
-    version: ClassVar[int] = 1
-    answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND,)
+    version: ClassVar[int] = 2
+    answers: ClassVar[tuple[str, ...]] = (ColumnPushover.KIND, ColumnImpact.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane stress in layers of the width of the section: no shear lag, no torsion, no local or "
         "lateral buckling; flanges and web stay plane.",
         "Von Mises plasticity, additive in the nominal strain U - I: the nominal stress is limited "
         "(N <= A f_y), there is no necking; Poisson's ratio 0.3.",
-        "Elastic stiffness and strength are both those of the strength section.",
+        "Elastic stiffness and strength are both those of the strength section; the mass is that "
+        "of the rolled profile, spread over the meshed section.",
         "End sections are rigid plates, clamped or turning about their centroid; the hit section "
-        "moves sideways as one. No local denting, no rate effect, no fracture.",
+        "moves sideways as one, where the striker meets it. No local denting, no rate effect, no "
+        "fracture.",
         "Perfect plasticity has no length of its own: plastic kinks shrink with the mesh, the web "
         "is crushed in them, and resistance governed by bending falls with each refinement; a "
         "hardening_ratio of 0.01 makes it converge.",
         "A point squeezed below a fifth of its area stiffens, so that it cannot vanish.",
     )
-    sources: ClassVar[tuple[str, ...]] = ("simo-hughes1998", "heng2017")
-    refines: ClassVar[str] = SPACE  # what `refinement` halves
+    sources: ClassVar[tuple[str, ...]] = (
+        "simo-hughes1998",
+        "belytschko-liu-moran2000",
+        "moreau1988",
+        "heng2017",
+    )
+    refines_in_statics: ClassVar[str] = SPACE  # what `refinement` halves there
 
     def check(self) -> None:
         """Refuse levels that do not fit the refinement."""
@@ -85,7 +96,7 @@ class SolidPlaneStress(Declared, table="option"):
         return findings + override_findings(frame_of(scenario.column), _values, text)
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover, with numerical uncertainty."""
+        """Answer a column pushover or impact, with numerical uncertainty."""
         return respond(self, scenario, lambda given: refined(self, given, self._solve))
 
     def path(self, scenario: ColumnPushover) -> Array:
@@ -99,14 +110,17 @@ class SolidPlaneStress(Declared, table="option"):
         last = int(np.searchsorted(at, final * (1.0 - 1e-12)))
         return np.asarray(at[: last + 1] * (final / at[last]))
 
-    def _solve(self, scenario: ColumnPushover) -> Response:
+    def _solve(self, scenario: ColumnScenario) -> Response:
         column = scenario.column
         with threadpool_limits(1, user_api="blas"):
             mesh = solid_mesh(column, self.smallest_element, self.refinement)
             supports = supports_of(mesh, column.base, column.head)
             assembly = SolidAssembly(mesh, supports, column.steel, self.hardening_ratio)
             apply_load(assembly, column.axial_load)
-            return run_pushover(column, assembly, self.path(scenario))
+            if isinstance(scenario, ColumnPushover):
+                return run_pushover(column, assembly, self.path(scenario))
+            longest = (self.time_step or np.inf) / 2.0 ** (self.refinement + self.step_refinement)
+            return run_impact(scenario, assembly, longest)
 
 
 def _values(section: Section, steel: Steel) -> dict[str, float]:

@@ -56,6 +56,15 @@ class Supports(NamedTuple):
             u[plate.vertical] += np.sin(turn) * plate.places
         return np.asarray(u)
 
+    def gather(self, q: Array, force: Array) -> Array:
+        """Forces (unknowns,) of nodal forces (dofs,) at q: (du/dq)' f."""
+        gathered = np.asarray(self.tied.T @ force)
+        for plate in self.plates:
+            turn = q[plate.turn]
+            across, along = force[plate.horizontal], force[plate.vertical]
+            gathered[plate.turn] += (np.cos(turn) * along - np.sin(turn) * across) @ plate.places
+        return gathered
+
     def derivative(self, q: Array) -> csr_array:
         """T = du/dq (dofs, unknowns)."""
         result = self.tied
