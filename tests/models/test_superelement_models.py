@@ -241,7 +241,7 @@ def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
 
 BARS_AND_LUMPED = [
     (RigidSuperelement(shear="none"), FourDof()),
-    (RigidSuperelement(), FourDofShear()),
+    (RigidSuperelement(), FourDofShear(hit_mass="thesis")),
 ]
 
 

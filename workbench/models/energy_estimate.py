@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from workbench.errors import OutOfDomainError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import SHAPES, column_curve
 from workbench.models.resistance.limits import (
     analytic_companion,
@@ -29,11 +30,13 @@ class EnergyEstimate(Declared, table="option"):
     """Energy-equivalent displacements.
 
     Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6).
+    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
+    thesis or sliding, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "energy-estimate"
     version: ClassVar[int] = 1
@@ -85,7 +88,8 @@ class EnergyEstimate(Declared, table="option"):
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
         curve = column_curve(column, self.rotational_stiffness, self.resistance)
-        peak = curve.displacement_at(energy_to_absorb(scenario))
+        energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
+        peak = curve.displacement_at(energy)
         if peak > reach(column):
             raise OutOfDomainError(
                 f"collapse: the energy is absorbed only at {peak:.4g} m, beyond nine tenths of "

@@ -20,6 +20,7 @@ from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, shear_findings, step_finding
 from workbench.models.four_dof import dynamics, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
@@ -32,8 +33,6 @@ _SCHEMES = {
 }
 _PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
-_SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
-_KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
 
 
 @dataclass(frozen=True)
@@ -47,6 +46,7 @@ class RigidBars(Declared, table="option"):
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
     spring_shares_load: bool = checked(Flag(), False)
+    hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str]
     version: ClassVar[int] = 1
@@ -55,7 +55,7 @@ class RigidBars(Declared, table="option"):
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
         "Hinge stiffness 6EI/l: the elastic lateral stiffness is exact for a hit at mid-height "
         "and too stiff for an eccentric hit (36 % for the thesis column).",
-        "One third of the column's mass acts at the hit point; bending waves are left out.",
+        "At most one third of the column's mass acts at the hit point; waves are left out.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     _STEP: ClassVar[tuple[float, float]] = (0.2, 0.05)  # plastic impact and with restitution
@@ -159,6 +159,7 @@ class RigidBars(Declared, table="option"):
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
+        scenario = with_hit_mass(scenario, self.hit_mass)
         frequency = self._highest_frequency(scenario.column)
         share = self._STEP[scenario.striker.restitution > 0.0]
         step = min(self.time_step or share / frequency, scenario.duration / 20)

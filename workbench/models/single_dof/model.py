@@ -21,6 +21,7 @@ from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.models.base import respond
 from workbench.models.domain import step_finding
+from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
     analytic_companion,
@@ -60,13 +61,15 @@ class SingleDof(Declared, table="option"):
     or panel (webs yield in shear: the static curve of `four-dof-shear`);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
     50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most 0.1 ms);
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6).
+    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
+    thesis or sliding, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
     version: ClassVar[int] = 1
@@ -81,7 +84,7 @@ class SingleDof(Declared, table="option"):
         "The linear resistance is a choice: the thesis prints neither formula nor number.",
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
         "reached is a convention: the model is meant for one push and its rebound.",
-        "One third of the column's mass acts at the hit point; a head mass is left out.",
+        "At most one third of the column's mass acts at the hit point; a head mass is left out.",
         "No shear deformation, no shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
@@ -129,7 +132,9 @@ class SingleDof(Declared, table="option"):
             refusals = [str(finding) for finding in self.domain(scenario) if finding.refusal]
             rows.append({"failure": "; ".join(refusals)})
             try:
-                rows[-1] |= {} if refusals else _scalars(scenario, self._march(scenario))
+                if not refusals:
+                    heavy = with_hit_mass(scenario, self.hit_mass)
+                    rows[-1] |= _scalars(heavy, self._march(heavy))
             except (OutOfDomainError, SolverError) as error:
                 rows[-1]["failure"] = str(error)
         return pd.DataFrame(rows, columns=[*_BATCH, "failure"])
@@ -137,7 +142,7 @@ class SingleDof(Declared, table="option"):
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
-        return self._impact(scenario)
+        return self._impact(with_hit_mass(scenario, self.hit_mass))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`."""
