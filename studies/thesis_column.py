@@ -41,7 +41,7 @@ models = {
     WEB: FiberShear(),
     SOLID: SolidPlaneStress(),
     PANELS: FourDofShear(),
-    ENERGY_PANELS: EnergyEstimate(resistance="panel"),
+    ENERGY_PANELS: EnergyEstimate(resistance="panel", hit_mass="sliding"),
     "4-DOF": FourDof(),
     "4-DOF linear yield": FourDof(alpha=1.0, beta=1.0),
     "SDOF analytic": SingleDof(resistance="analytic"),
@@ -54,7 +54,8 @@ models = {
     "Heng 2017: 4-DOF (fig. 5.4)": Published(FIGURE_5_4, "current model (4-DOF)"),
     "Heng 2017: TL beam (fig. 5.4)": Published(FIGURE_5_4, "TL beam model"),
 }
-COMPUTED = tuple(label for label in models if label != SOLID and not label.startswith("Heng"))
+COMPUTED = tuple(label for label in models if not label.startswith("Heng"))
+BEAMS = tuple(label for label in COMPUTED if label != SOLID)
 ON_5_9 = ("Heng 2017: 4-DOF", "Heng 2017: SDOF", "Heng 2017: energy")
 ON_5_4 = ("Heng 2017: 4-DOF (fig. 5.4)", "Heng 2017: TL beam (fig. 5.4)")
 CLAMPED = "clamped, 25 m/s"
@@ -71,8 +72,8 @@ cases = (
         ColumnPushover("Push of a solid", eccentric.column, 0.4),
         models=(REFERENCE, WEB, SOLID, PANELS, "4-DOF"),
     ),
-    Case("push to 0.7 m", ColumnPushover("Figure 5.8", eccentric.column, 0.7), models=COMPUTED),
-    Case(CLAMPED, clamped, models=COMPUTED + ON_5_4),
+    Case("push to 0.7 m", ColumnPushover("Figure 5.8", eccentric.column, 0.7), models=BEAMS),
+    Case(CLAMPED, clamped, models=BEAMS + ON_5_4),
 )
 
 
@@ -110,30 +111,29 @@ def fitness(model: str, bound: float) -> Gate:
 
 
 def against_shear(
-    model: str, against: str, metric: tuple[str, str], cases: tuple[str, ...]
+    model: str, against: str, metric: tuple[str, str], bound: float, cases: tuple[str, ...]
 ) -> Gate:
     """A model is held against a reference whose web yields in shear, as that of the column does."""
     return Gate(
         model,
         against,
         *metric,
-        0.05,
-        "What the real column would do: its web yields in shear below the hit point. The solid is "
-        "pushed slowly; the web-yielding beam is inside its domain up to a mean shear of 0.15, "
-        "0.12 m here.",
+        bound,
+        "What the real column would do: its web yields in shear below the hit point. The solid "
+        "knows itself within 4 %; the web-yielding beam is inside its domain up to a mean shear "
+        "of 0.15, 0.12 m here.",
         OWN_BOUND,
         cases,
     )
 
 
 RESISTANCE, PEAK = ("force", "area_difference"), ("peak_displacement", "relative_error")
+STRUCK = (PANELS, ENERGY_PANELS, WEB, REFERENCE, "4-DOF", "SDOF analytic", "energy estimate")
 
 gates = (
-    against_shear(PANELS, SOLID, RESISTANCE, (PUSHED,)),
-    against_shear(WEB, SOLID, RESISTANCE, (PUSHED,)),
-    against_shear("4-DOF", SOLID, RESISTANCE, (PUSHED,)),
-    against_shear(PANELS, WEB, PEAK, ("10 m/s",)),
-    against_shear("4-DOF", WEB, PEAK, ("10 m/s",)),
+    *(against_shear(label, SOLID, PEAK, 0.10, IMPACTS) for label in STRUCK),
+    *(against_shear(label, SOLID, RESISTANCE, 0.05, (PUSHED,)) for label in (PANELS, WEB, "4-DOF")),
+    against_shear(PANELS, WEB, PEAK, 0.05, ("10 m/s",)),
     reproduction("4-DOF", "Heng 2017: 4-DOF"),
     reproduction("SDOF cubic", "Heng 2017: SDOF"),
     reproduction("energy estimate", "Heng 2017: energy"),
@@ -201,11 +201,11 @@ figures = (
         "shear-peaks",
         "peaks",
         "Peak displacements with and without yielding webs",
-        "Above: peaks. Below: deviations from the fiber beam, which is without shear as the 4-DOF "
-        "and SDOF columns of the thesis are. From 10 m/s on the web-yielding beam slides further "
-        "than it holds for.",
-        (PANELS, ENERGY_PANELS, WEB, "4-DOF", "SDOF analytic", REFERENCE),
-        {"cases": IMPACTS},
+        "Above: peaks. Below: deviations from the struck solid. The fiber beam, the 4-DOF and the "
+        "SDOF column of the thesis are without shear. From 10 m/s on the web-yielding beam slides "
+        "further than it holds for.",
+        (SOLID, PANELS, ENERGY_PANELS, WEB, "4-DOF", "SDOF analytic", REFERENCE),
+        {"cases": IMPACTS, "against": SOLID},
     ),
     Figure(
         "figure-5-9a",
@@ -325,8 +325,8 @@ study = Study(
         "plastic shear resistance. Its web yields in shear before the bending mechanism forms. "
         "Models without shear, the fiber reference among them, are outside their domain: they "
         "reproduce the thesis and are compared with each other, not with a real column. What the "
-        "column does is shown by the pushed solid and by the 4-DOF column with panels, which "
-        "follows it; a solid that is struck is not part of this report yet.",
+        "column does is shown by the solid, pushed and struck, and by the 4-DOF column with "
+        "panels, which follows it.",
     ),
 )
 

@@ -34,7 +34,8 @@ MEMBERS = [
 
 
 @pytest.mark.parametrize(
-    "kind", [kind for kind in MEMBERS if kind not in ("sweep", "shear-domain", "meshes")]
+    "kind",
+    [kind for kind in MEMBERS if kind not in ("sweep", "domain-map", "shear-domain", "meshes")],
 )
 def test_every_kind_draws(small, kind):
     drawing = draw(request(small, kind))
@@ -57,7 +58,12 @@ def test_nothing_to_draw_is_said(small, kind):
 
 
 @pytest.mark.parametrize(
-    "kind", [kind for kind in MEMBERS if kind not in ("shear-surfaces", "structure", "sweep")]
+    "kind",
+    [
+        kind
+        for kind in MEMBERS
+        if kind not in ("shear-surfaces", "structure", "sweep", "domain-map")
+    ],
 )
 def test_a_model_without_an_answer_is_no_crash(small, kind):
     push = [case for case in small.study.cases if case.name == "push"]
@@ -268,3 +274,25 @@ def test_a_dollar_in_a_name_is_no_formula(small, tmp_path):
     stored = store_of(study, tmp_path)
     assert draw(request(stored, "history")).canvas is not None
     assert find("HEB 220").name in draw(request(stored, "structure")).alt
+
+
+def test_a_domain_map_classes_errors_and_names_silent_ones(sweep):
+    options = {"x": "velocity (m/s)", "over": "position (L)", "y": "v/La", "bounds": (0.01, 0.04)}
+    drawing = draw(request(sweep, "domain-map", **options))
+    assert drawing.canvas is not None
+    data = drawing.data
+    fine = data[(data["model"] == "four-dof") & (data["x"] == 10.0)]
+    assert set(fine["class"]) == {"more than 4 % too large"}  # 5 % everywhere
+    failed = data[(data["model"] == "four-dof") & (data["x"] == 25.0)]
+    assert set(failed["class"]) == {"no answer"}
+    assert set(data["model"]) == set(sweep.study.models) - {sweep.study.reference}
+    own = data[(data["model"] == "four-dof") & data["error"].notna()]
+    silent = int((~own["warned"]).sum())
+    assert 0 < silent < len(own)
+    assert f"four-dof: {silent} errors beyond 4 % carry no warning." in drawing.statements
+
+
+def test_a_domain_map_needs_its_parameter(sweep):
+    drawing = draw(request(sweep, "domain-map", x="depth"))
+    assert drawing.canvas is None
+    assert "parameter depth" in drawing.statements[0]

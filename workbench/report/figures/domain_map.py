@@ -50,7 +50,8 @@ def draw(request: Request) -> Drawing:
         answered = table[error.notna()]
         inside = int((answered["error"].abs() <= far).sum())
         silent = answered[(answered["error"].abs() > far) & ~answered["warned"]]
-        sheet.record(table.assign(model=label))
+        if len(table):
+            sheet.record(table.assign(model=label))
         title = f"{label}: {inside} of {len(table)} within {100 * far:g} %"
         sheet.name(panel, title, x, y)
         panel.title.set_fontsize(6.5)
