@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from toy_models import Spring
 
 from workbench.datafiles import data_directory
+from workbench.models import frame_model
 from workbench.scenarios import ColumnImpact, load_scenario
 from workbench.study import Case, Study
 from workbench.study.executors import THREAD_VARIABLES
@@ -78,6 +79,12 @@ def thesis_impact() -> ColumnImpact:
 def clamped_impact() -> ColumnImpact:
     """HEB 220 clamped at both ends, hit at mid-height at 25 m/s (Heng 2017, section 5.1)."""
     return load_scenario(data_directory() / "published" / "heng2017_clamped_column.toml")
+
+
+@pytest.fixture
+def few_load_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Static paths in 200 load steps, for what does not depend on how finely they are cut."""
+    monkeypatch.setattr(frame_model, "PUSH_STEPS", 200)
 
 
 @pytest.fixture

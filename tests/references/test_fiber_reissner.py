@@ -37,6 +37,7 @@ def force_at(response, displacement) -> np.ndarray:
 # -- contract and oracle ---------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     model = FiberReissner(levels=1, smallest_element=0.05)
     scenarios = [
@@ -103,6 +104,7 @@ def test_both_formulations_agree_for_all_supports(thesis_impact, base, head) -> 
 # -- numbers ---------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_static_curve_of_the_thesis_column(thesis_impact) -> None:
     """Extrapolated from smallest elements of 12.5 and 6.25 mm; figure 5.8 of Heng 2017."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
@@ -215,6 +217,7 @@ def test_energy_balance_and_yield_ratio_of_the_defaults(thesis_impact) -> None:
     assert response.attrs["yield_ratio"] > 0.99906  # measured 0.99953
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_section_forces_follow_the_exact_envelope(thesis_impact) -> None:
     """From bending to catenary action the plastic base moves along its N-M curve."""
     model = FiberReissner(levels=1, smallest_element=0.0125)
@@ -260,6 +263,7 @@ def test_explicit_steps_serve_the_corotational_beam_too(thesis_impact) -> None:
     assert peak(explicit) == pytest.approx(peak(implicit), rel=0.01)  # measured 0.0057
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_residual_stress_brings_yield_forward_but_not_the_plateau(thesis_impact) -> None:
     push = ColumnPushover("push", thesis_impact.column, 0.05)
     plain, rolled = (

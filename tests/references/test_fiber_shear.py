@@ -28,6 +28,7 @@ def subjects(findings) -> set[str]:
     return {finding.subject for finding in findings}
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     scenarios = [
         replace(thesis_impact.at_velocity(5.0), duration=0.03),
@@ -36,6 +37,7 @@ def test_it_keeps_the_contract_of_a_model(thesis_impact) -> None:
     check_model(FiberShear(levels=1, smallest_element=0.05), scenarios)
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_static_plateau_of_the_thesis_column(thesis_impact) -> None:
     """An independent solution of the same equations, to three digits; the mesh is not printed."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
@@ -59,6 +61,7 @@ def test_impact_peaks_of_the_thesis_column(thesis_impact) -> None:
         assert ("shear-strain" in subjects(warnings_of(response))) == (velocity >= 10.0)
 
 
+@pytest.mark.usefixtures("few_load_steps")
 def test_slender_segments_agree_with_the_shear_free_beam(thesis_impact) -> None:
     """Segments of 2 m (V / Vpl = 0.72) and the stocky square section (0.22), h = 0.05 m."""
     long = replace(thesis_impact.column, length_below=2.0, length_above=2.0)

@@ -145,7 +145,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             np.zeros(1),
             0.0,
         )
-        for _ in range(40):
+        for _ in range(40 if kind == "flexible" else 20):  # Newton's method is slow for rigid bars
             plastic = rng.normal(size=4) * [3e-3, 0.02, 3e-3, 0.02]
             size = 10.0 ** rng.uniform(-0.5, 1.0)
             total = np.array([plastic[0] + plastic[2], plastic[1], plastic[3]])

@@ -141,7 +141,7 @@ def test_every_failure_is_a_stored_result_and_the_rest_goes_on(
         outcome = outcome_of(tree[f"v20.0/{label}"].to_dataset())
         assert message.endswith("" if outcome is Outcome.OK else outcome.advice)
     # crashed cells are tried again, timed-out ones only with more time
-    again = run_study(study, tmp_path, jobs=2, timeout=1.0)
+    again = run_study(study, tmp_path, jobs=1, timeout=1.0)
     assert again.answered == 8
     more = run_study(study, tmp_path, jobs=1, timeout=1.1, only="hung")
     assert more.answered == 1
