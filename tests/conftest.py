@@ -33,7 +33,7 @@ settings.load_profile("repeatable")
 
 # shares of about the same time; the panels of the second are in the cache when it gets to them
 KERNELS = (
-    ("four-dof",),
+    ("four-dof", "solid-plane-stress"),
     ("fiber-reissner", "fiber-corotational", "single-dof", "rigid-superelement"),
 )
 
