@@ -6,15 +6,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
-from workbench.hinges import ShearSurface, has_webs, panel_elements, panel_kernels, project_panel
+from workbench.hinges import (
+    ShearSurface,
+    has_shear_surface,
+    has_webs,
+    panel_elements,
+    panel_kernels,
+    project_panel,
+)
 from workbench.materials import Steel
-from workbench.sections import find, i_section, rectangular_tube, square
+from workbench.sections import circular_tube, find, i_section, rectangular_tube, square
 
 HEB = ShearSurface(find("HEB 220").without_fillets(), Steel(), "clear")
 SURFACES = {
     "HEB 220": HEB,
     "IPE 300": ShearSurface(find("IPE 300").without_fillets(), Steel()),
     "tube": ShearSurface(rectangular_tube(0.2, 0.2, 0.01), Steel()),
+    "square": ShearSurface(square(0.2), Steel()),
 }
 STIFFNESS = np.array([2.38875e9, 1.80317308e8, 1.2743325e8, 1.2743325e8])
 LENGTH = 0.8
@@ -158,35 +166,36 @@ RIGID = (1.0 / STIFFNESS[0], 1.0 / STIFFNESS[2], 0.0, 1.0 / STIFFNESS[3])
 
 @pytest.mark.parametrize("flexibility", [FLEXIBLE, RIGID], ids=["flexible", "rigid"])
 @pytest.mark.parametrize("pinned", [(False, False), (True, False), (False, True)])
-@given(trial=trials, seed=st.integers(0, 10_000))
-@settings(max_examples=30)
+@given(name=st.sampled_from(["HEB 220", "square"]), trial=trials, seed=st.integers(0, 10_000))
+@settings(max_examples=40)
 def test_elements_are_the_nearest_admissible_state_in_equilibrium(
-    flexibility, pinned, trial, seed
+    flexibility, pinned, name, trial, seed
 ) -> None:
     """Against the definition: no admissible forces in equilibrium are nearer to the trial."""
-    solve = element(flexibility, pinned)
+    surface = SURFACES[name]
+    solve = element(flexibility, pinned, surface)
     f_n, f11, f14, f44 = flexibility
-    shear = LENGTH * float(HEB.record["stiffness"])
+    shear = LENGTH * float(surface.record["stiffness"])
     F = np.array([[f_n, 0, 0], [0, f11 + 1 / shear, f14 + 1 / shear],
                   [0, f14 + 1 / shear, f44 + 1 / shear]])  # fmt: skip
     free = [0, *(1 + i for i in range(2) if not pinned[i])]
-    size = strengths(HEB)[[0, 2, 3]] * np.diag(F)
+    size = strengths(surface)[[0, 2, 3]] * np.diag(F)
     e = np.array(trial[:3]) * 10.0 ** trial[4] * size
     forces, _, flow, _ = solve(e)
     V = (forces[1] + forces[2]) / LENGTH
-    assert used(HEB, np.array([forces[0], V, *forces[1:]])) <= 1e-9
-    assert abs(V) <= HEB.shear_resistance * (1.0 + 1e-12)
+    assert used(surface, np.array([forces[0], V, *forces[1:]])) <= 1e-9
+    assert abs(V) <= surface.shear_resistance * (1.0 + 1e-12)
     plastic = e - F @ forces  # elastic and plastic deformations add up
     expected = np.array([flow[0] + flow[2], flow[1], flow[3]])
     np.testing.assert_allclose(expected[free], plastic[free], atol=1e-9 * np.abs(e).max())
     work = 1.0 + np.abs(forces[free]) @ np.abs(e[free])
-    others = inside(HEB, np.random.default_rng(seed), 200)
+    others = inside(surface, np.random.default_rng(seed), 200)
     others[:, 3] = others[:, 1] * LENGTH - others[:, 2]
     for i in range(2):
         if pinned[i]:
             others[:, 2 + i], others[:, 3 - i] = 0.0, others[:, 1] * LENGTH
             others *= np.random.default_rng(seed).uniform(0.0, 1.0, (len(others), 1))
-    admitted = others[used(HEB, others) <= 0.0]
+    admitted = others[used(surface, others) <= 0.0]
     assert len(admitted)
     rival = admitted[:, [0, 2, 3]][:, free] @ plastic[free]
     assert np.max(rival) - forces[free] @ plastic[free] <= 1e-9 * work
@@ -241,10 +250,44 @@ def test_elastic_panel_is_bending_and_shear_in_series() -> None:
     assert not flow.any()
 
 
-def test_sections_without_webs_are_refused() -> None:
+def test_sections_without_a_surface_are_refused() -> None:
     assert not has_webs(square(0.2))
-    with pytest.raises(InputError, match="plane webs"):
-        ShearSurface(square(0.2))
+    assert has_shear_surface(square(0.2))
+    with pytest.raises(InputError, match="plane webs or be a solid rectangle"):
+        ShearSurface(circular_tube(0.2, 0.01))
+
+
+@pytest.mark.parametrize(
+    ("middle", "shear"), [(0, 0.5), (0.3, 0.2), (0.8, 1.5), (2, 0.4), (0.1, 0.01)]
+)
+def test_a_solid_rectangle_has_the_exact_set_of_one_shear_rate(middle, shear) -> None:
+    surface = SURFACES["square"]
+    at, weight = np.polynomial.legendre.leggauss(2000)
+    size = np.hypot(middle + at, shear)
+    n, v = 0.5 * weight @ ((middle + at) / size), 0.5 * weight @ (shear / size)
+    m = weight @ (at * (middle + at) / size)
+    forces = n * surface.squash_load, v * surface.shear_resistance
+    # measured 1e-13
+    assert float(surface.moment_capacity(*forces)) / strengths(surface)[2] == pytest.approx(
+        m, abs=1e-12
+    )
+
+
+def test_derivatives_of_the_capacity_of_a_rectangle() -> None:
+    own = SURFACES["square"].record
+    rng, h = np.random.default_rng(0), 1e-5
+
+    def capacity(n: float, rho: float) -> np.ndarray:
+        return np.array(panel_kernels.moment_capacity(own, n * float(own["web_axial"]), rho))
+
+    for _ in range(40):
+        rho = rng.uniform(0.05, 1.0 - h)
+        n = rng.uniform(h, 0.95) * rho
+        by_n = (capacity(n + h, rho) - capacity(n - h, rho)) / (2 * h * float(own["web_axial"]))
+        by_rho = (capacity(n, rho + h) - capacity(n, rho - h)) / (2 * h)
+        _, CN, Cr, CNN, CNr, Crr = capacity(n, rho)
+        found = [by_n[0], by_rho[0], by_n[1], by_rho[1], by_rho[2]]
+        np.testing.assert_allclose(found, [CN, Cr, CNN, CNr, Crr], rtol=5e-6)
 
 
 def test_slenderness_of_one_web() -> None:

@@ -9,9 +9,10 @@ from builders import Answers
 from workbench.hinges import ShearSurface
 from workbench.materials import Steel
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, findings_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
-from workbench.sections import find, i_section, square
+from workbench.sections import circular_tube, find, i_section, square
 
 # An implementation of its own with six unknowns (rotations of the sections among them): forces in
 # kN, steps of 0.25 to 1 mm, regularised by 1e-6 of the elastic stiffness; peaks in m at steps of
@@ -182,8 +183,8 @@ def test_random_columns_close_their_ledger_or_say_why_not(count: int) -> None:
 
 def test_sections_and_columns_that_panels_do_not_hold_for(thesis_impact) -> None:
     column = thesis_impact.column
-    solid = Column(square(0.2), 0.8, 3.2)
-    response = FourDofShear().simulate(replace(thesis_impact, column=solid))
+    tube = Column(circular_tube(0.2, 0.01), 0.8, 3.2)
+    response = FourDofShear().simulate(replace(thesis_impact, column=tube))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "four-dof" in response.attrs["message"]
     thin = Column(i_section(0.8, 0.2, 0.006, 0.012), 0.8, 3.2)
@@ -211,3 +212,15 @@ def test_collapse_is_typed(thesis_impact) -> None:
     response = FourDofShear().simulate(thesis_impact.at_velocity(60.0))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "collapse" in response.attrs["message"]
+
+
+@pytest.mark.parametrize(("below", "rel"), [(0.8, 0.03), (2.0, 0.007)])
+def test_a_solid_square_follows_the_beam_with_the_same_domain(below, rel) -> None:
+    # fibers with one shear strain per section, sigma^2 + 3 tau^2 <= fy^2: the exact set integrated
+    column = Column(square(0.2), below, 4.0 - below, axial_load=5e5, restraint_stiffness=1e7)
+    scenario = ColumnImpact("square", column, Striker(6000.0, 10.0), 0.08)
+    response = model(("section", "centre")).simulate(scenario)
+    beam = FiberShear(levels=1, refinement=-1).simulate(scenario)
+    expected = float(beam["peak_displacement"])
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=rel)  # measured half
+    assert ledger(response, scenario) < 1e-6

@@ -26,7 +26,7 @@ from workbench.models.resistance.panel import plateau, transition_length
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnPushover
-from workbench.sections import find, square
+from workbench.sections import circular_tube, find
 
 MODULUS = 210e9
 
@@ -418,7 +418,7 @@ def test_energy_and_sdof_on_panels_give_the_peak_of_the_four_dof_column(
 
 
 def test_curve_of_panels_is_refused_where_they_do_not_hold(thesis_impact) -> None:
-    solid = replace(thesis_impact, column=Column(square(0.2), 0.8, 3.2))
-    response = SingleDof(resistance="panel").simulate(solid)
+    tube = replace(thesis_impact, column=Column(circular_tube(0.2, 0.01), 0.8, 3.2))
+    response = SingleDof(resistance="panel").simulate(tube)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "plane webs" in response.attrs["message"]

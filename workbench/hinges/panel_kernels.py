@@ -1,6 +1,7 @@
 """Closest-point projection of a panel: two hinges and the bar between, whose web yields in shear.
 
-Uniform shear stress in the web, none in the flanges, von Mises: |M_i| <= M_c(|N|, rho) at both
+Uniform shear stress in the web, none in the flanges, von Mises (a solid rectangle: one shear rate,
+exactly): |M_i| <= M_c(|N|, rho) at both
 ends, |V| <= V_pl, with V = V_pl sin a, rho = cos a what shear leaves of the web, which has no
 infinite slope at V = V_pl. Normal force and shear force are constant along the panel and the
 moment is linear, so that every section is a convex combination of the two ends: no other
@@ -22,6 +23,7 @@ from workbench.hinges.pair_kernels import End, moments_in_box
 
 Vector = NDArray[np.float64]
 LIMIT = 0.5 * np.pi
+SMALLEST = 1e-9  # mu of a section without shear
 
 
 WEB = np.dtype(
@@ -35,6 +37,7 @@ WEB = np.dtype(
         ("half_web", float),  # half the height of the web, m
         ("half_height", float),  # half that of the section
         ("flanges", float),  # force per depth of both sides of the flanges, 2 b f_y, N/m
+        ("solid", np.uint8),  # a solid rectangle, all web: `solid_capacity`
     ]
 )
 
@@ -71,8 +74,47 @@ class Point(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
+def strain_ratio(s):
+    """The mu and L = ln coth(mu / 2) of a shear s = L sinh(mu), 0 <= s < 1."""
+    mu, low, high, last = 0.5 * s, 0.0, 20.0, False
+    for _ in range(60):
+        L = np.log1p(2.0 / np.expm1(max(mu, SMALLEST)))
+        if last:
+            break
+        slope = np.cosh(mu) * L - 1.0
+        mu, low, high, last = newton_in_bracket(mu, np.sinh(mu) * L - s, slope, low, high)
+    return max(mu, SMALLEST), L
+
+
+@njit(cache=True, error_model="numpy")
+def solid_capacity(web, N, rho):
+    """`moment_capacity` of a solid rectangle with one shear rate and plane sections.
+
+    With the strain rate (e + eta) and the shear rate g sqrt(3) over the height, -1 <= eta <= 1, the
+    von Mises stresses integrate in elliptic coordinates e = cosh mu cos nu, g = sinh mu sin nu to
+    n = cos nu, v = q s(mu) and m = q^2 t(mu), q^2 = 1 - n^2, with s = L sinh mu,
+    t = cosh mu - s sinh mu. Of C = M_pl t(s) q^2 all derivatives follow from dt/ds = -2 sinh mu.
+    """
+    Np, Mp = web.web_axial, web.web_moment
+    n, v = min(N / Np, 1.0 - 1e-15), np.sqrt(max(1.0 - rho * rho, 0.0))
+    q2 = 1.0 - n * n
+    s = min(v / np.sqrt(q2), 1.0 - 1e-12)
+    mu, L = strain_ratio(s)
+    sinh, cosh = np.sinh(mu), np.cosh(mu)
+    t = np.exp(-mu) + sinh * (1.0 - s)
+    ds = max(cosh * L - 1.0, 1e-30)  # ds / dmu
+    CN, Cr = -2.0 * Mp / Np * n * cosh, 2.0 * Mp * rho / L
+    CNN = -2.0 * Mp / Np**2 * (cosh + n * n * sinh * s / (q2 * ds))
+    CNr = 2.0 * Mp / Np * n * rho / (q2 * L * ds)
+    Crr = 2.0 * Mp * (1.0 / L - rho * rho / (L**3 * sinh * sinh * q2 * ds))
+    return Mp * q2 * t, CN, Cr, CNN, CNr, Crr
+
+
+@njit(cache=True, error_model="numpy")
 def moment_capacity(web, N, rho):
     """M_c and its derivatives (C, C_N, C_r, C_NN, C_Nr, C_rr) for N, rho >= 0."""
+    if web.solid:
+        return solid_capacity(web, N, rho)
     limit, Nw = rho * web.web_axial, web.web_axial
     if limit > N or (N == 0.0 and rho > 0.0):
         share, Mw = N / limit, web.web_moment

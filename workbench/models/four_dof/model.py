@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.hinges import ShearSurface, YieldSurface, has_webs
+from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.panel import SHEAR_DEPTHS
 from workbench.models.domain import panel_findings
 from workbench.models.four_dof import panels
@@ -97,8 +97,8 @@ class FourDofShear(RigidBars):
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         column = scenario.column
-        if not has_webs(column.section):
-            text = f"{column.section.name} has no plane webs between flanges: take four-dof"
+        if not has_shear_surface(column.section):
+            text = f"{column.section.name} is neither a rectangle nor one with plane webs"
             return [Finding("section", text, refusal=True, remedy="four-dof")]
         return panel_findings(self.surface(column), column.properties, "the column")
 
