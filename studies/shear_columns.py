@@ -58,7 +58,8 @@ models = {
     BEAM: FiberReissner(levels=2),
     **REDUCED,
 }
-MASSIVE, SLOW, SOLIDS = 104, 16, 30  # columns hit hard, hit elastically; of the hard hits as solids
+SHORTEST = 1.8  # segment over height of the section; what is shorter is no bar
+MASSIVE, SLOW, SOLIDS = 104, 16, 26  # columns hit hard, hit elastically; of the hard hits as solids
 DEMAND, LENGTH = "V/Vpl of the mechanism", "length below the hit point in m"
 RATIO, HIT = "striker over lumped mass", "hit"
 
@@ -74,7 +75,7 @@ def column_of(share: np.ndarray, number: int) -> ColumnImpact:
     head = "pinned" if 0.15 < share[2] < 0.4 else "guided"
     wanted = exp(log(0.2) + share[0] * log(3.5 / 0.2))
     metre = ColumnImpact("1 m", Column(section, 1.0, 1.0, base=base), Striker(1.0, 1.0))
-    below = shear_demand(metre)["below"] / wanted
+    below = max(shear_demand(metre)["below"] / wanted, SHORTEST * section.height)
     above = max(2.5 + 2.0 * share[1] - below, (1.0 + 0.8 * share[1]) * below)
     column = Column(
         section, below, above, base=base, head=head, restraint_stiffness=10.0 ** (6 + 2 * share[3])
@@ -94,7 +95,7 @@ def strike(impact: ColumnImpact, share: np.ndarray, number: int, slow: bool) -> 
     resistance *= column.properties.shear_resistance
     lumped = column.properties.impact_mass
     mass = max(2.0 * resistance * reach / velocity**2, 0.3 * lumped)
-    duration = min(max(0.02, 6.0 * reach / velocity + 0.02), 0.15)
+    duration = min(max(0.02, 6.0 * reach / velocity + 0.02), 0.1)
     name = (
         f"{number:03d} {column.section.name.removesuffix(' without fillets')}, "
         f"V/Vpl {demand['below']:.2f}, {velocity:.1f} m/s, {mass:.0f} kg"

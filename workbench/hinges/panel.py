@@ -95,6 +95,15 @@ class ShearSurface(Declared, table="shear_surface"):
         return float(self.record["flange_axial"] + self.record["web_axial"])
 
     @property
+    def flange_mechanism(self) -> float:
+        """Work (J) per radian of a panel whose flanges bend as plates at both ends, b t^2 f_y.
+
+        Panels leave it out.
+        """
+        _, flange = self.section.shape.plates
+        return float(self.section.shape.width * flange**2 * self.steel.yield_stress)
+
+    @property
     def web_slenderness(self) -> float:
         """Clear height over thickness of one web; 0 of a solid rectangle."""
         if isinstance(self.section.shape, Rectangle):

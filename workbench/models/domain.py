@@ -1,5 +1,6 @@
 """Where member models stop applying: stability of the column and plastic shear demand."""
 
+from collections.abc import Mapping
 from math import pi, sqrt
 
 from workbench.frames.findings import frame_findings
@@ -12,6 +13,7 @@ from workbench.scenarios.members import MemberProperties
 SHEAR_REMEDY = "take four-dof-shear, whose webs yield in shear, or fiber-shear"
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of plates and that of a member
+_FLANGES = 0.1  # of V_pl, carried by flanges that bend as plates
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
@@ -101,6 +103,24 @@ def step_finding(step: float, stable: float) -> list[Finding]:
         f"scheme, {limit:.3g} s: reduce it"
     )
     return [Finding("time-step", text, refusal=True)]
+
+
+def flange_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[Finding]:
+    """Warnings of panels so short that their flanges, bending by themselves, carry shear too.
+
+    `lengths` of the panels (m) by name.
+    """
+    findings = []
+    for name, length in lengths.items():
+        share = surface.flange_mechanism / length / surface.shear_resistance
+        if share > _FLANGES:
+            text = (
+                f"the segment {name} the hit point is so short that its flanges, bending by "
+                f"themselves, carry {share:.2f} of V_pl, which panels leave out: displacements "
+                "come out too large"
+            )
+            findings.append(Finding("flanges", text, number=share))
+    return findings
 
 
 def panel_findings(
