@@ -506,6 +506,18 @@ def test_a_column_that_is_run_over_is_out_of_domain() -> None:
         assert "collapse at" in response.attrs["message"]
 
 
+def test_only_members_that_are_rigid_in_shear_are_named() -> None:
+    frame = portal(section=find("HEB 220"), height=0.36)
+    mixed = [m if m.name != "B0-B1" else replace(m, section=SQUARE) for m in frame.members]
+    short = replace(frame, members=tuple(mixed)).split("A0-A1", 0.18, "hit")
+    impact = FrameImpact("hit", short, FrameStriker(1000.0, 5.0, node="hit"), 0.02)
+    text = " ".join(str(f) for f in RigidSuperelement().domain(impact) if f.subject == "shear")
+    assert "B0-B1" in text
+    assert "A0-" not in text
+    everything = RigidSuperelement(shear="none").domain(impact)
+    assert "A0-" in " ".join(str(f) for f in everything if f.subject == "shear")
+
+
 def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
     frame = frame_of(thesis_impact.column)
     impact = FrameImpact("hit", frame, FrameStriker(1500.0, 10.0, node="hit"), 0.03)

@@ -1,5 +1,6 @@
 """Shear of members: elastic stiffness, plastic demand, and from where on yielding weakens them."""
 
+from collections.abc import Collection
 from math import sqrt
 
 from workbench.frames.chains import chains, eventful, named
@@ -66,9 +67,13 @@ def _end_moment(frame: Frame, member: Member, at_start: bool) -> float:
     return min(own, max((m for m in given if m is not None), default=own))
 
 
-def shear_findings(scenario: FrameScenario) -> list[Finding]:
-    """Members in which models without shear yielding may overestimate the resistance."""
+def shear_findings(
+    scenario: FrameScenario, members: Collection[str] | None = None
+) -> list[Finding]:
+    """Members (None: all) in which lack of shear yielding may overestimate the resistance."""
     frame, demand = scenario.frame, shear_demand(scenario)
+    if members is not None:
+        demand = {name: share for name, share in demand.items() if name in members}
     bounds = {name: shear_bound(frame.strength_section(name)) for name in demand}
     worst = sorted(demand, key=lambda name: -demand[name])
     findings = []

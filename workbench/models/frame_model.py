@@ -96,7 +96,8 @@ class FrameModel(ABC, Declared, table="option"):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings common to all member models."""
-        return member_findings(scenario)
+        with threadpool_limits(1, user_api="blas"):  # small eigenvalue problems as well
+            return member_findings(scenario)
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""

@@ -25,6 +25,7 @@ import numpy as np
 
 from workbench.fields import Choice, Number, checked
 from workbench.frames.runs import OPEN_LEDGER
+from workbench.frames.shear import shear_findings
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
     HingeSurfaces,
@@ -135,8 +136,10 @@ class _HingedBars(FrameModel):
         frame = as_frame(scenario).frame
         findings = super().domain(scenario)
         webs = {m.name: self._web(frame, m) for m in frame.members}
-        if all(webs.values()):
+        if any(webs.values()):
+            rigid = {name for name, web in webs.items() if web is None}
             findings = [finding for finding in findings if finding.subject != "shear"]
+            findings += shear_findings(as_frame(scenario), rigid)
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
             text = "exponents do not apply to members with webs, whose N-M-V domain is of plates"
             remedy = "take shear = none for a super-elliptic surface"
