@@ -151,7 +151,7 @@ def test_hardening_regularises_what_perfect_plasticity_leaves_to_the_mesh(meshes
         drift[hardening] = force_at(fine, 0.1) / force_at(coarse, 0.1) - 1.0
         subjects = {finding.subject for finding in warnings_of(coarse)}
         assert ("mesh" in subjects) == (hardening < 1e-3)
-    assert -0.10 < drift[1e-6] < -0.03  # falls with the mesh, and says so
+    assert -0.10 < drift[1e-6] < -0.03  # falls with the mesh, and says so; measured -0.053
     assert abs(drift[1e-2]) < 0.005  # measured 0.0033, 0.0036 finer
 
 
@@ -258,5 +258,6 @@ def test_refinement_ladder_of_the_thesis_column() -> None:
 def test_hardened_ladder_converges() -> None:
     ladder = [push(MIDDLE, 0.1, refinement=r, hardening_ratio=0.01) for r in range(3)]
     forces = [force_at(r, 0.1) for r in ladder]
+    # measured 0.51
     assert abs(forces[2] - forces[1]) < 0.7 * abs(forces[1] - forces[0])
-    assert forces[2] == pytest.approx(forces[1], rel=2e-3)
+    assert forces[2] == pytest.approx(forces[1], rel=2e-3)  # measured 1.8e-3
