@@ -14,7 +14,8 @@ from toy_models import Spring
 
 from workbench.datafiles import data_directory
 from workbench.models import frame_model
-from workbench.scenarios import ColumnImpact, load_scenario
+from workbench.scenarios import Column, ColumnImpact, Striker, load_scenario
+from workbench.sections import find
 from workbench.study import Case, Study
 from workbench.study.executors import THREAD_VARIABLES
 
@@ -79,6 +80,13 @@ def thesis_impact() -> ColumnImpact:
 def clamped_impact() -> ColumnImpact:
     """HEB 220 clamped at both ends, hit at mid-height at 25 m/s (Heng 2017, section 5.1)."""
     return load_scenario(data_directory() / "published" / "heng2017_clamped_column.toml")
+
+
+@pytest.fixture(scope="session")
+def parked() -> ColumnImpact:
+    """HEA 240 of a car park, hit by 2 t at 10 m/s 0.6 m above its base under 600 kN, all pinned."""
+    column = Column(find("HEA 240"), 0.6, 2.9, base="pinned", head="pinned", axial_load=6e5)
+    return ColumnImpact("car park", column, Striker(2000.0, 10.0))
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.errors import InputError, OutOfDomainError, SolverError
+from workbench.errors import Collapse, CollapseError, InputError, Mechanism, SolverError
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
@@ -100,7 +100,12 @@ class Troubled:
             if self.trouble == "solver":
                 raise SolverError("t = 0.01 s", 0.5, "everything")
             if self.trouble == "collapse":
-                raise OutOfDomainError("collapse")
+                parts = ("below",)
+                collapse = Collapse(Mechanism.GEOMETRY, parts, 0.5, 0.02)
+                raise CollapseError(collapse, "nothing holds it")
+            if self.trouble == "no peak":
+                growing = {"displacement": [0.0, 0.1], "percussion": [0.0, 1.0]}
+                return build_response(growing, time=[0.0, 0.01])
             if self.trouble == "input":
                 raise InputError("toy.option", 1, "must be 2")
             if self.trouble == "raise":

@@ -1,5 +1,8 @@
 """The errors that the workbench raises, each with all that its message needs."""
 
+from enum import StrEnum
+from typing import NamedTuple
+
 
 class WorkbenchError(Exception):
     """Base of every error that the workbench raises on purpose."""
@@ -60,3 +63,43 @@ class SolverError(WorkbenchError):
 
 class OutOfDomainError(WorkbenchError):
     """A model met a state outside its assumptions; the message says which and what to do."""
+
+
+class Mechanism(StrEnum):
+    """How a structure collapses, as a model sees it.
+
+    Geometry: chords have left their supports, and displacements grow without end. Squash: axial
+    compression has used up the strength. Buckling: its axial force has used up the resistance.
+    """
+
+    GEOMETRY = "geometry"
+    SQUASH = "squash"
+    BUCKLING = "buckling"
+
+
+class Collapse(NamedTuple):
+    """A structure that does not survive: the `mechanism`, and the members or segments it is in.
+
+    `displacement` (m) that was reached where it is recorded; `time` in s (None: the model or the
+    scenario has none).
+    """
+
+    mechanism: Mechanism
+    parts: tuple[str, ...]
+    displacement: float
+    time: float | None = None
+
+    def __str__(self) -> str:
+        when = "" if self.time is None else f"{self.time:.4g} s and "
+        return f"collapse at {when}{self.displacement:.4g} m"
+
+
+class CollapseError(WorkbenchError):
+    """The structure collapsed, which is an answer: the `collapse`, and the `reason` in words."""
+
+    def __init__(self, collapse: Collapse, reason: str) -> None:
+        self.collapse, self.reason = collapse, reason
+        super().__init__(f"{collapse}: {reason}; the model means nothing beyond")
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        return type(self), (self.collapse, self.reason)

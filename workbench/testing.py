@@ -146,6 +146,8 @@ def _response(model: Model, scenario: Scenario, response: Response) -> Iterator[
             yield f"outcome {outcome_of(response)} comes without a sentence"
         if len(response.data_vars):
             yield f"outcome {outcome_of(response)} comes with variables"
+        if outcome_of(response) is Outcome.COLLAPSE and "collapse" not in response.attrs:
+            yield "outcome collapse comes without its mechanism"
     elif not response.data_vars:
         yield "outcome ok comes without a single variable"
     if {"displacement", "peak_displacement"} <= set(response.data_vars):

@@ -194,7 +194,7 @@ def test_bad_settings(
 
 
 KEYS = {
-    *("model", "outcome", "message", "peak_displacement", "time_of_peak"),
+    *("model", "outcome", "message", "collapse", "peak_displacement", "time_of_peak"),
     *(
         "residual_displacement",
         "peak_force",
@@ -322,6 +322,26 @@ def test_data(capsys: pytest.CaptureFixture[str]) -> None:
     listed, _, checked = capsys.readouterr().out.partition("{\n")
     assert "heng2017-figure-5-9" in listed
     assert json.loads("{" + checked)["problems"] == []
+
+
+def test_a_collapse_is_an_answer(
+    parked: ColumnImpact, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "car.toml"
+    path.write_text(to_toml(parked))
+    arguments = ["simulate", str(path), "--model", "four-dof-shear"]
+    assert run([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["outcome"], found["peak_displacement"]) == ("collapse", None)
+    assert found["refusals"] == []
+    assert found["collapse"]["mechanism"] == "geometry"
+    assert found["collapse"]["parts"] == ["below"]
+    assert 0.4 < found["collapse"]["displacement"] < 0.54
+    assert 0.05 < found["collapse"]["time"] < 0.1
+    assert run(arguments) == 0
+    text = capsys.readouterr().out
+    assert "geometry (below)" in text
+    assert "four-dof-shear, collapse" in text
 
 
 def test_a_broken_catalogue_is_status_1(

@@ -9,7 +9,7 @@ import pytest
 
 from workbench.models.energy_estimate import EnergyEstimate, energy_to_absorb
 from workbench.models.resistance import RESISTANCES, mechanism_of, resistance_curve
-from workbench.responses import Outcome, outcome_of, warnings_of
+from workbench.responses import collapse_of, warnings_of
 from workbench.scenarios import ColumnImpact
 from workbench.testing import check_model
 
@@ -89,17 +89,20 @@ def test_restitution_findings(thesis_impact) -> None:
     assert subjects(light) == {"shear", "mass-ratio"}
 
 
-def test_energy_that_the_column_cannot_absorb_is_out_of_domain(thesis_impact) -> None:
+def test_energy_that_the_column_cannot_absorb_is_collapse(thesis_impact) -> None:
     response = EnergyEstimate().simulate(thesis_impact.at_velocity(60.0))
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "nine tenths" in response.attrs["message"]
+    collapse = collapse_of(response)
+    assert (collapse.mechanism, collapse.parts) == ("geometry", ("below",))
+    assert collapse.time is None
+    assert collapse.displacement == pytest.approx(0.72)
     tipping = replace(
-        thesis_impact.at_velocity(40.0),
-        column=replace(thesis_impact.column, restraint_stiffness=0.0),
+        thesis_impact.at_velocity(25.0),
+        column=replace(
+            thesis_impact.column, restraint_stiffness=0.0, length_below=2.0, length_above=2.0
+        ),
     )
-    response = EnergyEstimate(resistance="analytic").simulate(tipping)
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "is lost at" in response.attrs["message"]
+    collapse = collapse_of(EnergyEstimate(resistance="analytic").simulate(tipping))
+    assert (collapse.mechanism, collapse.parts) == ("buckling", ("below", "above"))
 
 
 @pytest.mark.parametrize("shape", RESISTANCES)

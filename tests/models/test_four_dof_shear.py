@@ -10,7 +10,7 @@ from workbench.hinges import ShearSurface
 from workbench.materials import Steel
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.references.fiber_shear import FiberShear
-from workbench.responses import Outcome, findings_of, outcome_of, warnings_of
+from workbench.responses import Outcome, collapse_of, findings_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import circular_tube, find, i_section, square
 
@@ -210,8 +210,17 @@ def test_a_bar_that_does_not_stretch_warns_where_flanges_would(thesis_impact) ->
 
 def test_collapse_is_typed(thesis_impact) -> None:
     response = FourDofShear().simulate(thesis_impact.at_velocity(60.0))
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "collapse" in response.attrs["message"]
+    assert outcome_of(response) is Outcome.COLLAPSE
+    assert collapse_of(response).parts == ("below",)
+
+
+def test_a_bar_that_is_shortened_and_turns_over_has_collapsed(parked) -> None:
+    """It never moves by nine tenths of its first length, and comes to rest hanging."""
+    response = FourDofShear().simulate(replace(parked.at_velocity(8.0), duration=0.2))
+    collapse = collapse_of(response)
+    assert collapse.mechanism == "geometry"
+    assert collapse.parts == ("below",)
+    assert 0.7 * 0.6 < collapse.displacement < 0.9 * 0.6
 
 
 @pytest.mark.parametrize(("below", "rel"), [(0.8, 0.03), (2.0, 0.007)])

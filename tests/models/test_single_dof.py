@@ -21,7 +21,7 @@ from workbench.models.resistance import (
     resistance_curve,
 )
 from workbench.models.single_dof import SingleDof, kernels
-from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find
 from workbench.testing import check_model
@@ -305,7 +305,7 @@ def test_energy_is_kept_or_the_outcome_says_why(examples: int) -> None:
         lengths = (column.length_below, column.length_above)
         limit = absorbed(lengths, moment, ends, column.axial_load)
         if not answers.note(model, impact, response, asked=impact.input_energy <= limit):
-            assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+            assert outcome_of(response) in (Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN)
             assert any(
                 word in response.attrs["message"]
                 for word in ("collapse", "Euler load", "lateral stiffness")
@@ -401,18 +401,22 @@ def test_short_record_has_no_peak_but_says_so(thesis_impact) -> None:
     assert float(response["impulse"]) > 0.0
 
 
-def test_collapse_is_out_of_domain(thesis_impact) -> None:
+def test_collapse_is_an_answer(thesis_impact) -> None:
     response = SingleDof().simulate(at(thesis_impact, velocity=60.0))
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "nine tenths of the shorter segment" in response.attrs["message"]
+    assert outcome_of(response) is Outcome.COLLAPSE
+    collapse = collapse_of(response)
+    assert (collapse.mechanism, collapse.parts) == ("geometry", ("below",))
+    assert collapse.displacement == pytest.approx(0.72, rel=0.01)
+    assert collapse.time > 0.0
     column = replace(
         thesis_impact.column, restraint_stiffness=0.0, length_below=2.0, length_above=2.0
     )
     response = SingleDof(resistance="analytic").simulate(
         replace(at(thesis_impact, velocity=25.0, duration=0.3), column=column)
     )
-    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "lost its resistance" in response.attrs["message"]
+    assert outcome_of(response) is Outcome.COLLAPSE
+    collapse = collapse_of(response)
+    assert (collapse.mechanism, collapse.parts) == ("buckling", ("below", "above"))
 
 
 def test_findings_name_what_the_model_leaves_out(thesis_impact) -> None:
@@ -471,6 +475,7 @@ def test_batch_gives_the_numbers_of_single_runs(thesis_impact) -> None:
         for name in peaks.columns[:5]:
             value = peaks[name][row]
             assert (float(response[name]) == value) if name in response else np.isnan(value)
+    assert list(peaks.outcome) == ["ok", "ok", "collapse", "ok", "out-of-domain"]
     assert "collapse" in peaks.failure[2]
     assert "Euler load" in peaks.failure[4]
     assert np.isnan(peaks.impulse[2])

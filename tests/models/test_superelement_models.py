@@ -14,7 +14,7 @@ from workbench.errors import InputError
 from workbench.frames.findings import dead_load_state
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import (
     ColumnPushover,
     Frame,
@@ -497,13 +497,17 @@ def test_ledger_closes_over_thousands_of_steps(model, steps: int) -> None:
 # -- outside the domain ----------------------------------------------------------------------
 
 
-def test_a_column_that_is_run_over_is_out_of_domain() -> None:
+def test_a_column_that_is_run_over_collapses() -> None:
     frame = portal(loads=(Load("A1", y=-1e6), Load("B1", y=-1e6)))
     impact = FrameImpact("crash", frame, FrameStriker(2e4, 60.0, node="A1"), 1.0)
     for model in MODELS:
         response = model.simulate(impact)
-        assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-        assert "collapse at" in response.attrs["message"]
+        assert outcome_of(response) is Outcome.COLLAPSE
+        collapse = collapse_of(response)
+        assert collapse.mechanism == "geometry"
+        assert collapse.parts == ("A0-A1",)
+        assert 0.0 < collapse.time < 1.0
+        assert collapse.displacement > 0.5 * 4.0
 
 
 def test_only_members_that_are_rigid_in_shear_are_named() -> None:
@@ -600,7 +604,8 @@ def test_random_frames_run_or_end_in_a_typed_outcome(examples: int) -> None:
         model = replace(model, time_step=1e-4, shear=shear)
         response = model.simulate(impact)
         if not answers.note(model, impact, response, asked=shear == "none" and bears(impact)):
-            assert outcome_of(response) in (Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED)
+            typed = Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN, Outcome.NOT_CONVERGED
+            assert outcome_of(response) in typed
             assert len(response.attrs["message"].split()) > 5
             return
         error = np.abs(response["balance_error"]).max() / response["input_energy"]

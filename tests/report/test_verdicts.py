@@ -11,6 +11,7 @@ from toy_models import Troubled
 from workbench.cli.studies import gate_objects
 from workbench.content.tree import Callout, Table
 from workbench.report.build import summary
+from workbench.report.chapters.limits import collapses, missing
 from workbench.report.chapters.verdicts import verdicts
 from workbench.report.stored import Stored
 from workbench.study import Assessment, Gate, Study, assess, run_study
@@ -42,7 +43,8 @@ def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_pa
     ]
     section = verdicts(stored)
     (table,) = [b for b in section.blocks if isinstance(b, Table) and b.key == "verdict-table"]
-    assert [row[0].text for row in table.rows] == ["pass", "pass", "inconclusive"]
+    assert [row[0].text for row in table.rows] == ["pass", "pass", "fail"]
+    assert table.rows[2][2].text == "collapsing collapses\n(v20.0)"
     assert [row[4].text for row in table.rows] == ["1 of 1", "2 of 2", "2 of 3"]
     page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
     rows = [line for line in page.splitlines() if line.startswith("| ")]
@@ -53,9 +55,24 @@ def test_a_collapse_is_said_in_the_first_line(judged, tmp_path) -> None:
     stored, _ = judged
     first = verdicts(stored).blocks[0]
     assert isinstance(first, Callout)
-    assert first.tone == "doubt"
-    assert first.text.startswith("Of 3 gates, 2 passed, 0 failed, 1 inconclusive. ")
-    assert "no answer in 1 of 3 asked cases: v20.0 (collapsing: out-of-domain" in first.text
+    assert first.tone == "bad"
+    assert first.text == (
+        "Of 3 gates, 2 passed, 1 failed, 0 inconclusive. One side collapses where the other "
+        "survives in 1 gate: v20.0 (collapsing collapses)."
+    )
     page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
-    assert "no answer in 1 of 3 asked cases: v20.0" in page
-    assert page.index("no answer in 1 of 3") < page.index("| verdict")
+    assert page.index("One side collapses where the other survives") < page.index("| verdict")
+
+
+def test_collapses_are_counted_apart_from_refusals_and_failures(judged) -> None:
+    stored, _ = judged
+    collapse = stored.cells["v20.0", "collapsing"].collapse
+    assert collapse == ("geometry", ("below",), 0.5, 0.02)
+    told, table = collapses(stored).blocks
+    assert told.tone == "note"
+    assert told.text.startswith("In 1 cell of 15 the structure collapses, which is an answer")
+    assert [cell.text for cell in table.rows[0]] == [
+        *("v20.0", "collapsing", "geometry", "below", "0.0200", "0.500")
+    ]
+    (callout,) = missing(stored.study, stored).blocks
+    assert callout.text == "All 15 cells hold an answer; nothing is missing."

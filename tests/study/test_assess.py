@@ -14,9 +14,11 @@ from toy_models import Spring, Troubled
 from workbench.assessment import METRICS, Scope
 from workbench.errors import InputError
 from workbench.models.base import respond
+from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.single_dof import SingleDof
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
-from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study
+from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study, survey
 from workbench.study.store import csv_bytes
 
 V15_PEAK = 15.0 / (5e6 / 1500.0) ** 0.5  # of the exact spring, v0 / omega
@@ -175,7 +177,7 @@ def test_gates_end_in_pass_fail_or_inconclusive(toy_study: Study, tmp_path: Path
     assert first.critical.value == pytest.approx(np.sqrt(1.25) / 1.02 - 1.0, rel=1e-9)
     assert first.counts == {
         **{"asked": 3, "pass": 3},
-        **dict.fromkeys(("fail", "inconclusive", "refused", "unanswered"), 0),
+        **dict.fromkeys(("fail", "inconclusive", "refused", "unanswered", "collapses"), 0),
     }
     assert (stuck.counts["pass"], stuck.counts["unanswered"]) == (1, 2)
     assert stuck.reasons[0].startswith(
@@ -189,29 +191,94 @@ def test_gates_end_in_pass_fail_or_inconclusive(toy_study: Study, tmp_path: Path
     assert notes[8, "v10.0"] == "paper: out-of-domain, not published for this case"
 
 
-def test_a_sweep_whose_last_case_collapses_does_not_pass(toy_study: Study, tmp_path: Path) -> None:
-    models = {**toy_study.models, "collapsing": Troubled("collapse", above=18.0)}
+def test_survival_against_collapse_fails_and_collapse_on_both_sides_agrees(
+    toy_study: Study, tmp_path: Path
+) -> None:
+    models = {
+        **toy_study.models,
+        "collapsing": Troubled("collapse", above=18.0),
+        "too": Troubled("collapse", above=17.0),
+        "cautious": Troubled("refuse"),
+        "open": Troubled("no peak", above=18.0),
+    }
     lenient = gate("collapsing", "fine", 1e3)
+    last = dataclasses.replace(lenient, cases=("v20.0",))
     study = dataclasses.replace(
         toy_study,
         models=models,
-        gates=(lenient, dataclasses.replace(lenient, cases=("v10.0", "v15.0"))),
+        gates=(
+            *(lenient, dataclasses.replace(lenient, cases=("v10.0", "v15.0"))),
+            dataclasses.replace(last, against="too"),
+            *(dataclasses.replace(last, against=name) for name in ("cautious", "open")),
+            dataclasses.replace(last, against="collapsing", metric="relative_uncertainty"),
+        ),
         quick_models=(),
     )
-    run_study(study, tmp_path, jobs=0)
-    whole, named = assess(study, tmp_path).verdicts
-    assert (whole.verdict, named.verdict) == ("inconclusive", "pass")
-    assert whole.counts["refused"] == 1
+    summary = run_study(study, tmp_path, jobs=0)
+    assert (summary.failed, summary.outcomes["collapse"]) == (0, 2)
+    result = assess(study, tmp_path)
+    whole, _, both, refused, undecided, alone = result.verdicts
+    assert result.failed
+    assert [found.verdict.value for found in result.verdicts] == [
+        *("fail", "pass", "pass", "inconclusive", "inconclusive", "inconclusive")
+    ]
+    assert (whole.counts["fail"], whole.counts["collapses"], whole.counts["refused"]) == (1, 1, 0)
     (reason,) = whole.reasons
-    assert reason.startswith("no answer in 1 of 3 asked cases: v20.0 (collapsing: out-of-domain")
-    assert reason.endswith("collapse)")
+    assert reason == (
+        "one side collapses and the other survives in 1 of 3 asked cases: v20.0 (collapsing: "
+        "collapse at 0.02 s and 0.5 m (geometry, below); fine survives)"
+    )
+    critical = whole.critical  # no number reaches as far
+    assert (critical.case, critical.value, critical.collapsed) == ("v20.0", None, ("collapsing",))
+    assert both.critical.collapsed == ("collapsing", "too")
+    assert both.reasons[0].startswith("both sides collapse, which passes without a number, in 1")
+    assert refused.counts["refused"] == 1
+    assert "ends before its peak and may still collapse" in undecided.reasons[0]
+    assert alone.counts["inconclusive"] == 1
+    cells = pd.read_csv(tmp_path / "toy" / "tables" / "cells.csv").set_index(["case", "label"])
+    row = cells.loc["v20.0", "collapsing"]
+    assert row["outcome"] == "collapse"
+    assert (row["collapse_mechanism"], row["collapse_parts"]) == ("geometry", '["below"]')
+    assert (row["collapse_time"], row["collapse_displacement"]) == (0.02, 0.5)
+    assert cells.loc["v20.0", "fine"].filter(like="collapse_").isna().all()
+    assert {e.state for e in survey(study, cells_of(study), Store(tmp_path / "toy"))} == {
+        *("done", "failed")
+    }
     # a case that the study does not ask of a label is not asked by the gate
     cases = tuple(
         dataclasses.replace(case, models=("soft", "fine") if case.name == "v20.0" else ())
         for case in study.cases
     )
-    (unasked, _) = assess(dataclasses.replace(study, cases=cases), tmp_path).verdicts
+    unasked, *_ = assess(dataclasses.replace(study, cases=cases), tmp_path).verdicts
     assert (unasked.verdict, unasked.counts["asked"]) == ("pass", 2)
+
+
+def test_the_car_park_column_that_only_the_single_dof_lets_survive(
+    parked: ColumnImpact, tmp_path: Path
+) -> None:
+    impact = dataclasses.replace(parked, duration=0.2)
+    compared = {"quantity": "peak_displacement", "metric": "relative_error", "bound": 0.3}
+    said = {"rationale": "why", "source": "where"}
+    study = Study(
+        name="car-park",
+        title="Car park",
+        question="Does the column stand?",
+        cases=tuple(Case(f"{v:g} m/s", impact.at_velocity(v)) for v in (5.0, 8.0, 10.0)),
+        models={"4-DOF": FourDof(), "SDOF": SingleDof(), "panels": FourDofShear()},
+        reference="4-DOF",
+        gates=(
+            Gate("SDOF", "4-DOF", **compared, **said),
+            Gate("panels", "4-DOF", **compared, cases=("10 m/s",), **said),
+        ),
+    )
+    run_study(study, tmp_path, jobs=0)
+    result = assess(study, tmp_path)
+    simple, panels = result.verdicts
+    assert (simple.verdict, panels.verdict) == ("fail", "pass")
+    assert simple.critical.case == "10 m/s"
+    assert simple.critical.collapsed == ("4-DOF",)
+    assert simple.counts["fail"] == 1
+    assert panels.critical.collapsed == ("panels", "4-DOF")
 
 
 def test_gates_that_differ_only_in_their_cases_are_two(toy_study: Study, tmp_path: Path) -> None:

@@ -6,8 +6,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 
 _NAMED = 4  # cases that a reason names
+_DIFFERENT = "one side collapses and the other survives"
+_ALIKE = "both sides collapse, which passes without a number,"
 _OPEN = ("no answer", "nothing to judge", "uncertainty unknown", "uncertainty across the bound")
 
 
@@ -15,8 +18,9 @@ class Verdict(StrEnum):
     """How a gate ends, and how it ends in one case.
 
     Inconclusive: the uncertainty straddles the bound, or there is nothing to judge. A case alone
-    may also be refused by one side (out of its domain, collapse included) or remain without an
-    answer (failed, not run).
+    may also be refused by one side (out of its domain) or remain without an answer (failed, not
+    run). Collapse is an answer: a case fails where one side collapses and the other survives, and
+    passes, without a number, where both collapse.
     """
 
     FAIL = "fail"
@@ -72,7 +76,8 @@ def judge(value: float, uncertainty: float | None, bound: float) -> Verdict:
 class CaseVerdict:
     """A gate in one case: the `value` of its metric, with `uncertainty`, None without an answer.
 
-    `note` says where the uncertainty comes from, or why there is nothing to judge.
+    `note` says where the uncertainty comes from, or why there is nothing to judge; `collapsed` are
+    the labels whose structure collapses.
     """
 
     case: str
@@ -80,12 +85,14 @@ class CaseVerdict:
     value: float | None
     uncertainty: float | None
     note: str
+    collapsed: tuple[str, ...] = ()
 
     @property
-    def open(self) -> str:
-        """Why the case is neither passed nor failed, in the words of `_OPEN`."""
+    def told(self) -> str:
+        """What there is to say of the case besides a number within or beyond the bound."""
         if self.verdict in (Verdict.PASS, Verdict.FAIL):
-            return ""
+            alone = _DIFFERENT if self.verdict is Verdict.FAIL else _ALIKE
+            return alone if self.collapsed else ""
         if self.verdict is not Verdict.INCONCLUSIVE:
             return _OPEN[0]
         if self.value is None:
@@ -103,9 +110,11 @@ class GateVerdict:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Cases asked, and how many of them ended in each verdict."""
+        """Cases asked, how many of them ended in each verdict, and in how many a side collapses."""
         found = [case.verdict for case in self.cases]
-        return {"asked": len(found), **{each.value: found.count(each) for each in Verdict}}
+        collapses = sum(bool(case.collapsed) for case in self.cases)
+        verdicts = {each.value: found.count(each) for each in Verdict}
+        return {"asked": len(found), **verdicts, "collapses": collapses}
 
     @property
     def verdict(self) -> Verdict:
@@ -120,24 +129,29 @@ class GateVerdict:
 
     @property
     def critical(self) -> CaseVerdict | None:
-        """The case with that verdict that reaches farthest; None if no case has a value."""
-        valued = [case for case in self.cases if case.value is not None]
-        same = [case for case in valued if case.verdict is self.verdict] or valued
+        """The case with that verdict that reaches farthest; None if no case was judged.
+
+        Survival against collapse is beyond every number, collapse on both sides below all.
+        """
+        judged = [case for case in self.cases if case.value is not None or case.collapsed]
+        same = [case for case in judged if case.verdict is self.verdict] or judged
 
         def reach(case: CaseVerdict) -> float:
-            return abs(case.value or 0.0) + (case.uncertainty or 0.0)
+            if case.value is None:
+                return inf if case.verdict is Verdict.FAIL else -inf
+            return abs(case.value) + (case.uncertainty or 0.0)
 
         return max(same, key=reach, default=None)
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """What keeps the gate from passing in cases that do not fail, one statement each."""
+        """What its numbers do not say: collapse, and what else keeps the gate from passing."""
         if not self.cases:
             return ("the study asks no case of both sides",)
-        kinds: dict[str, list[CaseVerdict]] = {what: [] for what in _OPEN}
+        kinds: dict[str, list[CaseVerdict]] = {what: [] for what in (*_OPEN, _DIFFERENT, _ALIKE)}
         for case in self.cases:
-            if case.open:
-                kinds[case.open].append(case)
+            if case.told:
+                kinds[case.told].append(case)
         return tuple(
             f"{what} in {len(cases)} of {len(self.cases)} asked cases: {_listed(cases)}"
             for what, cases in kinds.items()

@@ -36,7 +36,8 @@ def simulate(
 ) -> Answer:
     """Answer one scenario with one model.
 
-    Exit status 0 if the model answered, 1 if it did not (it says why), 2 for bad input.
+    Exit status 0 if the model answered (collapse is an answer), 1 if it did not (it says why), 2
+    for bad input.
     """
     from workbench.registry import make_model
     from workbench.responses import Outcome, outcome_of
@@ -55,7 +56,7 @@ def simulate(
         write_atomically(target, to_netcdf_bytes(response))
     found = as_object(response, given)
     shown = _blocks(given.name, found, target)
-    return Answer(found, shown, int(outcome is not Outcome.OK))
+    return Answer(found, shown, int(not outcome.is_answer))
 
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
@@ -79,6 +80,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "model": response.attrs["model"],
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
+        "collapse": held("collapse"),
         **{name: last(name) for name in structural},
         "numerical_uncertainty": held("numerical_uncertainty"),
         "refinement": held("refinement"),
@@ -128,6 +130,12 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
     widths = found["numerical_uncertainty"] or {}
     energies = found["energies"]
+    if found["collapse"]:
+        told = found["collapse"]
+        yield "mechanism of the collapse", f"{told['mechanism']} ({', '.join(told['parts'])})"
+        if told["time"] is not None:
+            yield "time of the collapse", in_unit(told["time"], "time_of_peak")
+        yield "displacement reached", in_unit(told["displacement"], "peak_displacement")
     for name in SCALARS:
         value = energies.get(name, found.get(name))
         if value is not None:

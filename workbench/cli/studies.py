@@ -94,9 +94,12 @@ def run(
 
 
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
+    from workbench.responses import Outcome
+    from workbench.study.assess import NOT_RUN
+
     yield from _gates(result)
     for row in result.tables["cells"]:
-        if row["outcome"] not in ("ok", "out-of-domain", "not run"):
+        if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
     yield Paragraph(f"Cells: {counts}.")

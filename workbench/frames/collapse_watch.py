@@ -1,9 +1,11 @@
 """When a frame has collapsed, so that its models mean nothing any more."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import OutOfDomainError
+from workbench.errors import Collapse, CollapseError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure
 
@@ -19,14 +21,19 @@ class CollapseWatch:
         frame = structure.frame
         self._structure = structure
         self._lengths: Array = np.array([frame.length(member) for member in frame.members])
-        # what displacements (dofs,) move the ends of each member apart across its axis, in rows
+        # what displacements (dofs,) move the ends of each member apart across its axis, in rows,
+        # and along it
         self._across: Array = np.zeros((len(self._lengths), structure.assembly.size))
-        for row, member in zip(self._across, frame.members, strict=True):
+        self._along = np.zeros_like(self._across)
+        for number, member in enumerate(frame.members):
             start, end = frame.node(member.start), frame.node(member.end)
-            for axis, part in (("x", start.y - end.y), ("y", end.x - start.x)):
-                row[structure.dof(start.name, axis)[0]] -= part / frame.length(member)
-                row[structure.dof(end.name, axis)[0]] += part / frame.length(member)
-        self._across /= self._lengths[:, None]
+            dx, dy = end.x - start.x, end.y - start.y
+            for rows, x, y in ((self._across, -dy, dx), (self._along, dx, dy)):
+                for axis, part in (("x", x), ("y", y)):
+                    rows[number, structure.dof(start.name, axis)[0]] -= part
+                    rows[number, structure.dof(end.name, axis)[0]] += part
+        self._across /= self._lengths[:, None] ** 2
+        self._along /= self._lengths[:, None] ** 2
         place = {member.name: i for i, member in enumerate(frame.members)}
         self._chains = [chain.members for chain in chains(frame)]
         chained = np.zeros((len(self._chains), len(place)))
@@ -34,38 +41,51 @@ class CollapseWatch:
             row[[place[name] for name in names]] = 1.0
         self._chained = chained / (chained @ self._lengths)[:, None]
 
-    def check(self, when: str, standing: bool = True) -> None:
-        """Raise `OutOfDomainError` when the frame has collapsed; `when` tells time or step.
+    def check(self, displacement: float, time: float | None) -> None:
+        """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
 
-        Without `standing` only what the elements cannot follow counts.
+        Without a `time` (s), on a static path, only what the elements cannot follow counts.
         """
         structure = self._structure
-        if structure.members.slightest() < LEAST_LENGTH:
-            raise OutOfDomainError(
-                f"collapse at {when}: a plastic hinge under compression has shortened its element "
-                f"to less than {LEAST_LENGTH:g} of its length; the member crumples (a larger "
-                "smallest_element puts this off)"
+        names = [member.name for member in structure.frame.members]
+
+        def fallen(mechanism: Mechanism, parts: Sequence[str], reason: str) -> CollapseError:
+            collapse = Collapse(mechanism, tuple(parts), displacement, time)
+            return CollapseError(collapse, f"{named(parts)} {reason}")
+
+        left, worst = structure.members.slightest()
+        if left < LEAST_LENGTH:
+            reason = (
+                "crumples: a plastic hinge under compression has shortened its element to less "
+                f"than {LEAST_LENGTH:g} of its length (a larger smallest_element puts this off)"
             )
-        if not standing:
+            raise fallen(Mechanism.SQUASH, [names[worst]], reason)
+        if time is None:
             return
-        share, worst = self.sideways()
+        share, worst = self.sideways(now=True)
         if share > COLLAPSE_SIDEWAYS:
-            raise OutOfDomainError(
-                f"collapse at {when}: the ends of member {structure.frame.members[worst].name} "
-                f"have moved {share * self._lengths[worst]:.3g} m apart across its axis, "
-                f"more than {COLLAPSE_SIDEWAYS:g} of its length; the model means nothing beyond"
+            reason = (
+                f"has turned: its ends have moved {share:.2f} of its length apart across its axis"
             )
+            raise fallen(Mechanism.GEOMETRY, [names[worst]], reason)
         loss = self._chained @ structure.members.contractions()
         worst = int(loss.argmax())
         if loss[worst] > COLLAPSE_CONTRACTION:
-            raise OutOfDomainError(
-                f"collapse at {when}: {named(self._chains[worst])} has been squashed by "
-                f"{100.0 * loss[worst]:.3g} % of the length, more than "
-                f"{100.0 * COLLAPSE_CONTRACTION:g} %; the model means nothing beyond"
+            reason = (
+                f"has been squashed by {100.0 * loss[worst]:.3g} % of the length, more than "
+                f"{100.0 * COLLAPSE_CONTRACTION:g} %"
             )
+            raise fallen(Mechanism.SQUASH, self._chains[worst], reason)
 
-    def sideways(self) -> tuple[float, int]:
-        """Largest movement of a member's ends across its axis over its length; which member."""
-        moved = np.abs(self._across @ self._structure.assembly.displacement)
+    def sideways(self, *, now: bool = False) -> tuple[float, int]:
+        """Largest movement of a member's ends across its axis over its length; which member.
+
+        `now`, also over the distance that is left between its ends: a chord that turns over passes
+        all of that, and may be too short to reach its first length.
+        """
+        displacement = self._structure.assembly.displacement
+        moved = np.abs(self._across @ displacement)
+        if now:
+            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + self._along @ displacement))
         worst = int(moved.argmax())
         return float(moved[worst]), worst

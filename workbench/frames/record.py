@@ -52,12 +52,12 @@ class Record:
     def take(self, step: TimeStep | PathStep, at: float, *, turns: bool = False) -> None:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
 
-        `turns`, whether a static path ends or turns back here. Raises `OutOfDomainError` when the
+        `turns`, whether a static path ends or turns back here. Raises `CollapseError` when the
         frame has collapsed; on a static path, when an element crumples.
         """
         self._steps.append(step)
         self._see(at, turns)
-        self.watch.check(f"{at:.4g} s" if self._timed else f"step {at:.0f}", standing=self._timed)
+        self.watch.check(self.displacement, at if self._timed else None)
 
     def _see(self, at: float, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly

@@ -34,7 +34,7 @@ def run_impact(
     """Follow `steps` of the impact driver on a frame under its dead loads.
 
     Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
-    `least_yield_ratio` without a warning. Raises `SolverError`, and `OutOfDomainError` when the
+    `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the
     frame collapses.
     """
     striker, brought = scenario.striker, scenario.input_energy
@@ -61,7 +61,7 @@ def run_static(
 ) -> Response:
     """Follow `steps` of a static driver on a frame under its dead loads.
 
-    Raises `SolverError`, and `OutOfDomainError` when an element crumples.
+    Raises `SolverError`, and `CollapseError` when an element crumples.
     """
     record = Record(structure, scenario.node, scenario.direction, None)
     leads = scenario.control == "load"
@@ -97,7 +97,7 @@ def run_ground_motion(
 
     Displacements and kinetic energy are relative to the ground; what damping takes counts as
     dissipated, the work of the ground as external. The input energy is the largest work of the
-    ground so far. Raises `SolverError`, and `OutOfDomainError` when the frame collapses.
+    ground so far. Raises `SolverError`, and `CollapseError` when the frame collapses.
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
     length = _follow(record, steps)

@@ -63,12 +63,17 @@ class MemberReader(ABC):
         """Loss of length along the axis of each member (members,)."""
         return -np.add.reduceat(self.elements.elongations, self._first[:-1])
 
-    def slightest(self) -> float:
-        """Least length of an element over its initial one, where that must not vanish; else 1."""
+    def slightest(self) -> tuple[float, int]:
+        """Least length of an element over its initial one, and its member.
+
+        Where no element must vanish the length is 1.
+        """
         elements = self.elements
         if not elements.crumples:
-            return 1.0
-        return float(np.min(1.0 + elements.elongations / elements.lengths))
+            return 1.0, 0
+        left = 1.0 + elements.elongations / elements.lengths
+        least = int(left.argmin())
+        return float(left[least]), int(np.searchsorted(self._first, least, side="right")) - 1
 
     @abstractmethod
     def shapes(self, assembly: PlanarAssembly) -> Array:

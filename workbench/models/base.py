@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-from workbench.errors import InputError, OutOfDomainError, SolverError
+from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import check_keys
 from workbench.responses import (
     Finding,
     Outcome,
     Response,
     check_response,
+    collapsed_response,
     failed_response,
     findings_of,
     provenance,
@@ -51,8 +52,9 @@ class Model(Protocol):
 def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Response:
     """Run `solve` inside the contract: domain check, typed outcomes, provenance, wall time.
 
-    A model's `simulate` calls this with its own solution method. Refusals, failed convergence
-    and states outside the domain come back as responses with that outcome, not as exceptions.
+    A model's `simulate` calls this with its own solution method. Refusals, collapse, failed
+    convergence and states outside the domain come back as responses with that outcome, not as
+    exceptions.
     """
     started = time.perf_counter()
     if scenario.KIND not in model.answers:
@@ -67,6 +69,8 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         try:
             response = solve(scenario)
             check_response(response)
+        except CollapseError as error:
+            response = collapsed_response(scenario.name, error)
         except SolverError as error:
             response = failed_response(Outcome.NOT_CONVERGED, f"{scenario.name}: {error}")
         except OutOfDomainError as error:

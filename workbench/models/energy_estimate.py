@@ -7,15 +7,16 @@ energy that the collision leaves, W(v_max) = E.
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from workbench.errors import OutOfDomainError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import SHAPES, column_curve
 from workbench.models.resistance.limits import (
+    SEGMENTS,
     analytic_companion,
+    collapsed,
     curve_findings,
-    reach,
+    limit_of,
     reached_findings,
     shear_utilisation,
 )
@@ -89,12 +90,10 @@ class EnergyEstimate(Declared, table="option"):
         column = scenario.column
         curve = column_curve(column, self.rotational_stiffness, self.resistance)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
+        limit = limit_of(curve, column)
+        if energy >= curve.work(limit):
+            raise collapsed(curve, column, limit)
         peak = curve.displacement_at(energy)
-        if peak > reach(column):
-            raise OutOfDomainError(
-                f"collapse: the energy is absorbed only at {peak:.4g} m, beyond nine tenths of "
-                "the shorter segment, where the model means nothing"
-            )
         companion = analytic_companion(curve)
         values: dict[str, Any] = {
             "peak_displacement": peak,
@@ -103,7 +102,7 @@ class EnergyEstimate(Declared, table="option"):
             "shear_utilisation": shear_utilisation(companion, column, peak),
         }
         return build_response(
-            values, segments=("below", "above"), warnings=reached_findings(curve, companion, peak)
+            values, segments=SEGMENTS, warnings=reached_findings(curve, companion, peak)
         )
 
 

@@ -104,7 +104,9 @@ class FrameModel(ABC, Declared, table="option"):
         return respond(self, scenario, self.solve)
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
-        """Answer a scenario that is in the domain. Raises `SolverError`, `OutOfDomainError`.
+        """Answer a scenario that is in the domain.
+
+        Raises `SolverError`, `OutOfDomainError`, `CollapseError`.
 
         The strike on a column flies along +x and the column goes up, so that moments are those of
         a frame with the opposite sign: positive at the base.

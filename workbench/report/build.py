@@ -77,6 +77,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         verdicts.asked(study, stored),
         stud_evidence.in_short(study, stored),
         verdicts.verdicts(stored, shear.headline),
+        limits.collapses(stored),
         limits.missing(study, stored),
         limits.domain(stored, shear),
         limits.notes(study),
@@ -135,7 +136,8 @@ def _short(study: Study, stored: Stored) -> Iterator[Block]:
     if rows:
         yield replace(verdicts.summary_table(rows), caption="")
     shear = limits.shear_demand(study, stored)
-    told = tree.walk((limits.missing(study, stored), limits.domain(stored, shear)))
+    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(stored, shear)
+    told = tree.walk(tuple(part for part in parts if part is not None))
     yield from (block for block in told if isinstance(block, tree.Callout))
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.errors import InputError
+from workbench.errors import Collapse, InputError, Mechanism
 from workbench.responses import Finding, Outcome, Response
-from workbench.study.assess import NOT_RUN
+from workbench.study.assess import COLLAPSE, NOT_RUN
 from workbench.study.definition import Study
 from workbench.study.store import Store
 
@@ -24,6 +24,9 @@ _TEXTS = dict.fromkeys(
     ),
     str,
 )
+_LISTS = dict.fromkeys(
+    ("reasons", "collapsed", "collapse_parts"), lambda text: json.loads(text) if text else None
+)
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,8 @@ class CellState:
     """How one cell ended: `outcome` (or `NOT_RUN`), its `message`, its `findings`, its numbers.
 
     `numbers` holds the scalar quantities in SI, `wall_time` (s), `shear_utilisation` and
-    `energy_error`, as far as the model knows them.
+    `energy_error`, as far as the model knows them; `collapse`, how the structure collapses, if it
+    does.
     """
 
     case: str
@@ -41,10 +45,11 @@ class CellState:
     findings: tuple[Finding, ...]
     numbers: dict[str, float]
     key: str
+    collapse: Collapse | None = None
 
     @property
     def ok(self) -> bool:
-        """Whether the model answered."""
+        """Whether the model answered with numbers."""
         return self.outcome == Outcome.OK
 
     @property
@@ -77,7 +82,7 @@ class Stored:
             if not path.is_file():
                 problem = f"has no table {name} in its store"
                 raise InputError("study", self.study.name, problem, "run it first")
-            table = pd.read_csv(path, dtype=_TEXTS, converters={"reasons": json.loads})
+            table = pd.read_csv(path, dtype=_TEXTS, converters=_LISTS)
             table = table.fillna({name: "" for name in table.columns if name in _TEXTS})
             found[name] = table.astype(object).where(table.notna(), None).to_dict("records")
         return found
@@ -96,6 +101,7 @@ class Stored:
                 tuple(findings.get(key, ())),
                 {name: float(v) for name, v in row.items() if isinstance(v, (int, float))},
                 row["key"],
+                _collapse(row),
             )
             for key in ((case.name, label) for case, label in self.study.cells())
             for row in [known.get(key, _UNKNOWN)]
@@ -106,9 +112,14 @@ class Stored:
         return (case, label) in self.cells
 
     def ok(self, case: str, label: str) -> bool:
-        """Whether a label answered a case."""
+        """Whether a label answered a case with numbers."""
         cell = self.cells.get((case, label))
         return cell is not None and cell.ok
+
+    def collapses(self, case: str, label: str) -> bool:
+        """Whether the structure of a label collapses in a case."""
+        cell = self.cells.get((case, label))
+        return cell is not None and cell.collapse is not None
 
     def number(self, case: str, label: str, name: str) -> float | None:
         """A scalar of a cell, None if the model did not answer or cannot know it."""
@@ -160,3 +171,11 @@ class Stored:
                 record = store.record(cell.key).get("provenance", {})
                 found[json.dumps(record, sort_keys=True)] = record
         return [found[key] for key in sorted(found)]
+
+
+def _collapse(row: dict[str, Any]) -> Collapse | None:
+    """The collapse in a row of the table of cells."""
+    if row["outcome"] != Outcome.COLLAPSE:
+        return None
+    mechanism, parts, *numbers = (row[name] for name in COLLAPSE)
+    return Collapse(Mechanism(mechanism), tuple(parts), *numbers)

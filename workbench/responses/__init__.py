@@ -3,12 +3,15 @@
 from workbench.responses.build import Response as Response
 from workbench.responses.build import build_response as build_response
 from workbench.responses.build import check_response as check_response
+from workbench.responses.build import collapse_of as collapse_of
+from workbench.responses.build import collapsed_response as collapsed_response
 from workbench.responses.build import energy_error as energy_error
 from workbench.responses.build import failed_response as failed_response
 from workbench.responses.build import findings_of as findings_of
 from workbench.responses.build import outcome_of as outcome_of
 from workbench.responses.build import scalars_of as scalars_of
 from workbench.responses.build import set_findings as set_findings
+from workbench.responses.build import survives as survives
 from workbench.responses.build import warnings_of as warnings_of
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of

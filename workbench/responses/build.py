@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from workbench.errors import WorkbenchError
-from workbench.responses.histories import implied
+from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
+from workbench.responses.histories import NO_PEAK, implied
 from workbench.responses.outcome import Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
@@ -85,9 +85,38 @@ def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] 
     return response
 
 
+def collapsed_response(name: str, error: CollapseError) -> Response:
+    """The answer that the structure of the scenario of that name collapses."""
+    response = failed_response(Outcome.COLLAPSE, f"{name}: {error}")
+    response.attrs["collapse"] = json.dumps(error.collapse._asdict())
+    return response
+
+
 def outcome_of(response: Response) -> Outcome:
     """How the attempt ended."""
     return Outcome(response.attrs["outcome"])
+
+
+def collapse_of(response: Response) -> Collapse | None:
+    """How the structure collapsed; None if it did not."""
+    if outcome_of(response) is not Outcome.COLLAPSE:
+        return None
+    told = json.loads(response.attrs["collapse"])
+    return Collapse(
+        Mechanism(told["mechanism"]), tuple(told["parts"]), told["displacement"], told["time"]
+    )
+
+
+def survives(response: Response) -> bool | None:
+    """Whether the structure survives; None without an answer.
+
+    There is none either where the record ends before the peak: a collapse may still come.
+    """
+    outcome = outcome_of(response)
+    if outcome is Outcome.OK:
+        open_end = any(finding.subject == NO_PEAK for finding in findings_of(response))
+        return None if open_end else True
+    return False if outcome is Outcome.COLLAPSE else None
 
 
 def findings_of(response: Response) -> list[Finding]:

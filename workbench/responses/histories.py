@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from workbench.arrays import Array
 from workbench.responses.outcome import Finding
 
+NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 
@@ -36,9 +37,7 @@ def implied(
             found["residual_displacement"] = residual_of(time, displacement)
         elif blow:
             text = f"the displacement still grows at the end of the record, {time[-1]:g} s"
-            findings.append(
-                Finding("no-peak", text, remedy="extend time.duration to find the peak")
-            )
+            findings.append(Finding(NO_PEAK, text, remedy="extend time.duration to find the peak"))
     if time is not None and blow:
         found["impulse"] = given["percussion"].sum()
         found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])

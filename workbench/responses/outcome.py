@@ -15,6 +15,7 @@ class Outcome(StrEnum):
     """How a model's attempt ended; `advice` says what to do about it."""
 
     OK = "ok"
+    COLLAPSE = "collapse"
     NOT_CONVERGED = "not-converged"
     INVALID_INPUT = "invalid-input"
     OUT_OF_DOMAIN = "out-of-domain"
@@ -26,9 +27,20 @@ class Outcome(StrEnum):
         """One sentence: what the user can do."""
         return _ADVICE[self]
 
+    @property
+    def is_answer(self) -> bool:
+        """Whether it says what becomes of the structure: it survives or it collapses."""
+        return self in (Outcome.OK, Outcome.COLLAPSE)
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether there should be an answer and is none; a refusal, out-of-domain, says why."""
+        return not self.is_answer and self is not Outcome.OUT_OF_DOMAIN
+
 
 _ADVICE = {
     Outcome.OK: "Nothing to do.",
+    Outcome.COLLAPSE: "This is an answer: in this model the structure does not survive.",
     Outcome.NOT_CONVERGED: "Take a smaller step or a finer mesh, or look at the state it names.",
     Outcome.INVALID_INPUT: "Correct the input that the message names.",
     Outcome.OUT_OF_DOMAIN: "Use a model whose assumptions cover this scenario.",

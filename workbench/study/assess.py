@@ -9,8 +9,17 @@ from pathlib import Path
 
 from workbench.assessment import METRICS, bias_and_scatter
 from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
-from workbench.errors import InputError
-from workbench.responses import Outcome, Response, energy_error, findings_of, outcome_of, scalars_of
+from workbench.errors import Collapse, InputError
+from workbench.responses import (
+    Outcome,
+    Response,
+    collapse_of,
+    energy_error,
+    findings_of,
+    outcome_of,
+    scalars_of,
+    survives,
+)
 from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
@@ -36,11 +45,13 @@ _BIAS = (
     *("model_scatter", "note"),
 )
 _GATE = ("number", "gate", "model", "against", "quantity", "metric")
-CASE_COLUMNS = (*_GATE, "case", "value", "uncertainty", "bound", "verdict", "note")
+_JUDGED = ("case", "value", "uncertainty", "collapsed", "bound")
+CASE_COLUMNS = (*_GATE, *_JUDGED, "verdict", "note")
 VERDICT_COLUMNS = (
-    *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict)),
-    *("case", "value", "uncertainty", "bound", "reasons", "rationale", "source"),
+    *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict), "collapses"),
+    *(*_JUDGED, "reasons", "rationale", "source"),
 )
+COLLAPSE = tuple(f"collapse_{name}" for name in Collapse._fields)
 _DERIVED = ("shear_utilisation", "energy_error")
 _FEWEST_FOR_BIAS = 3  # cases
 
@@ -97,7 +108,7 @@ def assess(study: Study, root: Path) -> Assessment:
     rows["verdicts"] = [verdict_row(found) for found in verdicts]
     rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
     columns = {
-        "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, "key"),
+        "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, *COLLAPSE, "key"),
         "findings": ("case", "label", "model", *FINDING_COLUMNS),
         "comparisons": ("case", *names, *_COMPARISON),
         "ladder": ("case", "quantity", *study.steps, *LADDER_COLUMNS),
@@ -123,6 +134,9 @@ def _numbers(response: Response, store: Store, cell: Cell) -> Row:
     }
     if "shear_utilisation" in response:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
+    collapse = collapse_of(response)
+    if collapse is not None:
+        row |= zip(COLLAPSE, collapse, strict=True)
     return row
 
 
@@ -184,18 +198,37 @@ def _asks(gate: Gate, answers: Answers) -> bool:
 
 def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
     name = answers.case.name
-    for label in (gate.model, gate.against):
-        if answers.ok(label) is None:
+    collapses = {label: answers.collapse(label) for label in (gate.model, gate.against)}
+    for label, collapse in collapses.items():
+        if answers.ok(label) is None and collapse is None:
             response = answers.responses.get(label)
             refused = response is not None and outcome_of(response) is Outcome.OUT_OF_DOMAIN
             verdict = Verdict.REFUSED if refused else Verdict.UNANSWERED
             return CaseVerdict(name, verdict, None, None, answers.why_not(label))
+    fallen = tuple(label for label, collapse in collapses.items() if collapse is not None)
+    if fallen:
+        return _fallen(gate, answers, fallen)
     try:
         found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
     except InputError as error:
         return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
     verdict = judge(found.error, found.uncertainty, gate.bound)
     return CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
+
+
+def _fallen(gate: Gate, answers: Answers, fallen: tuple[str, ...]) -> CaseVerdict:
+    """A case in which the structure of the labels `fallen` collapses."""
+    note = "; ".join(answers.why_not(label) for label in fallen)
+    verdict = Verdict.PASS
+    if gate.model == gate.against:
+        verdict, note = Verdict.INCONCLUSIVE, f"{note}: no number of the run"
+    elif len(fallen) == 1:
+        (other,) = {gate.model, gate.against} - {*fallen}
+        stands = survives(answers.responses[other])
+        verdict = Verdict.FAIL if stands else Verdict.INCONCLUSIVE
+        ending = "survives" if stands else "ends before its peak and may still collapse"
+        note += f"; {other} {ending}"
+    return CaseVerdict(answers.case.name, verdict, None, None, note, fallen)
 
 
 def verdict_row(found: GateVerdict) -> Row:
@@ -208,6 +241,7 @@ def verdict_row(found: GateVerdict) -> Row:
         "case": None if top is None else top.case,
         "value": None if top is None else top.value,
         "uncertainty": None if top is None else top.uncertainty,
+        "collapsed": [] if top is None else list(top.collapsed),
         "reasons": list(found.reasons),
     }
 

@@ -19,8 +19,8 @@ from math import hypot
 from typing import Any
 
 from workbench.assessment import METRICS, Ladder, Metric, Scope, ladder
-from workbench.errors import InputError
-from workbench.responses import Outcome, Response, findings_of, outcome_of
+from workbench.errors import Collapse, InputError
+from workbench.responses import Outcome, Response, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
 from workbench.study.definition import Case, Study
 from workbench.study.store import Row
@@ -50,6 +50,11 @@ class Answers:
             return None
         return response
 
+    def collapse(self, label: str) -> Collapse | None:
+        """How the structure of a label collapses, if it does."""
+        response = self.responses.get(label)
+        return None if response is None else collapse_of(response)
+
     def why_not(self, label: str) -> str:
         """Why there is no answer of a label."""
         response = self.responses.get(label)
@@ -57,6 +62,9 @@ class Answers:
             return f"the study does not ask {label}"
         if response is None:
             return f"{label} has not been run"
+        collapse = collapse_of(response)
+        if collapse is not None:
+            return f"{label}: {collapse} ({collapse.mechanism}, {', '.join(collapse.parts)})"
         refusals = [finding.text for finding in findings_of(response) if finding.refusal]
         said = refusals[0] if refusals else response.attrs["message"]
         return f"{label}: {outcome_of(response)}, {said}"

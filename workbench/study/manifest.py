@@ -57,7 +57,8 @@ def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
         presence = store.presence(cell.key)
         if presence is Presence.FINISHED:
             outcome = store.record(cell.key)["outcome"]
-            return CellStatus(cell, State.DONE if outcome == Outcome.OK else State.FAILED, outcome)
+            state = State.DONE if Outcome(outcome).is_answer else State.FAILED
+            return CellStatus(cell, state, outcome)
         if presence is Presence.CORRUPT:
             reason = "the stored cell is corrupt: its file does not agree with its record"
         else:

@@ -37,7 +37,7 @@ class Progress:
         """A cell has been answered, in `seconds` of its worker's time."""
         before = 10 * self.done // self.total
         self.done += 1
-        self.failed += outcome not in (Outcome.OK, Outcome.OUT_OF_DOMAIN)
+        self.failed += outcome.is_failure
         self._left[cell.label] -= 1
         self._costs.setdefault(cell.label, []).append(seconds)
         if before < 10 * self.done // self.total < 10:

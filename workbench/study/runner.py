@@ -32,8 +32,7 @@ class RunSummary:
     @property
     def failed(self) -> int:
         """Cells that should have an answer and have none (a refusal, out-of-domain, is one)."""
-        fine = (Outcome.OK.value, Outcome.OUT_OF_DOMAIN.value)
-        return sum(count for outcome, count in self.outcomes.items() if outcome not in fine)
+        return sum(n for outcome, n in self.outcomes.items() if Outcome(outcome).is_failure)
 
 
 def run_study(

@@ -64,7 +64,7 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
     """Rows as CSV with a header; None is an empty field, floats keep all digits, lists are JSON."""
 
     def field(value: Any) -> Any:
-        plain = not isinstance(value, (bool, list))
+        plain = not isinstance(value, (bool, list, tuple))
         return value if plain else json.dumps(value, ensure_ascii=False)
 
     table = pd.DataFrame(rows, columns=list(columns), dtype=object).map(field)

@@ -14,6 +14,7 @@ from workbench.models.four_dof.kinematics import BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_dense
 
 _EPS = 2.220446049250313e-16
+REACH = 0.9  # of the shorter bar; beyond it the mechanism has collapsed
 _PIECES = 64  # into which a step may be cut
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
 
@@ -208,16 +209,25 @@ def moreau_step(column, dt, state, work):
 
 
 @njit(cache=True, error_model="numpy")
+def turned(lengths, q):
+    """How far both chords have turned: v1 over their lengths, now or at first."""
+    v = abs(q[V])
+    below = (v**2 + (lengths[0] + q[U1]) ** 2) ** 0.5
+    above = (v**2 + (lengths[1] + q[U2] - q[U1]) ** 2) ** 0.5
+    return v / min(lengths[0], below), v / min(lengths[1], above)
+
+
+@njit(cache=True, error_model="numpy")
 def impact(column, scheme, dt, records, work):
     """Follow the impact in steps of `dt`; returns (status, last step, residual, cuts).
 
     `records` (steps + 1,) of STATE begin with the preloaded column and the velocity of the
     striker. A step that does not converge is redone with 2, 4, ... 64 substeps. Stops with
-    COLLAPSE when a bar squashes or v1 passes nine tenths of the shorter bar.
+    COLLAPSE when a bar squashes, and when v1 passes nine tenths of a bar: of its first length, or
+    of what is left between its ends, which a chord that turns over passes in any case.
     """
     statics.internal_forces(column, records[0], work)
     records[0].force = work.F[V]
-    limit = 0.9 * min(column.lengths[0], column.lengths[1])
     squashed = -column.squash_loads[1] * (1.0 - 1e-9)
     residual, cuts = 0.0, 0
     for n in range(1, records.size):
@@ -239,6 +249,7 @@ def impact(column, scheme, dt, records, work):
                 if pieces > _PIECES:
                     return statics.NO_CONVERGENCE, n, residual, cuts
         state.force = work.F[V]
-        if state.q[V] > limit or min(state.stress[0, 0], state.stress[1, 0]) <= squashed:
+        fallen = max(turned(column.lengths, state.q)) > REACH
+        if fallen or min(state.stress[0, 0], state.stress[1, 0]) <= squashed:
             return statics.COLLAPSE, n, residual, cuts
     return statics.OK, records.size - 1, residual, cuts

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import OutOfDomainError, SolverError
+from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, shear_findings, step_finding
@@ -209,11 +209,7 @@ class RigidBars(Declared, table="option"):
                 f"nested rotation balance, line search and 64 substeps ({cuts} cuts in all)",
             )
         if status == statics.COLLAPSE:
-            raise OutOfDomainError(
-                f"collapse at {last * step:.4g} s and {records['q'][last, V]:.4g} m: a bar reaches "
-                "its squash load or the displacement nine tenths of the shorter segment; the model "
-                "means nothing beyond"
-            )
+            raise _collapsed(bars, records[last], last * step)
         m, w = bars["mass"], records["w"]
         twice = (
             m[V] * (w[:, V] ** 2 + w[:, U1] ** 2) + striker.mass * records["striker_velocity"] ** 2
@@ -228,6 +224,19 @@ class RigidBars(Declared, table="option"):
             "external_work": dead,
             "balance_error": total[0] + dead - total,
         }
+
+
+def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
+    """How the column has collapsed in the last `state` of a run, at a `time` (s)."""
+    reached, axial = float(state["q"][V]), state["stress"][:, 0]
+    turned = dynamics.turned(bars["lengths"], state["q"])
+    if max(turned) > dynamics.REACH:
+        mechanism, bar = Mechanism.GEOMETRY, int(np.argmax(turned))
+        reason = f"the displacement passes nine tenths of the segment {SEGMENTS[bar]} the hit point"
+    else:
+        mechanism, bar = Mechanism.SQUASH, int(axial.argmin())
+        reason = f"the bar {SEGMENTS[bar]} the hit point reaches its squash load"
+    return CollapseError(Collapse(mechanism, (SEGMENTS[bar],), reached, time), reason)
 
 
 def _dead_work(column: Column, records: Any) -> Array:

@@ -2,23 +2,44 @@
 
 import numpy as np
 
-from workbench.errors import OutOfDomainError
+from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.models.domain import member_findings
 from workbench.models.four_dof import FourDofShear
+from workbench.models.four_dof.dynamics import REACH
 from workbench.models.resistance.curve import Array, ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover
 
-_REACH = 0.9  # of the shorter bar; beyond it the mechanism has collapsed
+SEGMENTS = ("below", "above")
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
 _WORK = 0.10  # share by which a simplification may leave the analytic curve without a warning
 
 
 def reach(column: Column) -> float:
     """Largest displacement (m) at which the mechanism means anything."""
-    return _REACH * min(column.length_below, column.length_above)
+    return REACH * min(column.length_below, column.length_above)
+
+
+def limit_of(curve: ResistanceCurve, column: Column) -> float:
+    """Displacement (m) at which the column on its resistance `curve` has collapsed."""
+    return min(reach(column), curve.lost_at)
+
+
+def collapsed(
+    curve: ResistanceCurve, column: Column, displacement: float, time: float | None = None
+) -> CollapseError:
+    """How a column collapses that has come to the limit of its resistance `curve`.
+
+    Arguments: the `displacement` (m) that it has reached, at a `time` (s; None: not known).
+    """
+    if curve.lost_at <= reach(column):
+        collapse = Collapse(Mechanism.BUCKLING, SEGMENTS, displacement, time)
+        return CollapseError(collapse, "the column has lost its resistance to the axial load")
+    shorter = SEGMENTS[column.length_below > column.length_above]
+    collapse = Collapse(Mechanism.GEOMETRY, (shorter,), displacement, time)
+    return CollapseError(collapse, "the displacement passes nine tenths of the shorter segment")
 
 
 def curve_findings(scenario: ColumnImpact | ColumnPushover, shape: str) -> list[Finding]:

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from workbench.errors import OutOfDomainError, SolverError
+from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.models.base import respond
@@ -24,25 +24,39 @@ from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
+    SEGMENTS,
     analytic_companion,
+    collapsed,
     curve_findings,
+    limit_of,
     reach,
     reached_findings,
     shear_utilisation,
 )
 from workbench.models.single_dof import kernels
-from workbench.responses import Finding, Response, build_response, peak_contact_force, peak_of
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    build_response,
+    peak_contact_force,
+    peak_of,
+)
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
-_SEGMENTS = ("below", "above")
 _STEPS_PER_PERIOD = 50  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
 _LONGEST_STEP = 1e-4  # s
 _FEWEST_STEPS = 200
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
+_ENDINGS: dict[type[Exception], Outcome] = {
+    CollapseError: Outcome.COLLAPSE,
+    OutOfDomainError: Outcome.OUT_OF_DOMAIN,
+    SolverError: Outcome.NOT_CONVERGED,
+}
 _BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse")
 
 
@@ -124,20 +138,21 @@ class SingleDof(Declared, table="option"):
         """Scalars of many impacts, the same numbers as `simulate` gives, without histories.
 
         One row per scenario: peak and residual displacement (m), time of the peak (s), peak force
-        (N) and impulse (N s), NaN where a case gives no such number; `failure`, why a case gave
-        none ("" for one that did). Warnings of the domain are not collected.
+        (N) and impulse (N s), NaN where a case gives no such number; its `outcome`, and `failure`,
+        why it is not ok (else ""). Warnings of the domain are not collected.
         """
         rows: list[dict[str, Any]] = []
         for scenario in scenarios:
             refusals = [str(finding) for finding in self.domain(scenario) if finding.refusal]
-            rows.append({"failure": "; ".join(refusals)})
             try:
-                if not refusals:
-                    heavy = with_hit_mass(scenario, self.hit_mass)
-                    rows[-1] |= _scalars(heavy, self._march(heavy))
-            except (OutOfDomainError, SolverError) as error:
-                rows[-1]["failure"] = str(error)
-        return pd.DataFrame(rows, columns=[*_BATCH, "failure"])
+                if refusals:
+                    raise OutOfDomainError("; ".join(refusals))
+                heavy = with_hit_mass(scenario, self.hit_mass)
+                row = {**_scalars(heavy, self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
+            except tuple(_ENDINGS) as error:
+                row = {"outcome": _ENDINGS[type(error)], "failure": str(error)}
+            rows.append(row)
+        return pd.DataFrame(rows, columns=[*_BATCH, "outcome", "failure"])
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
@@ -145,31 +160,24 @@ class SingleDof(Declared, table="option"):
         return self._impact(with_hit_mass(scenario, self.hit_mass))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
-        """Follow one impact. Raises `SolverError`, `OutOfDomainError`."""
+        """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
         curve = self.curve(column)
         steps = self._steps(scenario, curve)
         step, scheme = scenario.duration / steps, _SCHEMES[self.integrator]
         records = np.zeros(steps + 1, kernels.RECORD)
-        limit = min(reach(column), curve.lost_at)
+        limit = limit_of(curve, column)
         mass = column.properties.impact_mass
         blow = kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
         status, last, residual, state = kernels.impact(
             scheme, step, blow, curve.elastic_limit, limit, curve.pieces, records
         )
-        where, v = f"{last * step:.4g} s", records["displacement"]
         if status == kernels.NO_CONVERGENCE:
             tried = "Newton with bisection; the resistance may soften too fast for the step"
-            raise SolverError(f"time {where} (step of {step:.3g} s)", residual, tried)
+            where = f"time {last * step:.4g} s (step of {step:.3g} s)"
+            raise SolverError(where, residual, tried)
         if status == kernels.COLLAPSE:
-            reason = (
-                "the column has lost its resistance"
-                if curve.lost_at <= limit
-                else "the displacement passes nine tenths of the shorter segment"
-            )
-            raise OutOfDomainError(
-                f"collapse at {where} and {v[last]:.4g} m: {reason}; the model means nothing beyond"
-            )
+            raise collapsed(curve, column, float(records["displacement"][last]), last * step)
         return _Run(np.linspace(0.0, scenario.duration, steps + 1), records, state, curve)
 
     def _steps(self, scenario: ColumnImpact, curve: ResistanceCurve) -> int:
@@ -197,7 +205,7 @@ class SingleDof(Declared, table="option"):
             **_scalars(scenario, run),
         }
         warnings = reached_findings(curve, companion, top)
-        response = build_response(values, time=run.time, segments=_SEGMENTS, warnings=warnings)
+        response = build_response(values, time=run.time, segments=SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
 
@@ -233,7 +241,7 @@ class SingleDof(Declared, table="option"):
             values["moment"] = sign * curve.moments(path)
             values["plastic_rotation"] = sign * curve.plastic_rotations(path)
         return build_response(
-            values, steps=len(path), hinges=hinges, segments=_SEGMENTS, warnings=warnings
+            values, steps=len(path), hinges=hinges, segments=SEGMENTS, warnings=warnings
         )
 
 

@@ -3,10 +3,11 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from workbench.content.formatting import count, number, several, valued
 from workbench.content.tree import Block, Bullets, Callout, Cell, Column, Paragraph, Section, Table
+from workbench.errors import Collapse
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding, Outcome
 from workbench.study.assess import NOT_RUN
@@ -48,7 +49,7 @@ def _groups(told: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Itera
 
 def missing(study: Study, stored: Stored) -> Section:
     """Cells without an answer, grouped by what happened, and what was not asked."""
-    problems = [cell for cell in stored.cells.values() if not cell.ok]
+    problems = [cell for cell in stored.cells.values() if not (cell.ok or cell.collapse)]
     unasked = _unasked(study)
     if not problems:
         text = f"All {count(len(stored.cells), 'cell')} hold an answer"
@@ -70,6 +71,32 @@ def missing(study: Study, stored: Stored) -> Section:
     table = Table.of("missing-table", "Cells without an answer.", columns, groups, _PRINTED)
     told = Callout("bad" if failures else "note", text)
     return Section("missing", "What is missing", (told, table, *unasked))
+
+
+def collapses(stored: Stored) -> Section | None:
+    """Where structures do not survive: an answer, with its mechanism, time and place."""
+    fallen = [cell for cell in stored.cells.values() if cell.collapse is not None]
+    if not fallen:
+        return None
+
+    def told(read: Callable[[Collapse], Any]) -> Callable[[CellState], Any]:
+        return lambda cell: cell.collapse and read(cell.collapse)
+
+    columns = (
+        Column("case", width=2.0, of="case"),
+        Column("model", width=1.5, of="label"),
+        Column("mechanism", width=1.1, of=told(lambda found: found.mechanism)),
+        Column("of", width=1.5, of=told(lambda found: several(found.parts))),
+        Column("time in s", True, 0.8, told(lambda found: valued(found.time, 3))),
+        Column("displacement in m", True, 0.9, told(lambda found: valued(found.displacement, 3))),
+    )
+    text = (
+        f"In {count(len(fallen), 'cell')} of {len(stored.cells)} the structure collapses, which is "
+        "an answer, and no failure of the model; it has no other number."
+    )
+    caption = "Collapses: how they come about, and where they are recorded."
+    table = Table.of("collapses", caption, columns, fallen, _PRINTED)
+    return Section("collapses", "Where the structure collapses", (Callout("note", text), table))
 
 
 def _reason(cell: CellState) -> Finding:

@@ -53,7 +53,7 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
 
     def cell(case: str, label: str) -> Cell:
         if (case, label) not in values:
-            return ABSENT
+            return Cell("collapse") if stored.collapses(case, label) else ABSENT
         text = number(values[case, label] * unit.factor)
         if (case, label) in errors and label != study.reference:
             text += f"{gap}{percent(errors[case, label]['error'])}"
@@ -116,7 +116,7 @@ def _bias(stored: Stored) -> Iterator[Table]:
     )
     caption = (
         "Bias (expected ratio of model to what it is held against) and relative scatter over all "
-        "cases that both answered [@fds-validation]."
+        "cases that both answered with a number: none where one side collapses [@fds-validation]."
     )
     if rows:
         yield Table.of("bias", caption, columns, rows, _PRINTED)

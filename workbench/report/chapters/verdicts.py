@@ -1,5 +1,6 @@
 """What was asked, and what the gates say."""
 
+from math import inf
 from typing import Any
 
 from workbench.assessment import Verdict
@@ -17,8 +18,9 @@ _NOTES = 2  # reasons shown in the summary; the table of cases has all
 _RULE = (
     "A case passes if the whole interval, value ± numerical uncertainty, lies within the bound, "
     "fails if none of it does, and is inconclusive otherwise, as the validation comparison of "
-    "[@asme-vv20] asks. A gate fails if one of its cases fails, and passes only if every case that "
-    "was asked passes: one without an answer may be the worst."
+    "[@asme-vv20] asks. Where one side collapses and the other survives it fails; where both "
+    "collapse it passes without a number. A gate fails if one of its cases fails, and passes only "
+    "if every case that was asked passes: one without an answer may be the worst."
 )
 _VERDICT = Column(
     "verdict", width=1.25, of=lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
@@ -28,7 +30,7 @@ _VERDICT = Column(
 def asked(study: Study, stored: Stored) -> Section:
     """The question and what was done to answer it."""
     cells = stored.cells.values()
-    answered = sum(cell.ok for cell in cells)
+    answered = sum(cell.ok or cell.collapse is not None for cell in cells)
     done = (
         f"{count(len(study.cases), 'case')} and {count(len(study.models), 'model')} ask for "
         f"{count(len(cells), 'cell')}; {answered} of them hold an answer."
@@ -84,6 +86,12 @@ def headline(rows: list[dict[str, Any]]) -> Callout:
     tone = "bad" if failed else "doubt" if open_ else "good"
     gates = count(len(rows), "gate")
     text = f"Of {gates}, {passed} passed, {failed} failed, {open_} inconclusive."
+    apart = [row for row in rows if row["verdict"] == "fail" and row["collapsed"]]
+    if apart:
+        said = dict.fromkeys(f"{row['case']} ({_ended(row)})" for row in apart)
+        shown = "; ".join([*said][:_NOTES]) + ("; more below" if len(said) > _NOTES else "")
+        text += f" One side collapses where the other survives in {count(len(apart), 'gate')}: "
+        text += f"{shown}."
     missing = [row for row in rows if row["refused"] + row["unanswered"]]
     if missing:
         lost = {reason: None for row in missing for reason in row["reasons"][:1]}
@@ -115,13 +123,21 @@ def summary_table(rows: list[dict[str, Any]], *, reasons: bool = True) -> Table:
 
 
 def _critical(row: dict[str, Any]) -> Cell:
-    if row["value"] is None:
+    if row["value"] is None and not row["collapsed"]:
         return Cell("not judged")
     text = _interval(row)
-    return Cell(f"{text}\n({row['case']})" if row["asked"] > 1 else text, abs(row["value"]))
+    reach = inf if row["value"] is None else abs(row["value"])
+    return Cell(f"{text}\n({row['case']})" if row["asked"] > 1 else text, reach)
+
+
+def _ended(row: dict[str, Any]) -> str:
+    """Which side collapses in the case of a row, in words."""
+    return "both collapse" if len(row["collapsed"]) == 2 else f"{row['collapsed'][0]} collapses"
 
 
 def _interval(row: dict[str, Any]) -> str:
+    if row["collapsed"]:
+        return _ended(row)
     return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
 
 

@@ -97,7 +97,7 @@ class Request:
         for label in self.shown(case):
             response = self.stored.response(case.name, label)
             if response is None:
-                absent.no_answer(label, case.name)
+                absent.no_answer(label, case.name, self.stored.collapses(case.name, label))
             elif not set(needed) <= set(response.data_vars):
                 absent.without(what, label)
             else:
@@ -144,9 +144,10 @@ class Absences:
     def __init__(self) -> None:
         self._names: dict[str, dict[str, None]] = {}
 
-    def no_answer(self, label: str, case: str) -> None:
-        """A label gave no answer to a case."""
-        self._names.setdefault(f"No answer from {label}", {})[case] = None
+    def no_answer(self, label: str, case: str, collapses: bool = False) -> None:
+        """A label gave no answer to a case, or answered that the structure collapses."""
+        head = f"Collapse in {label}" if collapses else f"No answer from {label}"
+        self._names.setdefault(head, {})[case] = None
 
     def without(self, what: str, label: str) -> None:
         """A label answers, but does not know something."""

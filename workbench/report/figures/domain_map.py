@@ -15,6 +15,7 @@ from workbench.report.drawing.style import INK, Look, entry
 
 _MOST_MODELS = 9
 _WITHIN, _NEAR, _TOO_SMALL, _TOO_LARGE = "#009e73", "#e69f00", "#0072b2", "#d55e00"
+_COLLAPSE = "#6a3d9a"
 
 
 def draw(request: Request) -> Drawing:
@@ -31,16 +32,14 @@ def draw(request: Request) -> Drawing:
         f"within {100 * far:g} %": Look(_NEAR, marker="s", size=3.2),
         f"more than {100 * far:g} % too large": Look(_TOO_LARGE, marker="^", size=3.6),
         f"more than {100 * far:g} % too small": Look(_TOO_SMALL, marker="v", size=3.6),
+        "collapse": Look(_COLLAPSE, marker="D", size=3.2),
     }
     names = list(classes)
     for panel, label in zip(sheet.panels, labels, strict=True):
         table = _table(request, label, errors, x)
         error = table["error"]
-        table["class"] = np.select(
-            [error.abs() <= near, error.abs() <= far, error > far, error < -far],
-            names,
-            default="no answer",
-        )
+        found = [error.abs() <= near, error.abs() <= far, error > far, error < -far]
+        table["class"] = np.select([*found, table["collapsed"]], names, default="no answer")
         for (name, warned), part in table.groupby(["class", "warned"]):
             look = classes.get(str(name), Look(INK, marker="x", size=3.4))
             face = {"markerfacecolor": "none"} if warned else {}
@@ -82,7 +81,8 @@ def _table(
         row = {"case": case.name, "x": float(case.parameters[x]), "y": value / scale}
         row["error"] = errors.get((case.name, label), {}).get("error")
         cell = request.stored.cells.get((case.name, label))
+        row["collapsed"] = request.stored.collapses(case.name, label)
         row["warned"] = cell is not None and bool(cell.warnings)
         rows.append(row)
-    table = pd.DataFrame(rows, columns=["case", "x", "y", "error", "warned"])
-    return table.astype({"x": float, "y": float, "error": float, "warned": bool})
+    kinds = {"x": float, "y": float, "error": float, "collapsed": bool, "warned": bool}
+    return pd.DataFrame(rows, columns=["case", *kinds]).astype(kinds)

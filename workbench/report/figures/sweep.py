@@ -30,6 +30,11 @@ _MARKS = {
         Look(INK, size=3.2).points(markerfacecolor="none"),
     ),
     "failed": ("no answer", Look("#b30000", marker="x", size=4.5).points()),
+    "collapsed": ("collapse of one side", Look("#6a3d9a", marker="v", size=4.5).points()),
+    "both": (
+        "collapse of both sides",
+        Look("#6a3d9a", marker="v", size=4.5).points(markerfacecolor="none"),
+    ),
 }
 
 
@@ -88,16 +93,20 @@ def draw(request: Request) -> Drawing:
 def _table(
     request: Request, cases: Sequence[Case], models: Sequence[str], metric: str
 ) -> pd.DataFrame:
-    """A row per case and model: parameters, error, whether it was warned, whether one failed."""
+    """A row per case and model: parameters, error, and which of `_MARKS` there is to see."""
     known = request.errors(request.quantity, metric)
     found = []
     for case in cases:
         for label in models:
-            failed = not all(request.stored.ok(case.name, s) for s in (label, request.against))
+            sides = label, request.against
+            fallen = sum(request.stored.collapses(case.name, side) for side in sides)
+            known_sides = sum(request.stored.ok(case.name, side) for side in sides)
             row = {"case": case.name, "model": label, **case.parameters}
             row["error"] = known.get((case.name, label), {}).get("error", np.nan)
-            row["warned"] = not failed and bool(request.stored.cells[case.name, label].warnings)
-            found.append({**row, "failed": failed})
+            warned = bool(request.stored.cells[case.name, label].warnings)
+            row |= {"warned": known_sides == 2 and warned, "failed": known_sides + fallen < 2}
+            row |= {"collapsed": fallen == known_sides == 1, "both": fallen == 2}
+            found.append(row)
     return pd.DataFrame(found)
 
 
