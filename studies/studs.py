@@ -152,8 +152,9 @@ figures = (
         "guideline",
         "stud-guideline",
         "What is left of a stud after damage",
-        "Residual capacity of a 19 mm stud, 100 mm high, in concrete of 30 MPa, against the level "
-        "of a pull-out before. The grade of the evidence stands on the chart.",
+        "Residual capacity of a stud (19 mm, 100 mm high, in concrete of 30 MPa, unless tables of "
+        "one's own hold another) against the level of a pull-out before. The grade of the evidence "
+        "stands on the chart.",
         tuple(residual),
         {"cases": (STRENGTH_LEFT, STIFFNESS_LEFT), "summary": True},
     ),

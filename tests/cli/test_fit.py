@@ -229,8 +229,15 @@ def test_the_grade_stands_first_until_tests_are_given(
                    "--validate", "lab 3")  # fmt: skip
     assert found["grade"].endswith("cross-validated over campaigns")
     (content,) = found["quantities"]
-    assert content["fit"]["relation"] == "linear"
+    weights = {score["name"]: score["weight"] for score in content["fit"]["scores"]}
+    assert weights["linear"] + weights["power"] > 0.9
     assert content["fit"]["parameters"]["c"] == pytest.approx(0.5, abs=0.05)
+    assert "for damage up to 0.85 of studs 19 mm, as tested" in content["fit"]["holds"]
+    curve = content["curve"]
+    assert curve["left"][30] == pytest.approx(1.0 - 0.5 * 0.75, abs=0.03)
+    assert [level for level, beyond in zip(curve["level"], curve["extrapolated"], strict=True)
+            if beyond] == [pytest.approx(k / 40) for k in range(35, 41)]  # fmt: skip
+    assert curve["low"][35:] == [None] * 6
     assert content["judgement"]["tests"] == 6
     assert run(["fit", "residual", str(measured), "--quantity", "strength"]) == 0
     text = capsys.readouterr().out

@@ -20,7 +20,6 @@ from workbench.studs.statistics.intervals import (
 )
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import (
-    choose,
     leave_one_campaign_out,
     predictive_quantile,
     score_relations,
@@ -153,7 +152,7 @@ def test_parameters_that_cannot_be_told_are_refused() -> None:
     with pytest.raises(InputError, match="has no influence"):
         fit(problem(y, groups, None, ("a",), [0.0], design=np.zeros((12, 1))))
     with pytest.raises(InputError, match="more than the 2 parameters"):
-        problem(y[:2], groups[:2], None, ("a", "b"), [0.0, 0.0], design=twin[:2])
+        fit(problem(y[:2], groups[:2], None, ("a", "b"), [0.0, 0.0], design=twin[:2]))
     with pytest.raises(InputError, match="must be one of mean"):
         profile_interval(fit(mean_problem(y, groups)), "slope")
 
@@ -238,7 +237,7 @@ def test_a_prediction_for_a_new_campaign_is_on_the_safe_side() -> None:
             estimate = fit(mean_problem(y, groups))
             q = float(predictive_quantile(estimate, estimate.problem, 0.05)[0])
             below.append(0.5 * (1.0 + erf(q / sqrt(tau**2 + 0.08**2) / sqrt(2.0))))
-        assert least < np.mean(below) < 0.05, (campaigns, tau)  # measured 0.017, 0.044, 0.044
+        assert least < np.mean(below) < 0.05, (campaigns, tau)  # measured 0.036, 0.050, 0.045
 
 
 def test_few_campaigns_are_refused_where_they_do_not_suffice() -> None:
@@ -291,6 +290,10 @@ def test_cross_validation_prefers_the_truth_and_then_the_simple() -> None:
             "parabola": problem(values, groups, None, ("a", "b", "c"), [0.0] * 3, design=square),
         }
 
-    assert choose(score_relations(candidates(y))).name == "constant"
-    assert choose(score_relations(candidates(y + 0.8 * x))).name == "line"
-    assert choose(score_relations(candidates(y + 3.0 * x**2))).name == "parabola"
+    def best(values: np.ndarray) -> str:
+        fits = {name: fit(each) for name, each in candidates(values).items()}
+        return score_relations(fits)[0].name
+
+    assert best(y) == "constant"
+    assert best(y + 0.8 * x) == "line"
+    assert best(y + 3.0 * x**2) == "parabola"

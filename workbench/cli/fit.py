@@ -85,11 +85,12 @@ class ResidualOptions(Common):
     quantity: str = _option("strength, stiffness or both.", "both", "NAME")
     predamage: str | None = _option("Tests after this damage only.", None, "KIND")
     measure: str | None = _option("Tests with this measure of damage only.", None, "NAME")
+    loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
     mechanical: bool = _option("Let the mechanical model predict, or compete.", True)
-    diameter_mm: float = _option("Of the stud that the mechanical model computes.", 19.0)
-    height_mm: float = _option("Height of that stud.", 100.0)
-    fcm_mpa: float = _option("Mean strength of its slab.", 30.0)
-    fu_mpa: float = _option("Tensile strength of it.", 450.0)
+    diameter_mm: float | None = _option("Stud to predict for.  [default: those of FILE, else 19]")
+    height_mm: float | None = _option("Height of that stud.  [default: as in FILE, else 100]")
+    fcm_mpa: float | None = _option("Mean strength of its slab.  [default: as in FILE, else 30]")
+    fu_mpa: float | None = _option("Its tensile strength.  [default: as in FILE, else 450]")
 
 
 def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
@@ -173,29 +174,33 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.studs import TESTS
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
     from workbench.studs.answers.fits import answer_residual
-    from workbench.studs.mechanical import Stud
-    from workbench.studs.residual_fit import QUANTITIES, damaged_rows
+    from workbench.studs.damaged import QUANTITIES, damaged_rows
+    from workbench.studs.mechanical.calibration import USUAL
 
     Choice((*QUANTITIES, "both")).check("--quantity", options.quantity)
     fitted, held, head = _tables(options, "residual", TESTS, "stud-push-out")
-    sizes = (1e-3 * options.diameter_mm, 1e-3 * options.height_mm)
-    stud = Stud.of_concrete(*sizes, 1e6 * options.fcm_mpa, 1e6 * options.fu_mpa)
+    given = {column: getattr(options, column.lower()) for column in USUAL}
+    for column, value in given.items():
+        if value is not None:
+            TESTS.column(column).rule.check(f"--{column.lower().replace('_', '-')}", value)
     # the shipped campaign that tells all that the mechanical model needs
     known = StudTests("calibration", calibrate=(CALIBRATION,))
     contents = []
     for name in QUANTITIES if options.quantity == "both" else (options.quantity,):
-        fit = answer_residual(
+        fits = answer_residual(
             fitted,
             name,
-            stud,
+            given,
             (lambda: calibrated(known)) if options.mechanical else None,
             predamage=options.predamage,
             measure=options.measure,
+            loss=options.loss,
             confidence=options.confidence,
         )
-        relevant = damaged_rows(held, name, fit.predamage, fit.measure)
+        relevant = damaged_rows(held, name, fits[0].predamage, fits[0].measure)
         wanted = options.validate or not relevant.empty  # asked for by name, or there by their role
-        contents.append(_judged(fit, held if wanted else relevant, options.confidence))
+        judging = held if wanted else relevant
+        contents += [_judged(fit, judging, options.confidence) for fit in fits]
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
     result = {**head, "grade": "; ".join(grades), "quantities": contents}
     return Answer(result, stud_answer.residual(result))

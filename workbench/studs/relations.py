@@ -37,8 +37,8 @@ class MechanicalCurve:
     """What a mechanical model predicts to be left: `level` (n,), `ratio` (n,) with a band.
 
     `low` and `high` (n,) bound the prediction over its unknown parameters; `predamage`,
-    `measure` and `quantity` as in `fit_residual`; `basis` says what it was calibrated on. Levels
-    rise from 0, where the ratio is 1.
+    `measure` and `quantity` as in `fit_residual`; `basis` says what it was calibrated on; `stud`,
+    which one it is computed for. Levels rise from 0, where the ratio is 1.
     """
 
     level: Array
@@ -49,6 +49,7 @@ class MechanicalCurve:
     measure: str
     quantity: str
     basis: str
+    stud: str = ""
 
     def __post_init__(self) -> None:
         shapes = {np.shape(v) for v in (self.level, self.ratio, self.low, self.high)}

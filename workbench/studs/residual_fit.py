@@ -5,36 +5,33 @@ the prediction of the mechanical model, and its grade says that nothing has vali
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from workbench.errors import InputError
-from workbench.fields import Choice
+from workbench.errors import InputError, SolverError
 from workbench.responses import Finding
+from workbench.studs.damaged import QUANTITIES, damaged_rows, studs_in_words
 from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
+    Part,
     Score,
-    choose,
-    predictive_quantile,
+    averaged_quantile,
     score_relations,
 )
 from workbench.studs.statistics.problem import Problem, problem
 from workbench.studs.tables import identity_of
 
-QUANTITIES = {
-    "strength": ("shear_kN", "undamaged_shear_kN"),
-    "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
-}
 ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
 LEVELS = np.linspace(0.0, 1.0, 41)  # of damage, at which the curve is given
 
@@ -44,25 +41,42 @@ class Grade(StrEnum):
 
     MECHANICAL = "mechanical prediction, not validated by tests after pre-damage"
     SYNTHETIC = "exercise on synthetic rows: shows the method, is no evidence"
+    NARROW = "fitted to tests whose damage hardly varies: supports no relation"
     ONE_CAMPAIGN = "fitted to tests after pre-damage of one campaign, not validated on others"
+    TWO_CAMPAIGNS = "fitted to tests after pre-damage of two campaigns, too few to validate it"
     CROSS_VALIDATED = "fitted to tests after pre-damage, cross-validated over campaigns"
+
+
+LEAST_WEIGHT = 0.02  # of a candidate in the average
+LEAST_RANGE = 0.25  # of damage, over which a relation may be called validated
+
+
+class Candidate(NamedTuple):
+    """A relation fitted to the tests, and its `weight` in the average."""
+
+    weight: float
+    relation: Relation
+    estimate: Estimate
 
 
 @dataclass(frozen=True)
 class ResidualFit(Fit):
     """What is left of `quantity` after a kind of `predamage` with levels of one `measure`.
 
-    `relation` chosen; `fitted`, its parameters and the scatters of the ratio (None without tests:
-    a prediction); `scores` of all candidates; `grade`; `levels` covered; `mechanical`, the
-    prediction that is a candidate or the answer.
+    `stud`, which one it is for; `relation`, that of most weight; `fitted`, its parameters and the
+    scatters of the ratio (None without tests: a prediction); `scores` of all candidates;
+    `averaged`, those that count; `grade`, which holds for the `levels` covered only; `mechanical`,
+    the prediction that is a candidate or the answer.
     """
 
     quantity: str
     predamage: str
     measure: str
+    stud: str
     relation: Relation
     fitted: Fitted | None
     scores: tuple[Score, ...]
+    averaged: tuple[Candidate, ...]
     grade: Grade
     levels: tuple[float, float]
     mechanical: MechanicalCurve | None
@@ -72,14 +86,29 @@ class ResidualFit(Fit):
         """Parameters of the relation."""
         return {} if self.fitted is None else self.fitted.estimates
 
+    @property
+    def holds(self) -> str:
+        """Where the grade holds, in words."""
+        kind = "computed" if self.fitted is None else "tested"
+        studs = f" of studs {self.stud}" if self.stud else ""
+        return f"for damage up to {self.levels[1]:.3g}{studs}, as {kind}"
+
+    def extrapolates(self, level: ArrayLike) -> NDArray[np.bool_]:
+        """Whether damage levels (n,) lie beyond the tested ones. Undamaged, all is left."""
+        return np.asarray(level, float) > self.levels[1] + 1e-9
+
     def left(self, level: ArrayLike) -> Array:
-        """Median ratio (n,) that is left at damage levels (n,)."""
-        return self.relation(level, list(self.parameters.values()))
+        """Median ratio (n,) that is left at damage levels (n,): the average of the candidates."""
+        if self.fitted is None:
+            return self.relation(level)
+        values = [c.weight * c.relation(level, c.estimate.theta) for c in self.averaged]
+        return np.asarray(np.sum(values, axis=0))
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
         """Bounds (n,) of the ratio: of a new test in a new campaign, or of the mechanical model.
 
-        None where tests of fewer than three campaigns do not allow a prediction.
+        NaN beyond the tested levels: what a relation does there no test tells. None where tests of
+        fewer than three campaigns do not allow a prediction.
         """
         d = np.asarray(level, float)
         if self.fitted is None:
@@ -87,13 +116,18 @@ class ResidualFit(Fit):
             sides = (self.mechanical.low, self.mechanical.high)
             low, high = (np.interp(d, self.mechanical.level, s, right=np.nan) for s in sides)
             return low, high
-        estimate = self.fitted.estimate
-        if estimate.problem.campaigns < LEAST_CAMPAIGNS or self.fitted.at_bound:
+        if self.fitted.estimate.problem.campaigns < LEAST_CAMPAIGNS:
             return None
-        held = _problem(np.zeros(len(d)), d, ["new"] * len(d), self.relation, fitted=False)
-        parts = (0.5 - 0.5 * share, 0.5 + 0.5 * share)
-        low, high = (predictive_quantile(estimate, held, part) for part in parts)
-        return np.maximum(low, 0.0), high
+        bounds, inside = np.full((2, len(d)), np.nan), ~self.extrapolates(d)
+        if inside.any():
+            own = d[inside]
+            parts = [
+                Part(c.weight, c.estimate, _problem(0.0 * own, own, ["new"] * len(own), c.relation))
+                for c in self.averaged
+            ]
+            tails = (0.5 - 0.5 * share, 0.5 + 0.5 * share)
+            bounds[:, inside] = averaged_quantile(parts, tails)
+        return np.maximum(bounds[0], 0.0), bounds[1]
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold what is predicted to be left against tests that the fit has not used.
@@ -109,13 +143,14 @@ class ResidualFit(Fit):
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
-        own, told = self.fitted, ("quantity", "predamage", "measure", "scores", "levels")
+        own, told = self.fitted, ("quantity", "predamage", "measure", "stud", "scores", "levels")
         scatter = ("sigma", "tau")
         return {
             **{name: getattr(self, name) for name in told},
             "relation": self.relation.name,
             "formula": self.relation.formula,
             "parameters": self.parameters,
+            "holds": self.holds,
             **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
@@ -130,40 +165,16 @@ class ResidualFit(Fit):
         columns = ["campaign", "specimen", "level", "ratio", "origin"]
         return {
             "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
-            "curve": {"level": LEVELS, "left": self.left(LEVELS), "low": low, "high": high},
+            "curve": {
+                "level": LEVELS,
+                "left": self.left(LEVELS),
+                "low": low,
+                "high": high,
+                "extrapolated": self.extrapolates(LEVELS),
+            },
             "tests": self.rows.reindex(columns=columns),
             "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
         }
-
-
-def damaged_rows(
-    table: pd.DataFrame, quantity: str, predamage: str | None = None, measure: str | None = None
-) -> pd.DataFrame:
-    """Tests after pre-damage with `level` and `ratio` of what is left; empty when there are none.
-
-    The undamaged reference is the row's own, or the mean of the undamaged tests with the same
-    campaign and diameter. Raises `InputError` for an unknown quantity, or kinds or measures of
-    damage that must not be mixed.
-    """
-    Choice(tuple(QUANTITIES)).check("quantity", quantity)
-    column, reference = QUANTITIES[quantity]
-    damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
-    for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
-        if wanted is not None:
-            damaged &= table[name] == wanted
-    undamaged = table[table["predamage"] == NO_PREDAMAGE]
-    means = undamaged.groupby(["campaign", "diameter_mm"])[column].mean()
-    keys = pd.MultiIndex.from_frame(table[["campaign", "diameter_mm"]])
-    companion = pd.Series(means.reindex(keys).to_numpy(float), index=table.index)
-    ratio = table[column].astype(float) / table[reference].astype(float).fillna(companion)
-    rows = table.assign(level=table["predamage_level"].astype(float), ratio=ratio)
-    rows = rows[damaged & np.isfinite(ratio)]
-    for name, advice in (("predamage", "predamage="), ("predamage_measure", "measure=")):
-        words = sorted(set(rows[name]))
-        if len(words) > 1:
-            reason = "different kinds of damage do not share one relation"
-            raise InputError(name, ", ".join(words), reason, f"choose one with {advice}")
-    return rows.reset_index(drop=True)
 
 
 def fit_residual(
@@ -182,26 +193,31 @@ def fit_residual(
     Arguments: `table` (schema `TESTS`); `quantity`, ``strength`` or ``stiffness``; `predamage` and
     `measure`, which tests (None: all, if they are of one kind); `mechanical`, prediction of the
     mechanical model, one more candidate and the answer if the table holds no test after
-    pre-damage; the rest as in `fit_strength`. The relation is chosen out of `RELATIONS` by leaving
-    out whole campaigns. Raises `InputError` without tests and prediction.
+    pre-damage; the rest as in `fit_strength`. The candidates in `RELATIONS` are weighed by
+    leaving out whole campaigns, and averaged. Raises `InputError` without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = _candidates(mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
-    problems = {r.name: _problem(y, level, rows["campaign"], r) for r in relations}
-    scores = score_relations(problems)
-    chosen = next(r for r in relations if r.name == choose(scores).name)
-    estimate = fit_robust(problems[chosen.name], loss)
-    found = fitted(estimate, confidence=confidence, resamples=resamples)
+    estimates = _estimates(relations, y, level, rows["campaign"], loss)
+    scores = score_relations(estimates)
+    kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
+    total = sum(score.weight for score in kept)
+    named = {relation.name: relation for relation in relations}
+    averaged = [Candidate(k.weight / total, named[k.name], estimates[k.name]) for k in kept]
+    chosen = averaged[0].relation
+    found = fitted(averaged[0].estimate, confidence=confidence, resamples=resamples)
     return ResidualFit(
         quantity=quantity,
         predamage=str(rows["predamage"].iloc[0]),
         measure=str(rows["predamage_measure"].iloc[0]),
+        stud=studs_in_words(rows),
         relation=chosen,
         fitted=found,
         scores=tuple(scores),
+        averaged=tuple(averaged),
         grade=_grade(rows),
         levels=(float(level.min()), float(level.max())),
         rows=rows,
@@ -235,10 +251,11 @@ def _predicted(
             f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
             f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
         )
-    kind = (quantity, mechanical.predamage, mechanical.measure, mechanical.relation())
+    kind = (quantity, mechanical.predamage, mechanical.measure)
+    relation = mechanical.relation()
     levels, none = (float(mechanical.level[0]), float(mechanical.level[-1])), table.iloc[:0]
     findings = tuple(Finding("evidence", text) for text in (why, mechanical.basis))
-    answer = (*kind, None, (), Grade.MECHANICAL, levels, mechanical)
+    answer = (*kind, mechanical.stud, relation, None, (), (), Grade.MECHANICAL, levels, mechanical)
     return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
 
 
@@ -255,18 +272,45 @@ def _candidates(
     return [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
 
 
-def _problem(
-    y: Array, level: Array, campaigns: ArrayLike, relation: Relation, *, fitted: bool = True
-) -> Problem:
+def _problem(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
     predict, names, start = partial(relation, level), relation.parameters, relation.start
     bounds = {"lower": relation.lower, "upper": relation.upper}
-    return problem(y, campaigns, predict, names, start, **bounds, fitted=fitted)
+    return problem(y, campaigns, predict, names, start, **bounds)
+
+
+def _estimates(
+    relations: list[Relation], y: Array, level: Array, campaigns: ArrayLike, loss: str
+) -> dict[str, Estimate]:
+    """Fits of all candidates that leave a test to judge them by; those that fail are no candidates.
+
+    With a robust loss all weigh a test alike, as the one does that it suits best: a test is an
+    outlier where it is one for every candidate.
+    """
+    found: dict[str, Estimate] = {}
+    failed: Exception = InputError("tests after pre-damage", len(y), "must be two or more")
+    for relation in relations:
+        if len(y) < len(relation.parameters) + 2:
+            continue
+        try:
+            found[relation.name] = fit_robust(_problem(y, level, campaigns, relation), loss)
+        except (InputError, SolverError) as error:
+            failed = error
+    if not found:
+        raise failed
+    if loss != "linear":
+        weights = np.max([each.problem.weights for each in found.values()], axis=0)
+        found = {n: fit(replace(e.problem, weights=weights)) for n, e in found.items()}
+    return found
 
 
 def _grade(rows: pd.DataFrame) -> Grade:
     if (rows["origin"] == "synthetic").any():
         return Grade.SYNTHETIC
-    return Grade.CROSS_VALIDATED if len(set(rows["campaign"])) > 1 else Grade.ONE_CAMPAIGN
+    campaigns, levels = rows["campaign"].nunique(), rows["level"]
+    if levels.max() < LEAST_RANGE or levels.nunique() < 2:
+        return Grade.NARROW
+    few = {1: Grade.ONE_CAMPAIGN, 2: Grade.TWO_CAMPAIGNS}
+    return few.get(campaigns, Grade.CROSS_VALIDATED)
 
 
 def _findings(rows: pd.DataFrame, found: Fitted, relation: Relation) -> Iterator[Finding]:
@@ -275,10 +319,15 @@ def _findings(rows: pd.DataFrame, found: Fitted, relation: Relation) -> Iterator
         yield Finding("evidence", f"{synthetic} of {len(rows)} rows are synthetic")
     campaigns = rows["campaign"].nunique()
     if campaigns == 1:
-        text = "one campaign: the relation was chosen by leaving out specimens, not campaigns"
+        text = (
+            "one campaign: candidates were weighed by leaving out specimens, not campaigns; every "
+            "interval lacks the scatter between campaigns"
+        )
         yield Finding("campaigns", text)
     elif campaigns < LEAST_CAMPAIGNS:
-        yield Finding("campaigns", "two campaigns: no band for a new campaign")
+        text = "two campaigns: no band for a new campaign"
+        lacking = "intervals of parameters lack most of the scatter between campaigns"
+        yield Finding("campaigns", f"{text}; {lacking}")
     if found.at_bound:
         yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
     left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))

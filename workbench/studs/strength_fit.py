@@ -100,7 +100,7 @@ class StrengthFit(Fit):
         prediction = self.predict(tests) if corrected else self.model.of(tests)
         found = judge(rows, tests.shear, prediction, confidence)
         kept, known = _complete(rows, self.model)
-        held = _problem(known, self.model, self._trends, self.reference, fitted=False)
+        held = _problem(known, self.model, self._trends, self.reference)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
         inside = coverage(self.fitted.estimate, held, confidence)
         return replace(found, covered=inside, known_campaigns=tuple(sorted(seen)))
@@ -185,12 +185,10 @@ def _problem(
     model: ShearModel,
     trends: tuple[str, ...],
     reference: Mapping[str, float],
-    *,
-    fitted: bool = True,
 ) -> Problem:
     ratio, names = np.log(tests.shear / model.of(tests)), ("bias", *trends)
     start, design = np.zeros(len(names)), _design(tests, trends, reference)
-    return problem(ratio, tests.campaign, None, names, start, design=design, fitted=fitted)
+    return problem(ratio, tests.campaign, None, names, start, design=design)
 
 
 def _left_out(given: Problem) -> list[LeftOut]:
@@ -218,7 +216,8 @@ def _d8(
     nominal = None
     if steel_known or np.isinf(code.steel_factor):
         specified = float(characteristic_strength(reference["concrete_strength"]))
-        nominal = resistance({"concrete_strength": specified}, code)
+        if specified > 0.0:
+            nominal = resistance({"concrete_strength": specified}, code)
     return evaluate_d8(
         tests.shear,
         model.of(tests),

@@ -61,6 +61,12 @@ def campaigns_of(*tables: pd.DataFrame) -> list[str]:
     return list(dict.fromkeys(str(name) for table in tables for name in table["campaign"]))
 
 
+def own_rows(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of campaigns that no shipped table of tests holds: the user's own."""
+    tables = (shipped(name) for name, schema in SHIPPED.items() if schema is TESTS)
+    return table[~table["campaign"].isin(campaigns_of(*tables))]
+
+
 def split_table(
     table: pd.DataFrame, calibrate: Sequence[str] = (), validate: Sequence[str] = ()
 ) -> tuple[pd.DataFrame, pd.DataFrame]:

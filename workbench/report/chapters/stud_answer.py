@@ -68,6 +68,9 @@ def residual(result: Content) -> Iterator[Block]:
         f"{most} tests after pre-damage",
         contents,
         Callout("bad", f"GRADE: {result['grade']}"),
+        Paragraph(
+            "The grade holds " + "; ".join(dict.fromkeys(c["fit"]["holds"] for c in contents))
+        ),
         *tables.residual(contents),
         *tables.relations(contents),
         *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),

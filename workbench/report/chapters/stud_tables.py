@@ -253,6 +253,8 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
             at = min(range(len(curve["level"])), key=lambda i: abs(curve["level"][i] - level))
             value = curve["left"][at]
             text = number(value, 3)
+            if curve["extrapolated"][at]:
+                return Cell(f"{text}\nextrapolated", value, tone="bad")
             if value is not None and curve["low"] is not None:
                 text += f"\n({number(curve['low'][at], 2)} to {number(curve['high'][at], 2)})"
             return Cell(text, value)
@@ -260,10 +262,13 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
         return cell
 
     def damage(content: Content) -> str:
-        return ", ".join(content["fit"][key] for key in ("quantity", "predamage", "measure"))
+        fit = content["fit"]
+        kind = ", ".join(fit[key] for key in ("quantity", "predamage", "measure"))
+        return f"{kind}\n{fit['stud']}" if fit["stud"] else kind
 
     def grade(content: Content) -> Cell:
-        lines = wrap(content["fit"]["grade"], _GRADE_WIDTH, break_on_hyphens=False)
+        words = f"{content['fit']['grade']}; {content['fit']['holds']}"
+        lines = wrap(words, _GRADE_WIDTH, break_on_hyphens=False)
         return Cell("\n".join(lines), tone="" if content["validated"] else "bad")
 
     columns = (
@@ -275,7 +280,7 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
     caption = (
         "Share that is left after damage, with its range: the band of a new test, or, for the "
         "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
-        "bears."
+        "bears. Beyond the tested damage no test tells which relation goes on: no band is given."
     )
     return _table("design-residual", caption, columns, list(contents))
 
@@ -298,12 +303,13 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             for name, value in fit["parameters"].items()
         ]
         scores = ", ".join(
-            f"{each['name']} {each['rms']:.3f}" for each in fit["scores"] if each["rms"] is not None
+            f"{each['name']} {share(each['weight'])} ({each['rms']:.3f})" for each in fit["scores"]
         )
         yield Table.of(
             "relation",
-            f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}); root "
-            f"mean square of what is left out, by {fit['scores'][0]['by']}: {scores}",
+            f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}, "
+            f"{fit['holds']}); weights in the average, and root mean square of what is left out, "
+            f"by {fit['scores'][0]['by']}: {scores}",
             columns,
             rows,
         )

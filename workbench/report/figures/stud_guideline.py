@@ -59,7 +59,12 @@ def draw(request: Request) -> Drawing:
 def _panel(panel: Axes, content: studs.Content) -> dict[str, Any]:
     """The curve with its band and its grade; returns what was drawn."""
     curve, color = studs.table_of(content["curve"]), _COLORS[content["validated"]]
-    studs.draw_band(panel, curve, "level", "left", color)
+    tested = curve[~curve["extrapolated"].astype(bool)]
+    beyond = curve[curve["level"] >= tested["level"].max()]
+    studs.draw_band(panel, tested, "level", "left", color)
+    if len(beyond) > 1:
+        panel.plot(beyond["level"], beyond["left"], color=color, linestyle=":")
+        panel.axvline(float(tested["level"].max()), color=INK, linewidth=0.5, linestyle="--")
     panel.axhline(1.0, color=INK, linewidth=0.6, zorder=2)
     panel.set(xlim=(0.0, 1.0), ylim=(0.0, 1.25))
     grade = "\n".join(textwrap.wrap(content["fit"]["grade"], 44, break_on_hyphens=False))
@@ -69,9 +74,11 @@ def _panel(panel: Axes, content: studs.Content) -> dict[str, Any]:
 
 def _sentence(content: studs.Content) -> str:
     fit, curve = content["fit"], content["curve"]
-    at, left = [(i, left) for i, left in enumerate(curve["left"]) if left is not None][-1]
+    beyond = zip(curve["left"], curve["extrapolated"], strict=True)
+    known = [(i, left) for i, (left, out) in enumerate(beyond) if left is not None and not out]
+    at, left = known[-1]
     level = curve["level"][at]
     text = f"{fit['quantity'].capitalize()} by {fit['measure']}: {left:.2f} left at level {level:g}"
     if curve["low"] is not None:
         text += f" (from {curve['low'][at]:.2f} to {curve['high'][at]:.2f})"
-    return f"{text}; {fit['grade']}."
+    return f"{text}, stud {fit['stud']}; {fit['grade']}."

@@ -12,13 +12,13 @@ from workbench.fields import Choice, Number, checked
 from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
+from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
 from workbench.studs.interaction import INTERACTIONS, combined_tests
 from workbench.studs.load_slip_fit import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points, push_out
 from workbench.studs.mechanical.calibration import complete_rows, stud_of
 from workbench.studs.quantities import Array, undamaged_headed_studs
-from workbench.studs.residual_fit import damaged_rows
 from workbench.studs.series import evaluate_groups
 from workbench.studs.tables import campaigns_of
 
@@ -230,8 +230,7 @@ class StudInteraction(StudModel):
             stud = Stud.of_concrete(*STUDS[self.governed])
             fit = calibrated(scenario)
             tension, shear = interaction_points(stud, fit.around, SHARES)
-            size = f"{1e3 * stud.diameter:g} x {1e3 * stud.height:g} mm"
-            content["stud"] = f"{size}, f_c {stud.concrete_strength / 1e6:g} MPa"
+            content["stud"] = stud.title
             findings = (Finding("evidence", fit.basis),)
         else:
             tension = np.linspace(0.0, 1.0, 101)

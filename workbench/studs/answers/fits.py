@@ -3,11 +3,10 @@
 Each is fitted to the calibrating tests and judged by the validating ones.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
-import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
@@ -16,19 +15,21 @@ from workbench.responses import Finding
 from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.evidence import RESIDUAL, calibrated
+from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judgement_of
 from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
-from workbench.studs.mechanical import MechanicalFit, Stud, residual_curve
-from workbench.studs.mechanical.calibration import stud_of
+from workbench.studs.mechanical import MechanicalFit, residual_curve
+from workbench.studs.mechanical.calibration import USUAL, TableStud, studs_of
 from workbench.studs.mechanical.parameters import LENGTH, STRESS
 from workbench.studs.mechanical.residual import MEASURES
 from workbench.studs.relations import MechanicalCurve
-from workbench.studs.residual_fit import ResidualFit, damaged_rows, fit_residual
+from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import TESTS
 from workbench.studs.shear import SHEAR_MODELS
 from workbench.studs.statistics.mixed import LOSSES
 from workbench.studs.strength_fit import fit_strength
+from workbench.studs.tables import own_rows
 
 SOURCES = {
     "en1994": ("en1994-1-1",),
@@ -137,19 +138,21 @@ class StudResidual(StudModel):
     not validated; with such tests the relation that cross-validation over campaigns chooses.
     Options: `predamage` and `measure` of the tests to fit (``any``: all, if they are of one kind);
     the stud that the mechanical model computes: `diameter`, `height` in m, `concrete_strength`,
-    `ultimate_strength` in Pa (where the damaged tests tell their stud, theirs counts).
+    `ultimate_strength` in Pa (None: that of most tests of one's own tables, else 19 x 100 mm,
+    30 MPa and 450 MPa).
     """
 
     predamage: str = checked(Choice((ANY, *TESTS.words("predamage")[1:])), ANY)
     measure: str = checked(Choice((ANY, *TESTS.words("predamage_measure"))), ANY)
-    diameter: float = checked(LENGTH, 0.019)
-    height: float = checked(LENGTH, 0.1)
-    concrete_strength: float = checked(STRESS, 30e6)
-    ultimate_strength: float = checked(STRESS, 450e6)
+    diameter: float | None = checked(LENGTH, optional=True)
+    height: float | None = checked(LENGTH, optional=True)
+    concrete_strength: float | None = checked(STRESS, optional=True)
+    ultimate_strength: float | None = checked(STRESS, optional=True)
 
+    version: ClassVar[int] = 3
     name: ClassVar[str] = "stud-residual"
     sources: ClassVar[tuple[str, ...]] = (
-        *("oehlers1990", "hanswille2007", "oehlers-foley1985", "hastie2009"),
+        *("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018"),
     )
     asks: ClassVar[tuple[str, ...]] = tuple(RESIDUAL)
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -165,10 +168,12 @@ class StudResidual(StudModel):
         quantity, level = RESIDUAL[scenario.asked], scenario.confidence
         predamage, measure = (None if w == ANY else w for w in (self.predamage, self.measure))
         sizes = (self.diameter, self.height, self.concrete_strength, self.ultimate_strength)
-        fit = answer_residual(
+        units = zip(USUAL, sizes, (1e-3, 1e-3, 1e6, 1e6), strict=True)
+        given = {name: None if size is None else size / unit for name, size, unit in units}
+        fit, *others = answer_residual(
             split.calibration,
             quantity,
-            Stud.of_concrete(*sizes),
+            given,
             lambda: calibrated(scenario),
             predamage=predamage,
             measure=measure,
@@ -178,63 +183,73 @@ class StudResidual(StudModel):
         if not damaged_rows(split.validation, quantity, fit.predamage, fit.measure).empty:
             judged = fit.judge(split.validation, level)
         findings = (Finding("grade", f"{quantity}: {fit.grade}"), *fit.findings)
+        if others:
+            text = f"answered for {fit.stud} alone, not for {'; '.join(e.stud for e in others)}"
+            findings = (*findings, Finding("stud", text, remedy="ask for each with its options"))
         scalars = {"tests_fitted": float(len(fit.rows))}
         return Found(fit.content(judged, level), findings, judged, scalars)
+
+
+MOST_STUDS = 4  # of a table, that the mechanical model computes one by one
 
 
 def answer_residual(
     table: pd.DataFrame,
     quantity: str,
-    stud: Stud,
+    given: Mapping[str, float | None],
     model: Callable[[], MechanicalFit] | None,
     *,
     predamage: str | None = None,
     measure: str | None = None,
+    loss: str = "linear",
     confidence: float = 0.9,
-) -> ResidualFit:
+) -> list[ResidualFit]:
     """Fit what is left to the tests after pre-damage, or predict it if the table has none.
 
-    Arguments: `table` (schema `TESTS`); `quantity` ``strength`` or ``stiffness``; the `stud` that
-    the mechanical `model` computes, called where it is needed: without tests, or as a candidate for
-    tests that a pull-out damaged, if it can be calibrated (None: never); the rest as in
-    `fit_residual`. Raises `InputError`, `SolverError`.
+    One answer from tests; without them one prediction for each stud of one's own tables, that of
+    most tests first. Arguments: `table` (schema `TESTS`); `quantity` ``strength`` or ``stiffness``;
+    `given`, the stud if the question tells it (see `studs_of`); the mechanical `model`, called
+    where it is needed: without tests, or as a candidate for tests that a pull-out damaged, if it
+    can be calibrated (None: never); the rest as in `fit_residual`. Raises `InputError`,
+    `SolverError`.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
-    mechanical: MechanicalCurve | None = None
-    absent: tuple[Finding, ...] = ()
     kind = predamage if rows.empty else str(rows["predamage"].iloc[0])
     level = measure if rows.empty else str(rows["predamage_measure"].iloc[0])
+    said: list[Finding] = []
+    curves: list[MechanicalCurve | None] = [None]
     if model is not None and kind in (None, "pull-out") and level in (None, *MEASURES):
+        studs = studs_of(rows, given)[:1] if len(rows) else studs_of(own_rows(table), given)
+        said += _of_studs(studs)
         try:
             fit = model()
-            mechanical = residual_curve(
-                _stud_of_tests(rows) or stud,
-                fit.around,
-                quantity,
-                measure=level or MEASURES[0],
-                basis=fit.basis,
-            )
+            how: dict[str, Any] = {"measure": level or MEASURES[0], "basis": fit.basis}
+            chosen = studs[:MOST_STUDS]
+            curves = [residual_curve(e.stud, fit.around, quantity, **how) for e in chosen]
         except InputError as error:
             if rows.empty:
                 raise
-            absent = (Finding("evidence", f"the mechanical model is no candidate: {error}"),)
-    found = fit_residual(
-        table,
-        quantity,
-        predamage=predamage,
-        measure=measure,
-        mechanical=mechanical,
-        confidence=confidence,
+            said.append(Finding("evidence", f"the mechanical model is no candidate: {error}"))
+    found = (
+        fit_residual(
+            table,
+            quantity,
+            predamage=predamage,
+            measure=measure,
+            mechanical=curve,
+            loss=loss,
+            confidence=confidence,
+        )
+        for curve in curves
     )
-    return replace(found, findings=(*found.findings, *absent))
+    return [replace(each, findings=(*said, *each.findings)) for each in found]
 
 
-def _stud_of_tests(rows: pd.DataFrame) -> Stud | None:
-    """The stud that all damaged tests share, with mean material values (None: not one stud)."""
-    if rows.empty or rows[["diameter_mm", "height_mm"]].drop_duplicates().shape[0] != 1:
-        return None
-    first = rows.iloc[0].copy()
-    for column in ("fcm_MPa", "fu_MPa", "Ecm_MPa", "density_kg_per_m3"):
-        first[column] = rows[column].astype(float).mean()
-    known = first[["diameter_mm", "height_mm", "fcm_MPa", "fu_MPa"]].to_numpy(float)
-    return stud_of(first) if np.all(np.isfinite(known)) else None
+def _of_studs(studs: list[TableStud]) -> Iterator[Finding]:
+    """What was assumed of the studs that the mechanical model computes, and which it leaves out."""
+    if studs[0].assumed:
+        text = f"stud of the mechanical model: not told, so assumed: {studs[0].assumed}"
+        yield Finding("stud", text, remedy="fill these columns, or give the stud as options")
+    if others := [each.stud.title for each in studs[MOST_STUDS:]]:
+        text = f"{len(others)} further studs of the table are not answered for: {'; '.join(others)}"
+        yield Finding("stud", text, remedy="give one of them as options")

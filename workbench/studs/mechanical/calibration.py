@@ -1,7 +1,8 @@
 """Calibration of the mechanical model on push-out tests, and its check on other campaigns."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from workbench.errors import InputError, SolverError
 from workbench.studs.mechanical.driving import push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
+from workbench.studs.schema import HEADED
 from workbench.studs.tables import RowIdentity, identity_of
 
 FREE = ("bearing_factor", "foundation_factor", "slide_capacity")
@@ -32,6 +34,46 @@ def stud_of(row: pd.Series) -> Stud:
     sizes = ("head_diameter", "collar_diameter", "collar_height")
     optional = {"yield_stress": 1e6 * row["fy_MPa"], **{n: 1e-3 * row[f"{n}_mm"] for n in sizes}}
     return Stud(**values, **{n: float(v) for n, v in optional.items() if np.isfinite(v)})
+
+
+# a usual stud, for what neither a table nor the question tells, and by how much (a share) the studs
+# of a table may differ and still are one
+USUAL = {"diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 30.0, "fu_MPa": 450.0}
+ALIKE = np.array([0.02, 0.02, 0.1, 0.1])
+
+
+class TableStud(NamedTuple):
+    """A `stud` of a table, in how many `tests`, and what is `assumed` of it (words)."""
+
+    stud: Stud
+    tests: int
+    assumed: str
+
+
+def studs_of(table: pd.DataFrame, given: Mapping[str, float | None]) -> list[TableStud]:
+    """The different headed studs of a table with their mean values, that of most tests first.
+
+    Arguments: `given`, values by column (those of `USUAL`, None: not given) that count instead of
+    those of the table. What neither tells is taken from `USUAL`, and said to be assumed.
+    """
+    own = {name: value for name, value in given.items() if value is not None}
+    rows = table[table["connector"] == HEADED].reindex(columns=list(USUAL)).astype(float)
+    rows = (rows if len(rows) else pd.DataFrame([dict.fromkeys(USUAL, np.nan)])).assign(**own)
+    known = rows.dropna(subset=[name for name in USUAL if rows[name].notna().any()])
+    known = rows if known.empty else known
+    assumed = [f"{name} {USUAL[name]:g}" for name in USUAL if known[name].isna().any()]
+    groups: list[list[Array]] = []
+    for values in known.fillna(USUAL).to_numpy(float):
+        same = (g for g in groups if np.all(np.abs(values / g[0] - 1.0) <= ALIKE))
+        if (group := next(same, None)) is None:
+            groups.append(group := [])
+        group.append(values)
+    groups.sort(key=len, reverse=True)
+    means = [np.mean(group, axis=0) * (1e-3, 1e-3, 1e6, 1e6) for group in groups]
+    studs = [Stud.of_concrete(*mean.tolist()) for mean in means]
+    words = ", ".join(assumed)
+    counts = [len(group) if len(table) else 0 for group in groups]
+    return [TableStud(*each, words) for each in zip(studs, counts, strict=True)]
 
 
 def complete_rows(table: pd.DataFrame) -> pd.DataFrame:

@@ -60,6 +60,13 @@ class Stud(Declared, table="stud"):
         return cls(diameter, height, concrete_strength, modulus, ultimate_strength)
 
     @property
+    def title(self) -> str:
+        """Its sizes and strengths in words."""
+        size = f"{1e3 * self.diameter:.4g} x {1e3 * self.height:.4g} mm"
+        strengths = (self.concrete_strength / 1e6, self.ultimate_strength / 1e6)
+        return f"{size}, f_c {strengths[0]:.3g} MPa, f_u {strengths[1]:.3g} MPa"
+
+    @property
     def area(self) -> float:
         """Area of the shank in m2."""
         return 0.25 * pi * self.diameter**2

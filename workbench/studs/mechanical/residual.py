@@ -91,7 +91,8 @@ def residual_curve(
     ends = [replace(around, **{name: end}) for name, all_ in spread.items() for end in all_]
     every = [residual_ratios(stud, each, levels, measure)[which] for each in (around, *ends)]
     low, high = np.min(every, axis=0), np.max(every, axis=0)
-    return MechanicalCurve(at, every[0], low, high, "pull-out", measure, quantity, basis)
+    bounds, kind = (low, high), ("pull-out", measure, quantity)
+    return MechanicalCurve(at, every[0], *bounds, *kind, basis, stud.title)
 
 
 def interaction_points(

@@ -40,6 +40,7 @@ def fractile_factor(count: float, share: float = CHARACTERISTIC) -> float:
 
 K_INFINITE = 1.64  # the limits as the standard prints them
 KD_INFINITE = 3.04
+LEAST_DESIGN = 1e-12  # of the mean: below it nothing is left but round-off
 MANY_TESTS = 100  # from here on the scatter counts as known
 
 
@@ -92,8 +93,8 @@ def evaluate_d8(
     in structures to come; `sensitivities`, exponents of the variables in the resistance function,
     (x / g) dg/dx at mean values (default 1: a product); `resistance`, g_rt at the mean values of
     the design in N (default: mean of `theoretical`); `nominal` design-function value in N, for
-    gamma_M*. Raises `InputError` for fewer than two tests, or
-    resistances that are not positive.
+    gamma_M*. Raises `InputError` for fewer than two tests,
+    resistances that are not positive, or a scatter that leaves no design value.
     """
     e, t = (np.atleast_1d(np.asarray(each, float)) for each in (experimental, theoretical))
     if e.shape != t.shape or e.ndim != 1:
@@ -121,6 +122,9 @@ def evaluate_d8(
         return b * r_m * exp(-weighted - 0.5 * q * q)
 
     r_k, r_d = value(K_INFINITE, k_n), value(KD_INFINITE, k_dn)
+    if not r_d > LEAST_DESIGN * r_m:
+        found = f"{n} tests whose logarithms scatter by {s_delta:.3g}"
+        raise InputError("table", found, "leave no design value by EN 1990 D.8")
     scatters = (s_delta, v_delta, v_rt, v_r, q, q_rt, q_delta, alpha_rt, alpha_delta)
     star = None if nominal is None else nominal / r_d
     return D8(n, b, *scatters, k_n, k_dn, r_m, r_k, r_d, r_k / r_d, nominal, star)

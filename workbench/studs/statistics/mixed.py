@@ -286,6 +286,10 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     nothing about other campaigns. With one row per campaign tau is 0 and sigma holds both scatters.
     """
     free = np.arange(len(given.names))
+    if given.count <= len(free):
+        advice = "hold parameters fixed, or bring more tests"
+        allowed = f"must be more than the {len(free)} parameters"
+        raise InputError("observations", given.count, allowed, advice)
     ratio, _, theta = best_ratio(given, given.start if start is None else start, free)
     _, variance, solved = criterion_at(given, ratio, theta, free)
     theta = solved.theta

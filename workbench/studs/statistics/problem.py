@@ -95,12 +95,10 @@ def problem(
     lower: ArrayLike | float = -np.inf,
     upper: ArrayLike | float = np.inf,
     design: ArrayLike | None = None,
-    fitted: bool = True,
 ) -> Problem:
     """Make a checked problem; see `Problem` for the arguments. `design` replaces `predict`.
 
-    With `fitted` False the rows only describe tests to be predicted. Raises `InputError` when
-    there are no more observations than parameters to fit.
+    Raises `InputError` for observations that are no numbers, or without a campaign each.
     """
     observed = np.atleast_1d(np.asarray(y, float))
     keys = np.asarray(campaigns).astype(str)
@@ -109,10 +107,6 @@ def problem(
     p = len(names)
     if len(keys) != len(observed) or not np.all(np.isfinite(observed)):
         raise InputError("observations", observed.shape, "must be finite, each with a campaign")
-    if fitted and len(observed) <= p:
-        advice = "hold parameters fixed, or bring more tests"
-        found = len(observed)
-        raise InputError("observations", found, f"must be more than the {p} parameters", advice)
     if predict is None:
         if matrix is None:
             raise InputError("predict", None, "must be given when there is no design matrix")

@@ -1,0 +1,80 @@
+"""The stud that is answered for is that of one's own table, and is named."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from workbench.cli import run
+from workbench.studs import TESTS
+from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve
+from workbench.studs.mechanical.calibration import USUAL, studs_of
+from workbench.studs.reading import from_frame
+from workbench.studs.tables import identity_of
+
+NOTHING: dict[str, float | None] = dict.fromkeys(USUAL)
+
+
+def table(*rows: tuple[float | None, ...]) -> pd.DataFrame:
+    """Push-outs of studs (diameter, height, concrete, steel)."""
+    columns = dict(zip(USUAL, zip(*rows, strict=True), strict=True))
+    names = [f"s{i}" for i in range(len(rows))]
+    told = {"campaign": "our lab", "specimen": names, "test": "push-out", "shear_kN": 100.0}
+    return from_frame(pd.DataFrame({**told, **columns}), TESTS)
+
+
+def test_studs_of_a_table_are_told_apart_and_averaged() -> None:
+    found = studs_of(
+        table((16, 90, 40, 480), (19, 100, 30, 450), (19, 100, 32, 460), (19.05, 100, 31, 440)),
+        NOTHING,
+    )
+    assert [each.tests for each in found] == [3, 1]
+    assert found[0].stud.title == "19.02 x 100 mm, f_c 31 MPa, f_u 450 MPa"
+    assert found[1].stud.title == "16 x 90 mm, f_c 40 MPa, f_u 480 MPa"
+    assert not any(each.assumed for each in found)
+
+
+def test_what_is_not_told_is_assumed_and_named() -> None:
+    rows = table((16, None, 40, None), (16, None, 41, None))
+    (one,) = studs_of(rows, NOTHING)
+    assert one.assumed == "height_mm 100, fu_MPa 450"
+    assert one.stud.diameter == pytest.approx(0.016)
+    assert one.stud.concrete_strength == pytest.approx(40.5e6)
+    (given,) = studs_of(rows, {**NOTHING, "height_mm": 90.0, "fu_MPa": 480.0})
+    assert (given.assumed, given.stud.height) == ("", pytest.approx(0.09))
+    (usual,) = studs_of(rows.iloc[:0], NOTHING)
+    assert (usual.tests, usual.stud.title) == (0, "19 x 100 mm, f_c 30 MPa, f_u 450 MPa")
+
+
+def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # assumed parameters, few levels and no band: which stud is computed is what matters here
+    model = MechanicalFit(
+        Surroundings(), {}, table((19, 100, 30, 450)), {}, identity_of(table((19, 100, 30, 450)))
+    )
+    monkeypatch.setattr("workbench.studs.answers.evidence.calibrated", lambda scenario: model)
+    short = partial(residual_curve, levels=(0.0, 0.5), spread={})
+    monkeypatch.setattr("workbench.studs.answers.fits.residual_curve", short)
+    file = tmp_path / "lab.csv"
+    rows = table((16, 90, 40, 480), (16, 90, 40, 480), (16, 90, 40, 480))
+    rows.assign(shear_kN=[88.0, 90.0, 92.0], use_for_fit=1).to_csv(file, index=False)
+    assert run(["fit", "residual", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    own = short(Stud.of_concrete(0.016, 0.09, 40e6, 480e6), model.around)
+    fits = [content["fit"] for content in found["quantities"]]
+    assert [fit["stud"] for fit in fits] == ["16 x 90 mm, f_c 40 MPa, f_u 480 MPa"] * 2
+    assert all("assumed" not in text for fit in fits for text in fit["warnings"])
+    left = found["quantities"][0]["curve"]["left"]
+    assert left[20] == pytest.approx(own.ratio[1])
+    assert run(["fit", "residual", "--json", "--quantity", "strength"]) == 0
+    (usual,) = json.loads(capsys.readouterr().out)["quantities"]
+    assert usual["fit"]["stud"] == "19 x 100 mm, f_c 30 MPa, f_u 450 MPa"
+    assert any("assumed: diameter_mm 19" in text for text in usual["fit"]["warnings"])
+    assert usual["curve"]["left"][20] > left[20] + 0.01
+    assert run(["fit", "residual", str(file), "--fcm-mpa", "3000"]) == 2
+    assert "--fcm-mpa = 3000.0: must be a number from 5 to 250 MPa" in capsys.readouterr().err

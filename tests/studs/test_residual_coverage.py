@@ -1,0 +1,87 @@
+"""Synthetic laboratories after pre-damage: what the bands hold, and what is found of a loss.
+
+Tests scatter by 8 % within and 6 % between 3 to 6 campaigns of 4 to 10 tests, over all damage. The
+long form (--run-slow) is that of the table in docs/theory/studs-statistics.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from workbench.studs import fit_residual
+from workbench.studs.reading import from_frame
+from workbench.studs.residual_fit import LEVELS
+from workbench.studs.schema import TESTS
+
+TRUTHS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "exponential": lambda d: np.exp(-0.6 * d),
+    "square": lambda d: 1.0 - 0.4 * d**2,
+    "root": lambda d: 1.0 - 0.4 * np.sqrt(d),
+    "linear": lambda d: 1.0 - 0.4 * d,
+}
+WITHIN, BETWEEN = 0.08, 0.06
+Generator = np.random.Generator
+
+
+def laboratory(
+    generator: Generator, truth: str, sizes: list[int], most: float = 1.0
+) -> pd.DataFrame:
+    """Tests after fatigue of campaigns of some `sizes`, with damage up to `most`."""
+    groups = np.repeat(np.arange(len(sizes)), sizes)
+    level = np.round(most * generator.uniform(size=len(groups)), 4)
+    effect = BETWEEN * generator.normal(size=len(sizes))[groups]
+    error = effect + WITHIN * generator.normal(size=len(groups))
+    left = np.maximum(TRUTHS[truth](level) + error, 0.01)
+    told = {"test": "push-out", "diameter_mm": 19, "undamaged_shear_kN": 100.0,
+            "predamage": "fatigue", "predamage_measure": "life fraction"}  # fmt: skip
+    names = {
+        "campaign": [f"lab {g}" for g in groups],
+        "specimen": [f"s{i}" for i in range(len(groups))],
+    }
+    frame = pd.DataFrame({**names, "predamage_level": level, "shear_kN": 100.0 * left})
+    return from_frame(frame.assign(**told), TESTS)
+
+
+def measured(truth: str, runs: int, seed: int) -> tuple[float, float, float]:
+    """Share of new tests of new campaigns in the band, its error; how often no loss is found."""
+    generator, shares, no_loss = np.random.default_rng(seed), [], 0
+    for _ in range(runs):
+        sizes = generator.integers(4, 11, generator.integers(3, 7)).tolist()
+        fit = fit_residual(laboratory(generator, truth, sizes), resamples=3)
+        no_loss += fit.relation.name == "none"
+        band = fit.band(LEVELS)
+        assert band is not None
+        level = generator.uniform(0.0, fit.levels[1], 200)
+        scatter = np.hypot(WITHIN, BETWEEN)
+        ratio = TRUTHS[truth](level) + scatter * generator.normal(size=200)
+        known = np.isfinite(band[0])
+        low, high = (np.interp(level, LEVELS[known], side[known]) for side in band)
+        shares.append(np.mean((ratio >= low) & (ratio <= high)))
+    return float(np.mean(shares)), float(np.std(shares) / np.sqrt(runs)), no_loss / runs
+
+
+def test_bands_of_laboratories_are_not_off() -> None:
+    share, error, no_loss = measured("linear", 6, 5)
+    assert 0.87 - 2.0 * error <= share <= 0.95 + 2.0 * error
+    assert no_loss == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", TRUTHS)
+def test_bands_of_two_hundred_laboratories(truth: str) -> None:
+    share, _, no_loss = measured(truth, 200, 31)
+    assert 0.87 <= share <= 0.95, share
+    assert no_loss <= 0.05
+
+
+def test_a_loss_that_shows_beyond_the_tests_is_not_denied_there() -> None:
+    """1 - 0.4 D^2 tested up to 0.5: a band there would hold next to nothing at 1."""
+    fit = fit_residual(laboratory(np.random.default_rng(3), "square", [6, 6, 6], 0.5), resamples=3)
+    low, high = fit.band([0.4, 1.0])
+    assert low[0] < TRUTHS["square"](np.array(0.4)) < high[0]
+    assert np.isnan([low[1], high[1]]).all()
+    assert fit.extrapolates([0.4, 1.0]).tolist() == [False, True]

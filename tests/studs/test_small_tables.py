@@ -1,0 +1,103 @@
+"""Random small tables after pre-damage: an answer with its grade, or one clear message."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.cli import run
+
+COLUMNS = {  # of a random table: probability that it is there, and what stands in it
+    "diameter_mm": (0.9, (16.0, 19.0, 22.0)),
+    "height_mm": (0.6, (75.0, 100.0, 150.0)),
+    "fcm_MPa": (0.6, (5.0, 25.0, 40.0, 250.0)),
+    "fu_MPa": (0.6, (200.0, 450.0, 1500.0)),
+    "role": (0.1, ("calibrate", "validate")),
+    "use_for_fit": (0.2, (0, 1, 1)),
+    "connector": (0.1, ("headed stud", "channel")),
+    "slip_at_max_mm": (0.3, (0.0, 6.0, 100.0)),
+}
+LEVELS = (0.0, 1.0, 0.5, 0.5, 0.1, 1e-6, 0.999)
+
+
+def table(seed: int) -> str:
+    """A table of 1 to 12 tests, some after pre-damage, with missing columns and extreme values."""
+    generator = np.random.default_rng(seed)
+    there = {n: values for n, (p, values) in COLUMNS.items() if generator.random() < p}
+    references = generator.random() < 0.8
+    damage = ["predamage", "predamage_measure", "predamage_level"]
+    header = ["campaign", "specimen", "test", "shear_kN", *damage, *there]
+    header += ["undamaged_shear_kN"] * references
+    campaigns, random_levels = generator.integers(1, 5), generator.random() < 0.5
+    exact, lines = generator.random() < 0.2, [",".join(header)]
+    for i in range(generator.integers(1, 13)):
+        level = generator.random() if random_levels else generator.choice(LEVELS)
+        kind = ("fatigue", "life fraction", f"{level:.6g}")
+        kind = kind if generator.random() < 0.85 else ("none", "", "")
+        share = 1.0 - 0.5 * float(kind[2] or 0.0)
+        load = 100.0 * (share if exact else share * np.exp(0.1 * generator.normal()))
+        row = [f"lab {generator.integers(campaigns)}", f"s{i}", "push-out", f"{load:.5g}", *kind]
+        row += [str(generator.choice(values)) for values in there.values()]
+        row += [str(generator.choice(["100", "100", "100", ""]))] * references
+        lines.append(",".join(row))
+    return "\n".join(lines) + "\n"
+
+
+def check(
+    seeds: range, verb: list[str], path: Path, capsys: pytest.CaptureFixture[str]
+) -> tuple[int, int]:
+    """How many tables are answered and how many refused; all in one of these two ways."""
+    counts = [0, 0]
+    for seed in seeds:
+        path.write_text(table(seed))
+        status = run([*verb, str(path)])
+        said = capsys.readouterr()
+        assert status in (0, 2), (seed, said.err)
+        assert "Traceback" not in said.err, seed
+        if status == 0:
+            assert "residual" not in verb or "GRADE: " in said.out, seed
+        else:
+            assert said.err.count("\n") == 1, seed
+        counts[status == 2] += 1
+    return counts[0], counts[1]
+
+
+RESIDUAL = ["fit", "residual", "--quantity", "strength", "--no-mechanical"]
+
+
+def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    answered, refused = check(range(12), RESIDUAL, tmp_path / "lab.csv", capsys)
+    assert answered
+    assert refused
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", [RESIDUAL, ["fit", "stud-strength"]])
+def test_three_hundred_small_tables(
+    verb: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answered, _ = check(range(300), verb, tmp_path / "lab.csv", capsys)
+    assert answered > 100
+
+
+@pytest.mark.parametrize("sizes", [(3,), (2, 2), (1, 1, 1), (1, 9)])
+def test_the_smallest_laboratories_are_answered(
+    sizes: tuple[int, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    generator, lines = np.random.default_rng(2), []
+    for j, count in enumerate(sizes):
+        for i in range(count):
+            level = (i + j + 1.0) / 10.0
+            load = 100.0 * (1.0 - 0.4 * level) * (1.0 + 0.05 * generator.normal())
+            damage = f"fatigue,life fraction,{level:g},100"
+            lines.append(f"lab {j},s{i},push-out,{load:.4g},{damage}")
+    header = (
+        "campaign,specimen,test,shear_kN,predamage,predamage_measure,predamage_level,"
+        "undamaged_shear_kN"
+    )
+    file = tmp_path / "lab.csv"
+    file.write_text("\n".join([header, *lines]) + "\n")
+    assert run([*RESIDUAL, str(file)]) == 0
+    assert "GRADE: fitted" in capsys.readouterr().out
