@@ -42,6 +42,7 @@ def test_help_imports_nothing_heavy() -> None:
     for verb in (
         "models",
         "simulate",
+        "limit",
         "run",
         "status",
         "report",
@@ -59,6 +60,7 @@ def test_help_imports_nothing_heavy() -> None:
     [
         ("models",),
         ("simulate",),
+        ("limit",),
         ("run",),
         ("status",),
         ("report",),

@@ -55,7 +55,7 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import data, doctor, fit, models, simulate, studies
+    from workbench.cli import data, doctor, fit, limit, models, simulate, studies
 
     app = typer.Typer(
         add_completion=False,
@@ -77,6 +77,7 @@ def _application() -> Callable[..., Any]:
 
     app.command("models")(models.models)
     app.command("simulate")(simulate.simulate)
+    app.command("limit")(limit.limit)
     for found in (studies.run, studies.status, studies.report, studies.validate):
         app.command(found.__name__)(found)
     app.add_typer(fit.app, name="fit")

@@ -18,18 +18,23 @@ if TYPE_CHECKING:
     from workbench.scenarios import Scenario
 
 
+ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a value of the scenario."),
+]
+Options = Annotated[
+    list[str] | None,
+    typer.Option("--option", metavar="KEY=VALUE", help="Set an option of the model."),
+]
+
+
 @verb
 def simulate(
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")],
+    scenario: ScenarioFile,
     model: Annotated[str, typer.Option(help="Name of the model, see `workbench models`.")],
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Override a value of the scenario."),
-    ] = None,
-    options: Annotated[
-        list[str] | None,
-        typer.Option("--option", metavar="KEY=VALUE", help="Set an option of the model."),
-    ] = None,
+    settings: Settings = None,
+    options: Options = None,
     out: Annotated[
         str | None, typer.Option(metavar="RUN.nc", help="Write the whole response as netCDF.")
     ] = None,
@@ -45,7 +50,7 @@ def simulate(
 
     target = None if out is None else _writable(out)
     given = load_scenario(scenario, settings or [])
-    chosen = make_model(model, _options(options or []))
+    chosen = make_model(model, options_from(options or []))
     response = chosen.simulate(given)
     outcome = outcome_of(response)
     if outcome is Outcome.INVALID_INPUT:
@@ -159,7 +164,8 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "wall time", duration(found["wall_time"])
 
 
-def _options(texts: list[str]) -> dict[str, Any]:
+def options_from(texts: list[str]) -> dict[str, Any]:
+    """Options of a model from texts like ``beta=1.3``. Raises `InputError`."""
     from workbench.scenarios import parse_value
 
     options = {}

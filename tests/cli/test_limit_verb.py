@@ -1,0 +1,77 @@
+"""`workbench limit` on the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from workbench.cli import run
+from workbench.scenarios import ColumnImpact, to_toml
+
+
+@pytest.fixture
+def car(parked: ColumnImpact, tmp_path: Path) -> str:
+    path = tmp_path / "car.toml"
+    path.write_text(to_toml(parked))
+    return str(path)
+
+
+def test_limits_of_two_models(car: str, capsys: pytest.CaptureFixture[str]) -> None:
+    models = ["--model", "four-dof", "--model", "energy-estimate"]
+    arguments = ["limit", car, "--over", "striker.velocity", *models]
+    assert run([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["over"], found["range"]) == ("striker.velocity", [1.0, 60.0])
+    bars, energy = found["limits"]
+    assert (bars["model"], energy["model"]) == ("four-dof", "energy-estimate")
+    assert bars["collapses_at"] < 10.0 < energy["survives_at"]  # the simple model is unsafe
+    values = [trial["value"] for trial in bars["trials"]]
+    assert values == sorted(values)
+    fallen = [trial for trial in bars["trials"] if trial["survives"] is False]
+    assert fallen[0]["collapse"]["mechanism"] == "geometry"
+    assert run(arguments) == 0
+    text = capsys.readouterr().out
+    for said in ("survives at", "collapses at", "9.52734", "geometry (below) at 0.54 m after"):
+        assert said in text
+
+
+def test_other_keys_need_a_range(car: str, capsys: pytest.CaptureFixture[str]) -> None:
+    heavy = ["limit", car, "--over", "striker.mass", "--from", "100", "--to", "4000"]
+    assert run([*heavy, "--set", "striker.velocity=8", "--tolerance", "0.05"]) == 0
+    assert "turns from survival to collapse" in capsys.readouterr().out
+    assert run([*heavy[:-1], "200"]) == 0
+    assert "no collapse up to 200" in capsys.readouterr().out
+
+
+def test_what_stays_open_is_status_1(car: str, capsys: pytest.CaptureFixture[str]) -> None:
+    heavy = ["--set", "column.axial_load=2e6", "--set", "column.length_above=12"]
+    assert run(["limit", car, *heavy]) == 1
+    text = " ".join(capsys.readouterr().out.split())
+    assert "no collapse found; not known at 1, 8.375" in text
+    assert "Euler load" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--over", "striker.speed", "--from", "1", "--to", "2"], "striker.speed: unknown key"),
+        (["--over", "striker.mass"], "--from, --to: must both be given for striker.mass"),
+        (["--over", "name", "--from", "1", "--to", "2"], "name = 1.0"),
+        (["--over", "striker.velocity=5"], "must be a key with a number"),
+        (["--over", "time.duration"], "must be a key with a number"),
+        (["--from", "-1"], "striker.velocity = -1.0: must be a number above 0"),
+        (["--to", "1"], "--to = 1.0: must be another value than --from"),
+        (["--tolerance", "2"], "--tolerance = 2.0: must be a number"),
+        (["--model", "four-dofs"], "did you mean four-dof?"),
+        (["--option", "gamma=1"], "option.gamma: unknown key"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(
+    arguments: list[str], said: str, car: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["limit", car, *arguments]) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert (captured.out, captured.err.count("\n")) == ("", 1)

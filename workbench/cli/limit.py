@@ -1,0 +1,136 @@
+"""`workbench limit`: the value of a scenario key at which a structure collapses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from workbench.cli.output import Answer, verb
+from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
+from workbench.content.tree import Block, Cell, Column, Paragraph, Table
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    from workbench.scenarios import Scenario
+    from workbench.study.limit import Limit, Trial
+
+COLUMNS, FRAMES = "four-dof", "rigid-superelement"  # models by default
+VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
+_ENDINGS = {True: "survives", False: "collapses", None: "not known"}
+_TONES = {True: "good", False: "bad", None: "doubt"}
+
+
+@verb
+def limit(
+    scenario: ScenarioFile,
+    over: Annotated[
+        str, typer.Option(metavar="KEY", help="Key of the scenario with a number.")
+    ] = VELOCITY,
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help=f"Name of a model, once for each.  [default: {COLUMNS}, {FRAMES}]"),
+    ] = None,
+    first: Annotated[
+        float | None,
+        typer.Option("--from", help="End of the range that survives.  [default: 1 m/s]"),
+    ] = None,
+    last: Annotated[
+        float | None, typer.Option("--to", help="End that may collapse.  [default: 60 m/s]")
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option(help="Width of the bracket over its larger value.")
+    ] = 0.005,
+    settings: Settings = None,
+    options: Options = None,
+) -> Answer:
+    """Find the value at which a structure collapses.
+
+    Per model, the bracket in which survival turns into collapse, and every value tried. Exit status 0 if every model says where, or that it is not in the range, 1 if one leaves that
+    open, 2 for bad input.
+    """
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.scenarios import load_scenario
+    from workbench.study.limit import find_limit
+
+    if "=" in over or over == "time.duration":
+        text = "must be a key with a number that bears on the structure"
+        raise InputError("--over", over, text, f"such as {VELOCITY}")
+    Number(1e-6, 0.5).check("--tolerance", tolerance)
+    given = (first, last)
+    if over != VELOCITY and None in given:
+        raise InputError("--from, --to", None, f"must both be given for {over}")
+    ends = tuple(VELOCITIES[i] if end is None else end for i, end in enumerate(given))
+    if ends[0] == ends[1]:
+        raise InputError("--to", ends[1], "must be another value than --from")
+
+    def scenario_at(value: float) -> Scenario:
+        return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
+
+    checked = [scenario_at(end) for end in ends]  # both, before the work
+    usual = FRAMES if checked[0].KIND.startswith("frame") else COLUMNS
+    models = [make_model(each, options_from(options or [])) for each in model or [usual]]
+    found = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
+    content = {
+        "scenario": checked[0].name,
+        "over": over,
+        "range": list(ends),
+        "tolerance": tolerance,
+        "limits": [{**each.as_dict(), "said": _said(each, ends)} for each in found],
+    }
+    shown = _blocks(checked[0].name, over, found, [_said(each, ends) for each in found])
+    return Answer(content, shown, int(not all(each.settled for each in found)))
+
+
+def _said(found: Limit, ends: tuple[float, ...]) -> str:
+    """What the bracket means, in one sentence."""
+    low, high = found.survives_at, found.collapses_at
+    if high is None:
+        text = f"no collapse up to {ends[1]:g}" if found.settled else "no collapse found"
+    elif low is None:
+        text = f"collapses already at {high:g}" if found.settled else "no survival found"
+    else:
+        text = "turns from survival to collapse between the two"
+    if found.undecided:
+        unknown = ", ".join(f"{trial.value:.6g}" for trial in found.undecided)
+        text += f"; not known at {unknown}: {found.undecided[0].message}"
+    return text
+
+
+def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterator[Block]:
+    yield Paragraph(f"{name}: limit of {over}, in the unit of the scenario")
+    columns = (
+        Column("model", width=1.5, of=lambda row: row[0].model),
+        Column("survives at", True, 1.0, lambda row: _value(row[0].survives_at)),
+        Column("collapses at", True, 1.0, lambda row: _value(row[0].collapses_at)),
+        Column("tried", True, 0.6, lambda row: len(row[0].trials)),
+        Column("what that means", width=3.0, of=lambda row: row[1]),
+    )
+    yield Table.of("limits", "", columns, zip(found, said, strict=True))
+    tried = (
+        Column("model", width=1.5, of=lambda row: row[0]),
+        Column(over, True, 1.0, lambda row: _value(row[1].value)),
+        Column("outcome", width=1.0, of=lambda row: _ending(row[1])),
+        Column("how", width=3.5, of=lambda row: _how(row[1])),
+    )
+    rows = [(each.model, t) for each in found for t in sorted(each.trials, key=lambda t: t.value)]
+    yield Table.of("tried", "Every value tried.", tried, rows)
+
+
+def _value(value: float | None) -> Cell | None:
+    return None if value is None else Cell(f"{value:.6g}", value)
+
+
+def _ending(trial: Trial) -> Cell:
+    return Cell(_ENDINGS[trial.survives], tone=_TONES[trial.survives])
+
+
+def _how(trial: Trial) -> str:
+    told: dict[str, Any] | None = trial.collapse
+    if told is None:
+        return "" if trial.survives else f"{trial.outcome}: {trial.message}"
+    at = "" if told["time"] is None else f" after {told['time']:.3g} s"
+    where = ", ".join(told["parts"])
+    return f"{told['mechanism']} ({where}) at {told['displacement']:.3g} m{at}"

@@ -1,0 +1,141 @@
+"""The critical value of a scenario: where the answer of a model turns from survival to collapse.
+
+Values are tried in equal parts from one end of a range, up to the first collapse; the bracket is
+then bisected. What lies behind the first collapse is not looked at. A value without an answer is
+taken for neither: the bracket closes on it from both sides.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from workbench.models.base import Model
+from workbench.responses import Outcome, collapse_of, outcome_of, survives, warnings_of
+from workbench.responses.histories import NO_PEAK
+from workbench.scenarios import Scenario
+from workbench.scenarios.column import DURATION
+
+PARTS = 8  # of the range, until a collapse is found
+SMALL = 1e-3  # of the range; values below it do not make the bracket narrower
+LONGER = 4  # doublings of a record that ends before its peak
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of the structure at one `value`: `survives`, None where that is not known.
+
+    With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record
+    (s; None: the scenario has none).
+    """
+
+    value: float
+    survives: bool | None
+    outcome: str
+    message: str
+    collapse: dict[str, Any] | None
+    duration: float | None
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The bracket in which a `model` turns from survival to collapse, and every value tried.
+
+    `survives_at` and `collapses_at` are None where no value tried does so; `settled`, whether
+    nothing is left open: the bracket is as narrow as was asked, or the ends of the range decide.
+    """
+
+    model: str
+    survives_at: float | None
+    collapses_at: float | None
+    settled: bool
+    trials: tuple[Trial, ...]
+
+    @property
+    def undecided(self) -> tuple[Trial, ...]:
+        """Values without an answer: those inside the bracket, or all if there is none."""
+        silent = tuple(trial for trial in self.trials if trial.survives is None)
+        if self.survives_at is None or self.collapses_at is None:
+            return silent
+        low, high = sorted((self.survives_at, self.collapses_at))
+        return tuple(trial for trial in silent if low < trial.value < high)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The limit as JSON holds it, with trials in the order of their values."""
+        tried = sorted(self.trials, key=lambda trial: trial.value)
+        return {**asdict(self), "trials": [asdict(trial) for trial in tried]}
+
+
+def find_limit(
+    model: Model,
+    scenario_at: Callable[[float], Scenario],
+    ends: tuple[float, float],
+    tolerance: float,
+) -> Limit:
+    """Bracket the value at which a structure collapses that survives below (or above) it.
+
+    Arguments: the `model`, asked without the coarser meshes of a reference; `scenario_at` a value;
+    `ends` of the range, the one that survives first; `tolerance`, width of the bracket over its
+    larger value.
+    """
+    alone = replace(model, levels=1) if hasattr(model, "levels") else model  # type: ignore[type-var]
+    trials: dict[float, Trial] = {}
+
+    def tried(value: float) -> bool | None:
+        trials[value] = ask(alone, value, scenario_at(value))
+        return trials[value].survives
+
+    first, last = ends
+    stands = falls = None
+    for part in range(PARTS + 1):
+        value = last if part == PARTS else first + (last - first) * part / PARTS
+        found = tried(value)
+        if found:
+            stands = value
+        elif found is False:
+            falls = value
+            break
+    settled = falls == first or (falls is None and all(t.survives for t in trials.values()))
+    least = tolerance * SMALL * abs(last - first)
+    while stands is not None and falls is not None:
+        silent = [t.value for t in trials.values() if t.survives is None]
+        inside, start, end = _gap(stands, falls, silent)
+        if abs(end - start) <= max(least, tolerance * max(abs(stands), abs(falls))):
+            settled = not inside
+            break
+        middle = 0.5 * (start + end)
+        found = tried(middle)
+        stands, falls = (middle if found else stands), (middle if found is False else falls)
+    return Limit(model.name, stands, falls, settled, tuple(trials.values()))
+
+
+def _gap(stands: float, falls: float, silent: list[float]) -> tuple[bool, float, float]:
+    """Whether values without an answer lie in the bracket, and what to halve next.
+
+    That is the bracket, or the wider gap between an end of it and the nearest such value.
+    """
+    inside = sorted((v for v in silent if (v - stands) * (v - falls) < 0.0), reverse=falls < stands)
+    ends = [stands, *inside, falls]
+    start, end = max((ends[:2], ends[-2:]), key=lambda gap: abs(gap[1] - gap[0]))
+    return bool(inside), start, end
+
+
+def ask(model: Model, value: float, scenario: Any) -> Trial:
+    """The answer of a model; a record that ends before its peak is made longer, where it may be."""
+    response = model.simulate(scenario)
+    for _ in range(LONGER):
+        longer = 2.0 * getattr(scenario, "duration", DURATION.high)
+        undecided = outcome_of(response) is Outcome.OK and survives(response) is None
+        if not undecided or longer > DURATION.high:
+            break
+        scenario = replace(scenario, duration=longer)
+        response = model.simulate(scenario)
+    collapse = collapse_of(response)
+    open_end = [str(found) for found in warnings_of(response) if found.subject == NO_PEAK]
+    return Trial(
+        value,
+        survives(response),
+        outcome_of(response).value,
+        response.attrs["message"] or "; ".join(open_end),
+        None if collapse is None else collapse._asdict(),
+        getattr(scenario, "duration", None),
+    )
