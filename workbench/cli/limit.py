@@ -47,8 +47,9 @@ def limit(
 ) -> Answer:
     """Find the value at which a structure collapses.
 
-    Per model, the bracket in which survival turns into collapse, and every value tried. Exit status 0 if every model says where, or that it is not in the range, 1 if one leaves that
-    open, 2 for bad input.
+    Per model, the bracket in which survival turns into collapse, and every value tried. Exit
+    status 0 if every model says where, or that it is not in the range, 1 if one leaves that open,
+    2 for bad input.
     """
     from workbench.fields import Number
     from workbench.registry import make_model
