@@ -23,7 +23,7 @@ from workbench.report.chapters import (
 from workbench.report.gallery import Plate, draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
-from workbench.study.store import write_atomically
+from workbench.study.store import own_directory, write_atomically
 
 _FORMAT = Choice(("html", "pdf"))
 # figures of these kinds stand in chapters of their own
@@ -45,17 +45,15 @@ def build_report(
     """
     for name in formats:
         _FORMAT.check("--format", name)
-    target = Path(directory) / "report" if out is None else Path(out)
+    target = own_directory(Path(directory), "report") if out is None else Path(out)
+    written = {"figures": own_directory(target, "figures")}
     stored = Stored(Path(directory), study)
     plates = draw_all(study, stored)
     pictures = {plate.figure.key: plate.picture() for plate in plates}
     kinds = {plate.figure.key: plate.figure.kind for plate in plates}
     content = document(study, stored, [(kinds[key], pictures[key]) for key in kinds])
-    written = {}
     try:
-        target.mkdir(parents=True, exist_ok=True)
-        save_all(plates, target / "figures", pictures)
-        written["figures"] = target / "figures"
+        save_all(plates, written["figures"], pictures)
         if "html" in formats:
             written["html"] = target / "report.html"
             write_atomically(written["html"], render_html(content).encode())
@@ -107,7 +105,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
     """
     stored = Stored(Path(directory), study)
     target = Path(target)
-    (target / "figures").mkdir(parents=True, exist_ok=True)
+    own_directory(target, "figures")
     sections = [Section("short", "", tuple(_short(study, stored)))]
     for plate in _chosen(draw_all(study, stored)):
         name = f"figures/{study.name}-{plate.figure.key}.png"

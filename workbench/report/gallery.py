@@ -20,6 +20,7 @@ from workbench.report.figures import draw
 from workbench.report.stored import Stored
 from workbench.scenarios import StudTests
 from workbench.study.definition import Case, Figure, Study
+from workbench.study.store import write_atomically
 
 # Figures that every report has; a study that names one of the kind draws its own instead.
 _STANDARD = {
@@ -79,8 +80,10 @@ def to_svg(canvas: Canvas, key: str) -> str:
 
 def save_png(canvas: Canvas, path: Path, resolution: int = 160) -> None:
     """Write a PNG without time stamp or program name."""
+    buffer = io.BytesIO()
     with house_style():
-        canvas.savefig(path, format="png", dpi=resolution, metadata={"Software": None})
+        canvas.savefig(buffer, format="png", dpi=resolution, metadata={"Software": None})
+    write_atomically(path, buffer.getvalue())
 
 
 def to_csv(data: pd.DataFrame) -> str:
@@ -140,13 +143,11 @@ def save_all(plates: tuple[Plate, ...], target: Path, pictures: Mapping[str, Pic
 
     A figure asks for a PNG by the option `png`.
     """
-    target.mkdir(parents=True, exist_ok=True)
     for plate in plates:
         key, canvas = plate.figure.key, plate.drawing.canvas
         if canvas is None:
             continue
-        (target / f"{key}.svg").write_text(pictures[key].svg, encoding="utf-8", newline="\n")
-        text = to_csv(plate.drawing.data)
-        (target / f"{key}.csv").write_text(text, encoding="utf-8", newline="\n")
+        write_atomically(target / f"{key}.svg", pictures[key].svg.encode())
+        write_atomically(target / f"{key}.csv", to_csv(plate.drawing.data).encode())
         if plate.figure.options.get("png"):
             save_png(canvas, target / f"{key}.png")

@@ -94,7 +94,7 @@ def assess(study: Study, root: Path) -> Assessment:
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
             row = {**who, "model_version": cell.model.version, "outcome": NOT_RUN, "key": cell.key}
-            if store.presence(cell.key) is Presence.FINISHED:
+            if store.presence(cell.key, cell.ingredients) is Presence.FINISHED:
                 response = responses[cell.label] = store.response(cell.key)
                 row |= _numbers(response, store, cell)
                 rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]

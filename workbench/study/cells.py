@@ -5,7 +5,6 @@ import hashlib
 import json
 import pickle
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
@@ -14,10 +13,9 @@ from workbench.errors import InputError
 from workbench.models.base import Model, options_of
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
+from workbench.study.store import Ingredients
 
 STORE_FORMAT = 2
-
-Ingredients = Mapping[str, Any]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,15 @@ from workbench.errors import InputError, WorkbenchError
 from workbench.models.base import options_of
 from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
-from workbench.study.cells import Cell, Ingredients, cells_of, key_of
+from workbench.study.cells import Cell, cells_of, key_of
 from workbench.study.definition import Study
-from workbench.study.store import Presence, Store, canonical_json, write_atomically
+from workbench.study.store import (
+    Ingredients,
+    Presence,
+    Store,
+    canonical_json,
+    write_atomically,
+)
 
 Manifest = dict[str, Any]
 
@@ -54,13 +60,13 @@ def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
     answered = _last_answers(read_manifest(store), store)
 
     def status(cell: Cell) -> CellStatus:
-        presence = store.presence(cell.key)
+        presence = store.presence(cell.key, cell.ingredients)
         if presence is Presence.FINISHED:
             outcome = store.record(cell.key)["outcome"]
             state = State.DONE if Outcome(outcome).is_answer else State.FAILED
             return CellStatus(cell, state, outcome)
         if presence is Presence.CORRUPT:
-            reason = "the stored cell is corrupt: its file does not agree with its record"
+            reason = "the stored cell is corrupt: its file, its record and what is asked disagree"
         else:
             reason = _reason(cell, answered.get((cell.case, cell.label)), store)
         return CellStatus(cell, State.TO_DO, reason=reason)
@@ -95,7 +101,7 @@ def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
     for cell in cells:
         entry = {name: getattr(cell, name) for name in ("case", "label", "key", "ingredients")}
         last = answered.get((cell.case, cell.label))
-        if store.presence(cell.key) is not Presence.FINISHED and last is not None:
+        if not store.holds(cell.key) and last is not None:
             entry["answered"] = last
         entries.append(entry)
     manifest = {**_description(study), "cells": entries, "provenance": provenance()}
@@ -135,8 +141,7 @@ def _last_answers(manifest: Manifest, store: Store) -> dict[tuple[str, str], Ing
     answers = {}
     for entry in manifest.get("cells", ()):
         # the manifest is written before the cells: look whether the cell came to be stored
-        stored = store.presence(entry["key"]) is not Presence.ABSENT
-        last = entry["ingredients"] if stored else entry.get("answered")
+        last = entry["ingredients"] if store.holds(entry["key"]) else entry.get("answered")
         if last is not None:
             answers[entry["case"], entry["label"]] = last
     return answers
@@ -220,7 +225,7 @@ def gather(study: Study, root: Path) -> xr.DataTree:
     tree = xr.DataTree(name=study.name)
     missing = []
     for cell in cells_of(study):
-        if store.presence(cell.key) is not Presence.FINISHED:
+        if store.presence(cell.key, cell.ingredients) is not Presence.FINISHED:
             missing.append(cell.name)
             continue
         response, record = store.response(cell.key), store.record(cell.key)

@@ -2,8 +2,7 @@
 
 import os
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -69,8 +68,7 @@ def run_study(
     executor = _executor(jobs, scheduler)
     progress = progress or Progress()
     store = Store(Path(root) / study.name)
-    store.prepare()
-    with _alone(store):
+    with store.alone():
         write_manifest(study, cells, store)
         waiting = [
             cell
@@ -123,7 +121,7 @@ def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
 
 
 def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) -> bool:
-    presence, why = store.presence(cell.key), ""
+    presence, why = store.presence(cell.key, cell.ingredients), ""
     if presence is Presence.ABSENT:
         return True
     if presence is Presence.CORRUPT:
@@ -138,24 +136,3 @@ def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) 
     if why:
         progress.note(f"{cell.name}: {why}")
     return bool(why)
-
-
-@contextmanager
-def _alone(store: Store) -> Iterator[None]:
-    """Hold the lock of the store; the system frees it when this process ends in any way.
-
-    Raises `InputError` if another run holds it.
-    """
-    try:
-        import fcntl
-    except ImportError:  # not a POSIX system: nothing to lock with
-        yield
-        return
-    with (store.directory / ".lock").open("w") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise InputError(
-                "store", str(store.directory), "is in use by another run", "wait until it is over"
-            ) from error
-        yield

@@ -2,41 +2,52 @@
 
 ``<directory>/cells/<key>.nc`` holds what is the same in every run, ``<key>.json`` what is not:
 wall time, provenance, time stamps, and the digest of the file. The file is written first: a
-cell counts as finished when its record is there and the digest agrees. A reader of any file sees
-the old content or the new one, never a half; equal content gives equal bytes, in JSON, CSV and
-netCDF-4 alike.
+cell counts as finished when its record is there, the digest agrees, and both say that they answer
+what is asked. A reader of any file sees the old content or the new one, never a half; equal
+content gives equal bytes, in JSON, CSV and netCDF-4 alike. Nothing is written through a link
+inside a store, which may come from elsewhere.
 """
 
 import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import pandas as pd
 import xarray as xr
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.responses import Response
+from workbench.responses import Outcome, Response
 
 TEMPORARY = ".partial"
 _COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compression saves
 
+# Attributes of a stored response by the ingredients of its key that they repeat.
+_SIGNED = {"scenario": "scenario_hash", "model": "model", "model_version": "model_version"}
+
+# What reading a record of any content may raise: not there, no JSON, other shapes, too deep.
+_UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
+
 Row = Mapping[str, Any]
+Ingredients = Mapping[str, Any]  # everything that an answer depends on
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write, flush to the disk, then rename into place.
+    """Write, flush to the disk, then rename into place; a link there is replaced, not followed.
 
     A process killed in between leaves a file ending in `TEMPORARY`, which nobody reads.
     """
     temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
     try:
-        with temporary.open("wb") as stream:
+        temporary.unlink(missing_ok=True)
+        with temporary.open("xb") as stream:  # x: neither an existing file nor a link is opened
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())
@@ -44,6 +55,27 @@ def write_atomically(path: Path, content: bytes) -> None:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def own_directory(parent: Path, name: str) -> Path:
+    """The directory of this name in `parent`, made where it is missing.
+
+    Raises `InputError` if it cannot be made or is a link: what a store from elsewhere links to is
+    not ours to write.
+    """
+    path = parent / name
+    if path.is_symlink():
+        text = "is a link, through which nothing is written"
+        raise InputError("directory", str(path), text, "remove it")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _not_written("directory", path, error) from error
+    return path
+
+
+def _not_written(field: str, path: Path, error: OSError) -> InputError:
+    return InputError(field, str(path), f"cannot be written: {error.strerror}")
 
 
 def canonical_json(content: Any) -> bytes:
@@ -122,33 +154,63 @@ class Store:
         return self.directory / "manifest.json"
 
     def prepare(self) -> None:
-        """Make the directories and remove what an interrupted run has left behind.
+        """Make the directories. Raises `InputError` if they cannot be written or are links."""
+        for directory in (self.cells, self.tables):
+            own_directory(self.directory, directory.name)
 
-        Raises `InputError` if the directory cannot be written.
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Prepare and hold the lock of the store; what an interrupted run has left is removed.
+
+        The system frees the lock when this process ends in any way. Raises `InputError` if
+        another run holds it, whose files are not touched.
         """
+        self.prepare()
         try:
-            self.cells.mkdir(parents=True, exist_ok=True)
-            self.tables.mkdir(exist_ok=True)
+            path, how = self.directory / ".lock", os.O_RDWR | os.O_CREAT
+            lock = os.open(path, how | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        except OSError as error:
+            raise _not_written("store", self.directory, error) from error
+        try:
+            self._lock(lock)
             for directory in (self.directory, self.cells, self.tables):
                 for leftover in directory.glob(f"*{TEMPORARY}"):
                     leftover.unlink(missing_ok=True)
+            yield
+        finally:
+            os.close(lock)
+
+    def _lock(self, lock: int) -> None:
+        try:
+            import fcntl
+        except ImportError:  # not a POSIX system: nothing to lock with
+            return
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             raise InputError(
-                "store", str(self.directory), f"cannot be written: {error.strerror}"
+                "store", str(self.directory), "is in use by another run", "wait until it is over"
             ) from error
 
-    def presence(self, key: str) -> Presence:
-        """Whether the cell is finished, absent, or does not agree with its record."""
-        file, record = self.cells / f"{key}.nc", self.cells / f"{key}.json"
-        if not record.is_file():
+    def holds(self, key: str) -> bool:
+        """Whether a cell has come to be stored under this key, whatever has become of it since."""
+        return (self.cells / f"{key}.json").is_file()
+
+    def presence(self, key: str, asked: Ingredients) -> Presence:
+        """Whether the cell is finished, absent, or does not agree with itself or what is `asked`.
+
+        Names of files prove nothing: record and response say themselves what they answer.
+        """
+        if not self.holds(key):
             return Presence.ABSENT  # a file without a record was cut off before it counted
         try:
-            digest = json.loads(record.read_text(encoding="utf-8"))["sha256"]
-            content = file.read_bytes()
-        except (OSError, ValueError, KeyError, TypeError):
+            record, file = self.record(key), self.cells / f"{key}.nc"
+            content = file.read_bytes() if file.is_file() else b""  # a pipe would never end
+            same = hashlib.sha256(content).hexdigest() == record["sha256"]
+            agrees = same and record["key"] == key and _answers(content, asked, record["outcome"])
+        except (*_UNREADABLE, AttributeError):
             return Presence.CORRUPT
-        same = hashlib.sha256(content).hexdigest() == digest
-        return Presence.FINISHED if same else Presence.CORRUPT
+        return Presence.FINISHED if agrees else Presence.CORRUPT
 
     def put(self, key: str, content: bytes, record: Record) -> None:
         """Store the netCDF bytes of a cell, then its record."""
@@ -182,3 +244,15 @@ class Store:
             return read_netcdf(path)
         except (OSError, ValueError) as error:
             raise WorkbenchError(f"stored cell {path.name} cannot be read: {error}") from error
+
+
+def _answers(content: bytes, asked: Ingredients, outcome: str) -> bool:
+    """Whether stored bytes say that they answer what is asked, and ended as their record says."""
+    with netCDF4.Dataset("stored", memory=content) as stored:
+        told = {name: stored.getncattr(name) for name in (*_SIGNED.values(), "options", "outcome")}
+    same = all(told[mine] == asked[name] for name, mine in _SIGNED.items())
+    return (
+        same
+        and json.loads(told["options"]) == asked["options"]
+        and Outcome(told["outcome"]) == outcome
+    )

@@ -1,0 +1,149 @@
+"""The store of a study against a second run, exchanged cells and links that lead elsewhere."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.report.build import build_report
+from workbench.study import State, Store, Study, assess, cells_of, run_study, survey
+from workbench.study.store import canonical_json, write_atomically
+
+
+@pytest.fixture
+def small(toy_study: Study) -> Study:
+    """Two velocities, two stiffnesses."""
+    models = {name: toy_study.models[name] for name in ("soft", "fine")}
+    cases = toy_study.cases[:2]
+    return dataclasses.replace(toy_study, cases=cases, models=models, ladder=(), quick_models=())
+
+
+def written(study: Study, root: Path) -> None:
+    """All that `run` and `report` write into a store."""
+    run_study(study, root, jobs=0)
+    assess(study, root)
+    build_report(root / study.name, study, formats=("html",))
+
+
+def states(study: Study, root: Path) -> list[State]:
+    return [entry.state for entry in survey(study, cells_of(study), Store(root / study.name))]
+
+
+def test_refused_runs_and_reports_leave_the_files_of_a_run_alone(
+    small: Study, tmp_path: Path
+) -> None:
+    run_study(small, tmp_path, jobs=0, only="soft")
+    store = Store(tmp_path / "toy")
+    with store.alone():
+        written = [d / "x.1.partial" for d in (store.directory, store.cells, store.tables)]
+        for path in written:
+            path.write_bytes(b"being written")
+        for _ in range(50):
+            with pytest.raises(InputError, match="in use by another run"):
+                run_study(small, tmp_path, jobs=0)
+        assess(small, tmp_path)  # as `workbench report` does beside a run
+        assert all(path.is_file() for path in written)
+    run_study(small, tmp_path, jobs=0, only="soft")
+    assert not any(path.exists() for path in written)
+
+
+@pytest.mark.parametrize("forged", [False, True])
+def test_exchanged_cells_are_answered_again(small: Study, tmp_path: Path, forged: bool) -> None:
+    run_study(small, tmp_path, jobs=0)
+    store = Store(tmp_path / "toy")
+    cells = cells_of(small)
+    # the other velocity, the other options: each differs from the first in one thing
+    for other in (2, 1):
+        one, two = cells[0].key, cells[other].key
+        names = [
+            (store.cells / f"{one}{end}", store.cells / f"{two}{end}") for end in (".nc", ".json")
+        ]
+        for a, b in names:
+            content = a.read_bytes()
+            a.write_bytes(b.read_bytes())
+            b.write_bytes(content)
+        if forged:  # the records agree with their names and files, the responses do not
+            for key in (one, two):
+                record = json.loads((store.cells / f"{key}.json").read_text())
+                digest = hashlib.sha256((store.cells / f"{key}.nc").read_bytes()).hexdigest()
+                record |= {"key": key, "sha256": digest}
+                write_atomically(store.cells / f"{key}.json", canonical_json(record))
+        assert states(small, tmp_path).count(State.TO_DO) == 2
+        table = assess(small, tmp_path).tables["cells"]
+        assert [row["outcome"] for row in table].count("not run") == 2
+        assert run_study(small, tmp_path, jobs=0).answered == 2
+        assert states(small, tmp_path).count(State.TO_DO) == 0
+
+
+def test_records_of_any_content_are_corrupt(small: Study, tmp_path: Path) -> None:
+    run_study(small, tmp_path, jobs=0)
+    path = Store(tmp_path / "toy").cells / f"{cells_of(small)[0].key}.json"
+    for record in ('{"sha256": 1}', "[]", "7", "[" * 100_000, '{"outcome": "fine"}', "\xff"):
+        path.write_bytes(record.encode("latin-1"))
+        assert states(small, tmp_path).count(State.TO_DO) == 1, record[:20]
+
+
+def test_a_pipe_in_the_place_of_a_cell_does_not_hang(small: Study, tmp_path: Path) -> None:
+    run_study(small, tmp_path, jobs=0)
+    path = Store(tmp_path / "toy").cells / f"{cells_of(small)[0].key}.nc"
+    path.unlink()
+    os.mkfifo(path)
+    assert states(small, tmp_path).count(State.TO_DO) == 1
+    assert run_study(small, tmp_path, jobs=0).answered == 1
+    assert path.is_file()
+
+
+@pytest.mark.parametrize("place", ["cells", "tables", "report", "report/figures", ".lock"])
+def test_nothing_is_written_through_a_link_in_place_of_a_directory_or_the_lock(
+    small: Study, tmp_path: Path, place: str
+) -> None:
+    run_study(small, tmp_path, jobs=0)
+    store, target = tmp_path / "toy", tmp_path / "precious"
+    assess(small, tmp_path)
+    link = store / place
+    if place == ".lock":
+        link.unlink()
+        target.write_text("precious")
+    else:
+        target.mkdir()
+        for name in ("cells.csv", "structure.svg", "report.html", "x.1.partial"):
+            (target / name).write_text("precious")
+        link.parent.mkdir(exist_ok=True)
+        if link.exists():
+            link.rename(tmp_path / "aside")
+    link.symlink_to(target)
+    with pytest.raises(InputError, match=r"link|cannot be written"):
+        written(small, tmp_path)
+    kept = [target] if target.is_file() else sorted(target.iterdir())
+    assert {path.read_text() for path in kept} == {"precious"}
+    assert len(kept) in (1, 4)
+
+
+def test_files_of_a_report_replace_links_and_do_not_follow_them(
+    small: Study, tmp_path: Path
+) -> None:
+    for directory in ("report/figures", "tables"):
+        (tmp_path / "toy" / directory).mkdir(parents=True)
+    names = ("figures/cost.svg", "figures/cost.csv", "report.html", "../tables/cells.csv")
+    links = [tmp_path / "toy" / "report" / name for name in names]
+    precious = tmp_path / "precious"
+    precious.write_text("precious")
+    for link in links:
+        link.symlink_to(precious)
+    written(small, tmp_path)
+    assert precious.read_text() == "precious"
+    assert all(link.is_file() and not link.is_symlink() for link in links)
+
+
+def test_a_link_planted_where_a_file_is_prepared_is_not_followed(tmp_path: Path) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("precious")
+    (tmp_path / f"table.csv.{os.getpid()}.partial").symlink_to(precious)
+    write_atomically(tmp_path / "table.csv", b"new")
+    assert (precious.read_text(), (tmp_path / "table.csv").read_bytes()) == ("precious", b"new")
