@@ -1,8 +1,13 @@
-"""Where the data files of the workbench are, in a source tree and in an installed package."""
+"""Where the data files of the workbench are, and how files that a user names are opened."""
 
+import os
+import stat
+from io import BufferedReader
 from pathlib import Path
 
-from workbench.errors import WorkbenchError
+from workbench.errors import InputError, WorkbenchError
+
+LARGEST_FILE = 20_000_000  # bytes; a row of tests has some 500, so this holds some 40 000
 
 
 def data_directory() -> Path:
@@ -16,3 +21,30 @@ def data_directory() -> Path:
         if directory.is_dir():
             return directory
     raise WorkbenchError(f"the data files of the workbench are missing beside {package}")
+
+
+def open_input(path: Path, field: str, largest: int = LARGEST_FILE) -> BufferedReader:
+    """A file that a user names, opened to be read: regular, and of at most `largest` bytes.
+
+    Refused before anything is read. Raises `InputError` naming `field`.
+    """
+
+    def opener(name: str, flags: int) -> int:  # without waiting for the writer of a pipe
+        return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+
+    try:
+        stream = open(path, "rb", opener=opener)  # noqa: SIM115  (handed out)
+    except IsADirectoryError as error:
+        raise InputError(field, str(path), "is a directory, not a file") from error
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(field, str(path), f"cannot be read: {reason}") from error
+    found = os.fstat(stream.fileno())
+    if stat.S_ISREG(found.st_mode) and found.st_size <= largest:
+        return stream
+    stream.close()
+    if not stat.S_ISREG(found.st_mode):
+        text, advice = "is a pipe or a device, which may never end", "save it as a file"
+        raise InputError(field, str(path), text, advice)
+    limit = f"must not exceed {largest / 1e6:g} MB"
+    raise InputError(field, f"{found.st_size / 1e6:.0f} MB", limit, "is this the right file?")

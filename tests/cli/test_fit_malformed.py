@@ -129,6 +129,16 @@ def test_the_other_verbs_refuse_alike(
     assert said in err
 
 
+@pytest.mark.parametrize("value", ["-1", "0", "nan", "1e9"])
+def test_an_impossible_specified_strength_is_refused(
+    capsys: pytest.CaptureFixture[str], value: str
+) -> None:
+    assert run(["fit", "stud-strength", "--specified-fu", value]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("workbench: --specified-fu = ")
+    assert "from 200 to 1500 MPa" in said
+
+
 def test_missing_files_and_directories(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for file, said in ((tmp_path / "no.csv", "No such file"), (tmp_path, "is a directory")):
         assert run(["fit", "stud-strength", str(file)]) == 2

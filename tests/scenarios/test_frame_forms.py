@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import time
 import tomllib
 
 import pytest
-from builders import examples
+from builders import SQUARE, examples
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ from workbench.scenarios import (
     Striker,
     frame_of,
     frame_scenario,
+    regular_frame,
     scenario_from,
     to_toml,
 )
@@ -96,3 +98,20 @@ def test_what_happens_to_a_column_happens_to_its_frame(column, displacement, res
     assert hit.frame == push.frame == frame_of(column)
     for scenario in (push, hit):
         assert scenario_from(tomllib.loads(to_toml(scenario))) == scenario
+
+
+def test_many_splits_take_the_time_of_one_frame() -> None:
+    bays, storeys = (4.0,) * 2, (4.0,) * 100
+    frame = regular_frame(bays, storeys, SQUARE, SQUARE)
+    splits = [(f"A{i}-A{i + 1}" + "/2" * k, 1.0, f"s{i}.{k}") for i in range(100) for k in range(3)]
+    began = time.process_time()
+    whole = frame.split_all(splits)
+    assert time.process_time() - began < 2.0
+    assert len(whole.members) == len(frame.members) + 300
+    few = frame
+    for member, at, node in splits[:3]:
+        few = few.split(member, at, node)
+    assert few == frame.split_all(splits[:3])
+    assert [m.name for m in few.members[:4]] == [
+        "A0-A1/1", "A0-A1/2/1", "A0-A1/2/2/1", "A0-A1/2/2/2",
+    ]  # fmt: skip

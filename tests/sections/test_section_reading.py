@@ -1,5 +1,7 @@
 """Sections from names and tables, back to TOML, and every way to get them wrong."""
 
+import time
+
 import pytest
 
 from workbench.errors import InputError
@@ -132,3 +134,11 @@ def test_constructors_in_python_check_too() -> None:
         circular_tube(0.2, 0.15)
     with pytest.raises(InputError, match="must be a profile"):
         find(220)  # type: ignore[arg-type]
+
+
+def test_long_names_take_no_longer_than_their_length() -> None:
+    began = time.process_time()
+    for name in ("HEB 220" + " " * 30_000 + "x", "H" * 30_000 + "?", "HEB" + "-" * 30_000):
+        with pytest.raises(InputError, match="must be a profile of the catalogue"):
+            find(name)
+    assert time.process_time() - began < 2.0

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import threading
+import time
 import tracemalloc
 from pathlib import Path
 
@@ -12,9 +11,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.datafiles import LARGEST_FILE
 from workbench.errors import InputError
+from workbench.scenarios import load_scenario
 from workbench.studs import POINTS, TESTS, examine, read_tests
-from workbench.studs.reading import LARGEST_FILE, from_frame, read_text
+from workbench.studs.reading import from_frame, read_text
+from workbench.studs.tables import check_file
 
 HEADER = "campaign,specimen,test,diameter_mm,height_mm,fcm_MPa,fu_MPa,shear_kN"
 GOOD = "lab,A1,push-out,19,100,30,450,100"
@@ -188,23 +190,27 @@ def test_a_gigabyte_of_nonsense_is_refused_at_once(tmp_path: Path) -> None:
     tracemalloc.stop()
 
 
-def test_a_pipe_that_does_not_stop_is_refused(tmp_path: Path) -> None:
+def test_pipes_and_devices_are_refused_without_waiting_for_them(tmp_path: Path) -> None:
     path = tmp_path / "pipe.csv"
-    os.mkfifo(path)
-    line = (GOOD + "\n").encode() * 1000
+    os.mkfifo(path)  # nobody will ever write to it
+    for endless in (path, Path("/dev/zero")):
+        for read in (read_tests, check_file, load_scenario):
+            with pytest.raises(InputError, match="a pipe or a device, which may never end"):
+                read(endless)
 
-    def write() -> None:
-        with contextlib.suppress(BrokenPipeError), path.open("wb") as stream:
-            stream.write((HEADER + "\n").encode())
-            for _ in range(2 * LARGEST_FILE // len(line)):
-                stream.write(line)
 
-    writer = threading.Thread(target=write)
-    writer.start()
-    with pytest.raises(InputError, match="has more than 50000 rows"):
+def test_long_cells_and_headers_take_no_longer_than_their_length(tmp_path: Path) -> None:
+    path = tmp_path / "tests.csv"
+    digits = "1" * 50_000
+    began = time.process_time()
+    for shear in (digits + "x", digits + "." + digits[:9000] + "x", digits, "." + digits + "e"):
+        path.write_text(f"{HEADER}\n{GOOD}{shear}\n")
+        with pytest.raises(InputError, match="must be a number above 0 to 2000 kN"):
+            read_tests(path)
+    path.write_text(",".join(f"x_{i:x}" for i in range(9000)) + "\n1\n")
+    with pytest.raises(InputError, match="required column missing"):
         read_tests(path)
-    writer.join(timeout=300.0)
-    assert not writer.is_alive()
+    assert time.process_time() - began < 2.0
 
 
 def test_bad_rows_take_nothing_else_with_them(tmp_path: Path) -> None:

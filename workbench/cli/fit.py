@@ -129,6 +129,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
     from workbench.studs.fit_protocol import plain
 
+    specified = 1e6 * TESTS.column("fu_MPa").rule.check("--specified-fu", options.specified)
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
     for name in options.model or list(SHEAR_MODELS):
@@ -141,7 +142,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     if not contents:
         raise why
     curves = None if options.points is None else examine(options.points, POINTS).accept()
-    series = evaluate_groups(fitted, curves, specified_strength=1e6 * options.specified)
+    series = evaluate_groups(fitted, curves, specified_strength=specified)
     result = {**head, "models": contents, "not_fitted": left_out, "series": plain(series)}
     return Answer(result, stud_answer.strength(result))
 
@@ -155,6 +156,7 @@ def load_slip(options: LoadSlipOptions) -> Answer:
     from workbench.report.chapters import stud_answer
     from workbench.studs import LAWS, POINTS, fit_load_slip
 
+    Number(2, 10_000, integer=True).check("--least-points", options.least_points)
     fitted, held, head = _tables(options, "load-slip", POINTS, "stud-load-slip")
     how = {name: getattr(options, name) for name in ("loss", "least_points", "confidence")}
     fits = (fit_load_slip(fitted, name, **how) for name in options.law or LAWS)

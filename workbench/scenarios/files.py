@@ -8,6 +8,7 @@ from typing import Any
 
 import tomli_w
 
+from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.scenarios.codec import label_of, read, write
@@ -25,6 +26,7 @@ KINDS: dict[str, type[Any]] = {
         *(ColumnPushover, ColumnImpact, FrameStatic, FrameImpact, FrameGroundMotion, StudTests),
     )
 }
+LARGEST_FILE = 5_000_000  # bytes; a record of the ground of 100 000 steps has some 1 MB
 _UNREADABLE = (ValueError, RecursionError)  # too many digits for Python, brackets too deep
 
 
@@ -33,11 +35,13 @@ def load_scenario(path: Path | str, overrides: Iterable[str] = ()) -> Scenario:
 
     Raises `InputError` naming the key, its value and what is allowed.
     """
+    with open_input(Path(path), "scenario file", LARGEST_FILE) as stream:
+        content = stream.read()
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a UTF-8 text file"
-        raise InputError("scenario file", str(path), f"cannot be read: {reason}") from error
+        text = content.decode()
+    except ValueError as error:
+        reason = "cannot be read: not a UTF-8 text file"
+        raise InputError("scenario file", str(path), reason) from error
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

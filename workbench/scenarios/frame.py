@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain
 from math import hypot
 from typing import Any, cast
 
@@ -99,15 +98,15 @@ class Frame(Declared, table="frame"):
 
     def node(self, name: str, path: str = "node") -> Node:
         """The node of this name. Raises `InputError` naming `path`."""
-        return cast(Node, self._named("node", name, path))
+        return cast(Node, _named("node", self._parts["node"], name, path))
 
     def member(self, name: str, path: str = "member") -> Member:
         """The member of this name. Raises `InputError` naming `path`."""
-        return cast(Member, self._named("member", name, path))
+        return cast(Member, _named("member", self._parts["member"], name, path))
 
     def joint(self, name: str, path: str = "joint") -> Joint:
         """The joint of this name. Raises `InputError` naming `path`."""
-        return cast(Joint, self._named("joint", name, path))
+        return cast(Joint, _named("joint", self._parts["joint"], name, path))
 
     @cached_property
     def extent(self) -> float:
@@ -135,32 +134,44 @@ class Frame(Declared, table="frame"):
         Raises `InputError`.
         """
         name = member.name if isinstance(member, Member) else member
-        whole = self.member(name, "split.member")
-        length = self.length(whole)
-        distance = float(LENGTH.check("split.at", at))
-        if not distance <= length - LENGTH.low:
-            on = f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m"
-            advice = "measure from the start of the member"
-            raise InputError("split.at", at, f"{on} from its start", advice)
-        if node in self._parts["node"]:
-            raise InputError("split.node", node, "is the name of a node already", "choose another")
-        start, end = self.node(whole.start), self.node(whole.end)
-        share = distance / length
-        x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
-        parts = (
-            replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
-            replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
-        )
-        members = chain.from_iterable(parts if m is whole else (m,) for m in self.members)
-        return replace(self, nodes=(*self.nodes, Node(node, x, y)), members=tuple(members))
+        return self.split_all([(name, at, node)])
+
+    def split_all(self, splits: Iterable[tuple[str, float, str]]) -> Frame:
+        """The frame after many splits, each as in `split`, which is checked once as a whole."""
+        nodes, members = dict(self._parts["node"]), list(self.members)
+        for name, at, node in splits:
+            known = {member.name: member for member in members}
+            whole = _named("member", known, name, "split.member")
+            start, end = nodes[whole.start], nodes[whole.end]
+            length = hypot(end.x - start.x, end.y - start.y)
+            distance = float(LENGTH.check("split.at", at))
+            if not distance <= length - LENGTH.low:
+                on = (
+                    f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m"
+                )
+                advice = "measure from the start of the member"
+                raise InputError("split.at", at, f"{on} from its start", advice)
+            if node in nodes:
+                text = "is the name of a node already"
+                raise InputError("split.node", node, text, "choose another")
+            share = distance / length
+            x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
+            nodes[node] = Node(node, x, y)
+            place = members.index(whole)
+            members[place : place + 1] = (
+                replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
+                replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
+            )
+        return replace(self, nodes=tuple(nodes.values()), members=tuple(members))
 
     def _own(self, member: Member | str) -> Member:
         return self.member(member.name if isinstance(member, Member) else member)
 
-    def _named(self, kind: str, name: str, path: str) -> Any:
-        parts = self._parts[kind]
-        if isinstance(name, str) and name in parts:
-            return parts[name]
-        shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
-        advice = did_you_mean(name, parts, f"known are {shown}")
-        raise InputError(path, name, f"there is no {kind} of this name", advice)
+
+def _named(kind: str, parts: Mapping[str, Any], name: str, path: str) -> Any:
+    """The part of this name. Raises `InputError` naming `path`, with the nearest names."""
+    if isinstance(name, str) and name in parts:
+        return parts[name]
+    shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
+    advice = did_you_mean(name, parts, f"known are {shown}")
+    raise InputError(path, name, f"there is no {kind} of this name", advice)

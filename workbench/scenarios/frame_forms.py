@@ -92,8 +92,7 @@ class FrameForm(Declared):
                     advice = f"add [[{name}]], or bays and storeys in [frame]"
                     raise InputError(name, None, f"the tables [[{name}]] are missing", advice)
             frame = Frame(self.nodes, self.members, (), self.joints, self.steel, self.fillets)
-        for split in self.splits:
-            frame = frame.split(split.member, split.at, split.node)
+        frame = frame.split_all((split.member, split.at, split.node) for split in self.splits)
         return replace(frame, loads=self.loads)
 
 

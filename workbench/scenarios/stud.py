@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Many, Number, Text, checked
 
@@ -63,9 +64,5 @@ class StudTests(Declared, table="tests"):
 
 
 def _digest(path: Path) -> str:
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()[:16]
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError("tests.tables", str(path), f"cannot be read: {reason}") from error
+    with open_input(path, "tests.tables") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()[:16]

@@ -42,14 +42,18 @@ def check_places(nodes: Sequence[Node], members: Sequence[Member]) -> None:
 
 def check_connected(nodes: Sequence[Node], members: Sequence[Member]) -> None:
     """Refuse nodes that no chain of members joins to the first one (`InputError`)."""
-    pairs = [{member.start, member.end} for member in members]
-    joined = set().union(*pairs)
+    beside: dict[str, list[str]] = {node.name: [] for node in nodes}
+    for member in members:
+        beside[member.start].append(member.end)
+        beside[member.end].append(member.start)
     for node in nodes:
-        if node.name not in joined:
+        if not beside[node.name]:
             raise node.refusal("", "no member ends there", "drop the node")
-    reached = {nodes[0].name}
-    while found := set().union(*(pair for pair in pairs if pair & reached)) - reached:
+    reached, ahead = {nodes[0].name}, [nodes[0].name]
+    while ahead:
+        found = set(beside[ahead.pop()]) - reached
         reached |= found
+        ahead += found
     apart = [node.name for node in nodes if node.name not in reached]
     if apart:
         chain = f"no chain of members joins node {apart[0]} to node {nodes[0].name}"

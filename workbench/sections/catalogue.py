@@ -9,6 +9,7 @@ from types import MappingProxyType
 from workbench.datafiles import data_directory
 from workbench.sections.shapes import ISection
 
+_LONGEST = 40  # characters of a name
 _DIMENSIONS = ("height", "width", "web", "flange", "fillet")
 
 
@@ -28,7 +29,8 @@ def profiles() -> MappingProxyType[str, ISection]:
 
 def canonical(name: str) -> str:
     """Spell a profile name as the catalogue does: ``heb220`` and ``HE 220 B`` are HEB 220."""
-    parts = re.fullmatch(r"\s*([A-Za-z]+)[\s_-]*([0-9]+)[\s_-]*([ABMabm]?)\s*", name)
+    spelled = name.strip() if len(name) <= _LONGEST else ""
+    parts = re.fullmatch(r"([A-Za-z]+)[\s_-]*([0-9]+)[\s_-]*([ABMabm]?)", spelled)
     if parts is None:
         return name
     return f"{parts[1]}{parts[3]} {parts[2]}".upper()

@@ -8,6 +8,7 @@ import csv
 import difflib
 import io
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import BinaryIO
 
 import pandas as pd
 
+from workbench.datafiles import LARGEST_FILE, open_input
 from workbench.errors import InputError
 from workbench.fields import Number
 from workbench.studs.schema import (
@@ -27,11 +29,11 @@ from workbench.studs.schema import (
     row_findings,
 )
 
-LARGEST_FILE = 20_000_000  # bytes; a row has some 500, so this holds some 40 000 tests
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
+LONGEST_NUMBER = 60  # characters
 _NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
-    r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
+    r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
 _SHOWN = 5  # problems that one message lists by line
 
@@ -102,21 +104,8 @@ def examine(path: str | Path, table: Table) -> Examination:
     separator, unknown or missing columns. Large files are refused before they are read.
     """
     path = Path(path)
-    name = path.name
-    try:
-        size = path.stat().st_size
-        if path.is_dir():
-            raise InputError(name, str(path), "is a directory, not a CSV file")
-        if size > LARGEST_FILE:
-            raise InputError(
-                name, f"{size / 1e6:.0f} MB", f"must not exceed {LARGEST_FILE / 1e6:.0f} MB",
-                "a table of stud tests has a few hundred bytes per specimen: is this the right "
-                "file?",
-            )  # fmt: skip
-        with path.open("rb") as stream:
-            return _examine(_lines(stream, name), name, table)
-    except OSError as error:
-        raise InputError(name, str(path), f"cannot be read: {error.strerror or error}") from error
+    with open_input(path, path.name) as stream:
+        return _examine(_lines(stream, path.name), path.name, table)
 
 
 def _lines(stream: BinaryIO, name: str) -> Iterator[str]:
@@ -126,13 +115,13 @@ def _lines(stream: BinaryIO, name: str) -> Iterator[str]:
     for number, block in enumerate(iter(lambda: stream.readline(LONGEST_LINE + 1), b""), start=1):
         total += len(block)
         place = f"{name}, line {number}"
+        if total > LARGEST_FILE:  # a text has no size to check beforehand
+            raise InputError(place, total, f"the file exceeds {LARGEST_FILE / 1e6:.0f} MB")
         if b"\0" in block:
             raise InputError(place, block[:20], "is binary data, not text", save)
         if len(block) > LONGEST_LINE:
             reason = f"has more than {LONGEST_LINE} characters"
             raise InputError(place, block[:20], reason, "one row stands on one line")
-        if total > LARGEST_FILE:  # a pipe has no size to check beforehand
-            raise InputError(place, total, f"the file exceeds {LARGEST_FILE / 1e6:.0f} MB")
         try:
             text = block.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as error:
@@ -203,10 +192,11 @@ def _columns(header: list[str] | None, name: str, table: Table) -> list[Column |
             advice = "separate them by commas, and write decimal points"
             raise InputError(place, header[0], reason, advice)
     names = [cell.strip() for cell in header]
+    times = Counter(names)
     for position, column in enumerate(names, start=1):
         if not column:
             raise InputError(place, column, f"column {position} has no name")
-        if names.count(column) > 1:
+        if times[column] > 1:
             raise InputError(place, column, "the column stands twice")
         if not column.startswith(EXTRA) and column not in table.names:
             near = difflib.get_close_matches(column, table.names, 1, 0.5)
@@ -244,7 +234,7 @@ def _cell(text: str, column: Column) -> object:
         return column.blank
     if not isinstance(column.rule, Number):
         return column.rule.check(column.name, text)
-    if not _NUMBER.fullmatch(text):
+    if len(text) > LONGEST_NUMBER or not _NUMBER.fullmatch(text):
         advice = "write the number alone: no unit, no words"
         parts = text.split(",")
         if len(parts) == 2 and all(part.lstrip("-").isdigit() for part in parts):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.evidence import dataset
 from workbench.fields import Choice, did_you_mean
@@ -47,10 +48,8 @@ def check_file(path: str | Path) -> list[str]:
     `InputError` for a file that cannot be read at all.
     """
     path = Path(path)
-    first = b""
-    if path.is_file():
-        with path.open("rb") as stream:
-            first = stream.readline(LONGEST_LINE)
+    with open_input(path, path.name) as stream:
+        first = stream.readline(LONGEST_LINE)
     names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
     table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
     return [str(problem.error()) for problem in examine(path, table).problems]
