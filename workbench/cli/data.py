@@ -60,14 +60,18 @@ def check(
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
     from workbench.studs import check_tables
-    from workbench.studs.tables import check_file
+    from workbench.studs.suspicion import check_file
 
     if files:
         found = {str(file): check_file(file) for file in files}
-        content: dict[str, Any] = {"files": found}
-        sums = {file: f"{file}: {len(sentences)} problems." for file, sentences in found.items()}
-        texts = [text for file, sentences in found.items() for text in (*sentences, sums[file])]
-        failed = any(found.values())
+        content: dict[str, Any] = {"files": {file: bad for file, (bad, _) in found.items()}}
+        content["suspicions"] = {file: doubts for file, (_, doubts) in found.items()}
+        texts = []
+        for file, (bad, doubts) in found.items():
+            more = f", {len(doubts)} suspicions" if doubts else ""
+            texts += [*bad, *(f"suspicion: {text}" for text in doubts)]
+            texts.append(f"{file}: {len(bad)} problems{more}.")
+        failed = any(content["files"].values())
     else:
         problems = [*problems_of(), *check_tables()]
         content = {"datasets": len(datasets()), "problems": problems}

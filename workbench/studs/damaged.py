@@ -5,12 +5,31 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.schema import LARGEST_GAIN, NO_PREDAMAGE
 
+LIKE_CONCRETE = 0.1  # share by which cylinder strengths of one concrete may differ
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
     "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
 }
+
+
+def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
+    """What every row has of the undamaged reference; NaN where there is none.
+
+    The reference is the row's own, or the mean of the undamaged tests that a fit may use with the
+    same campaign and diameter, in concrete of about the same strength.
+    """
+    column, reference = QUANTITIES[quantity]
+    undamaged = table[(table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)]
+    values, own = (table[name].astype(float) for name in (column, reference))
+    for index in table.index[own.isna()]:
+        row = table.loc[index]
+        same = (undamaged[name] == row[name] for name in ("campaign", "diameter_mm"))
+        near = undamaged[np.logical_and.reduce(list(same))]
+        other = np.abs(near["fcm_MPa"].astype(float) / row["fcm_MPa"] - 1.0) > LIKE_CONCRETE
+        own[index] = near.loc[~other, column].astype(float).mean()  # an unknown one counts as alike
+    return values / own
 
 
 def damaged_rows(
@@ -18,21 +37,15 @@ def damaged_rows(
 ) -> pd.DataFrame:
     """Tests after pre-damage with `level` and `ratio` of what is left; empty when there are none.
 
-    The undamaged reference is the row's own, or the mean of the undamaged tests with the same
-    campaign and diameter. Raises `InputError` for an unknown quantity, or kinds or measures of
-    damage that must not be mixed.
+    Raises `InputError` for an unknown quantity, kinds or measures of damage that must not be mixed,
+    or a test that bears more after damage than any can.
     """
     Choice(tuple(QUANTITIES)).check("quantity", quantity)
-    column, reference = QUANTITIES[quantity]
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
     for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
         if wanted is not None:
             damaged &= table[name] == wanted
-    undamaged = table[table["predamage"] == NO_PREDAMAGE]
-    means = undamaged.groupby(["campaign", "diameter_mm"])[column].mean()
-    keys = pd.MultiIndex.from_frame(table[["campaign", "diameter_mm"]])
-    companion = pd.Series(means.reindex(keys).to_numpy(float), index=table.index)
-    ratio = table[column].astype(float) / table[reference].astype(float).fillna(companion)
+    ratio = ratios(table, quantity)
     rows = table.assign(level=table["predamage_level"].astype(float), ratio=ratio)
     rows = rows[damaged & np.isfinite(ratio)]
     for name, advice in (("predamage", "predamage="), ("predamage_measure", "measure=")):
@@ -40,7 +53,11 @@ def damaged_rows(
         if len(words) > 1:
             reason = "different kinds of damage do not share one relation"
             raise InputError(name, ", ".join(words), reason, f"choose one with {advice}")
-    return rows.reset_index(drop=True)
+    for _, row in rows[rows["ratio"] > LARGEST_GAIN].iterrows():
+        name, reason = f"{row['campaign']} {row['specimen']}", "times the undamaged tests"
+        advice = "are columns swapped, or the units different?"
+        raise InputError(name, f"{row['ratio']:.3g} {reason}", "no damage adds so much", advice)
+    return pd.DataFrame(rows).reset_index(drop=True)
 
 
 def studs_in_words(rows: pd.DataFrame) -> str:

@@ -6,7 +6,7 @@ Strength, factors, load-slip and residual capacity are fitted by functions of th
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -16,6 +16,7 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding
+from workbench.studs.statistics.influence import outliers
 from workbench.studs.statistics.intervals import (
     Interval,
     bootstrap_by_campaign,
@@ -107,6 +108,18 @@ class Fit(ABC):
             "campaigns": sorted(self.identity.campaigns),
             "warnings": [finding.text for finding in self.findings],
         }
+
+
+def outlier_findings(
+    estimate: Estimate, rows: pd.DataFrame, shown: Callable[[float], float] = float
+) -> Iterator[Finding]:
+    """Every test that the others do not expect; `shown` makes of what was fitted what is read."""
+    for row, distance, expected in outliers(estimate):
+        name = f"{rows['campaign'].iloc[row]} {rows['specimen'].iloc[row]}"
+        values = f"{shown(estimate.problem.y[row]):.3g} where the others give {shown(expected):.3g}"
+        text = f"outlier: {name}, {values} ({abs(distance):.1f} standard deviations)"
+        advice = "check it; --loss huber gives it less weight"
+        yield Finding("outlier", f"{text}: {advice}", number=distance)
 
 
 class Parameter(NamedTuple):

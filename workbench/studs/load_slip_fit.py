@@ -32,6 +32,7 @@ from workbench.studs.load_slip import (
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import location
+from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import identity_of
 
 HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
@@ -184,7 +185,8 @@ def fit_load_slip(
         population[parameter] = fitted(
             estimate, ("median",), confidence=confidence, resamples=resamples
         )
-    found, findings = (law, population, fixed, logarithms, tuple(skipped)), tuple(_findings(curves))
+    found = (law, population, fixed, logarithms, tuple(skipped))
+    findings = (*suspicions_of_points(points), *_findings(curves))
     return LoadSlipFit(*found, rows=curves, findings=findings, identity=identity_of(curves))
 
 

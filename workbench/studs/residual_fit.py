@@ -5,31 +5,34 @@ the prediction of the mechanical model, and its grade says that nothing has vali
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from workbench.errors import InputError, SolverError
+from workbench.errors import InputError
 from workbench.responses import Finding
+from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
 from workbench.studs.damaged import QUANTITIES, damaged_rows, studs_in_words
-from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
+from workbench.studs.fit_protocol import (
+    Content,
+    Fit,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    outlier_findings,
+)
 from workbench.studs.quantities import Array
-from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
+from workbench.studs.relations import MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
-    Part,
     Score,
-    averaged_quantile,
-    score_relations,
 )
-from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 
 ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
@@ -47,16 +50,7 @@ class Grade(StrEnum):
     CROSS_VALIDATED = "fitted to tests after pre-damage, cross-validated over campaigns"
 
 
-LEAST_WEIGHT = 0.02  # of a candidate in the average
 LEAST_RANGE = 0.25  # of damage, over which a relation may be called validated
-
-
-class Candidate(NamedTuple):
-    """A relation fitted to the tests, and its `weight` in the average."""
-
-    weight: float
-    relation: Relation
-    estimate: Estimate
 
 
 @dataclass(frozen=True)
@@ -120,13 +114,8 @@ class ResidualFit(Fit):
             return None
         bounds, inside = np.full((2, len(d)), np.nan), ~self.extrapolates(d)
         if inside.any():
-            own = d[inside]
-            parts = [
-                Part(c.weight, c.estimate, _problem(0.0 * own, own, ["new"] * len(own), c.relation))
-                for c in self.averaged
-            ]
             tails = (0.5 - 0.5 * share, 0.5 + 0.5 * share)
-            bounds[:, inside] = averaged_quantile(parts, tails)
+            bounds[:, inside] = quantiles(self.averaged, d[inside], tails)
         return np.maximum(bounds[0], 0.0), bounds[1]
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
@@ -199,14 +188,10 @@ def fit_residual(
     rows = damaged_rows(table, quantity, predamage, measure)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
-    relations = _candidates(mechanical, rows, quantity)
+    relations = candidates(mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
-    estimates = _estimates(relations, y, level, rows["campaign"], loss)
-    scores = score_relations(estimates)
-    kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
-    total = sum(score.weight for score in kept)
-    named = {relation.name: relation for relation in relations}
-    averaged = [Candidate(k.weight / total, named[k.name], estimates[k.name]) for k in kept]
+    estimates = fit_candidates(relations, y, level, rows["campaign"], loss)
+    scores, averaged = average(relations, estimates)
     chosen = averaged[0].relation
     found = fitted(averaged[0].estimate, confidence=confidence, resamples=resamples)
     return ResidualFit(
@@ -221,7 +206,12 @@ def fit_residual(
         grade=_grade(rows),
         levels=(float(level.min()), float(level.max())),
         rows=rows,
-        findings=tuple(_findings(rows, found, chosen)),
+        findings=(
+            *suspicions(table),
+            # an outlier hides from a relation that fits badly: the most flexible one finds it
+            *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
+            *_findings(rows, found, chosen),
+        ),
         identity=identity_of(rows),
         mechanical=mechanical,
     )
@@ -254,53 +244,10 @@ def _predicted(
     kind = (quantity, mechanical.predamage, mechanical.measure)
     relation = mechanical.relation()
     levels, none = (float(mechanical.level[0]), float(mechanical.level[-1])), table.iloc[:0]
-    findings = tuple(Finding("evidence", text) for text in (why, mechanical.basis))
+    said = (Finding("evidence", text) for text in (why, mechanical.basis))
+    findings = (*suspicions(table), *said)
     answer = (*kind, mechanical.stud, relation, None, (), (), Grade.MECHANICAL, levels, mechanical)
     return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
-
-
-def _candidates(
-    mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
-) -> list[Relation]:
-    """All relations, and the mechanical prediction where it is one of the same damage."""
-    damage = (quantity, *rows[["predamage", "predamage_measure"]].iloc[0])
-    comparable = (
-        mechanical is not None
-        and (mechanical.quantity, mechanical.predamage, mechanical.measure) == damage
-        and float(rows["level"].max()) <= mechanical.level[-1]
-    )
-    return [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
-
-
-def _problem(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
-    predict, names, start = partial(relation, level), relation.parameters, relation.start
-    bounds = {"lower": relation.lower, "upper": relation.upper}
-    return problem(y, campaigns, predict, names, start, **bounds)
-
-
-def _estimates(
-    relations: list[Relation], y: Array, level: Array, campaigns: ArrayLike, loss: str
-) -> dict[str, Estimate]:
-    """Fits of all candidates that leave a test to judge them by; those that fail are no candidates.
-
-    With a robust loss all weigh a test alike, as the one does that it suits best: a test is an
-    outlier where it is one for every candidate.
-    """
-    found: dict[str, Estimate] = {}
-    failed: Exception = InputError("tests after pre-damage", len(y), "must be two or more")
-    for relation in relations:
-        if len(y) < len(relation.parameters) + 2:
-            continue
-        try:
-            found[relation.name] = fit_robust(_problem(y, level, campaigns, relation), loss)
-        except (InputError, SolverError) as error:
-            failed = error
-    if not found:
-        raise failed
-    if loss != "linear":
-        weights = np.max([each.problem.weights for each in found.values()], axis=0)
-        found = {n: fit(replace(e.problem, weights=weights)) for n, e in found.items()}
-    return found
 
 
 def _grade(rows: pd.DataFrame) -> Grade:

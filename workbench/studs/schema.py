@@ -93,6 +93,9 @@ RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
 
 TOTAL_TOLERANCE = 0.02  # load per stud times studs against the total: both are rounded
 LEAST_STRESS, LARGEST_STRESS = 10.0, 2500.0  # MPa, load over shank area of any plausible test
+LARGEST_OVER_SHANK = 2.0  # load over the tensile strength of the shank; collar and friction help
+LARGEST_GAIN = 2.0  # damaged over undamaged
+LEAST_SLIP = 0.02  # mm, at the largest load
 LEAST_SLENDERNESS, LARGEST_SLENDERNESS = 1.5, 25.0  # height over diameter
 _MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
 _LOADS = ("shear_kN", "tension_kN")  # both in a combined test
@@ -134,6 +137,29 @@ def _results(row: Row) -> Iterator[RowFinding]:
             if not LEAST_STRESS <= stress <= LARGEST_STRESS:
                 reason = f"means {stress:.3g} MPa over a shank of {diameter:g} mm"
                 yield column, load, reason, "loads are in kN per stud, diameters in mm"
+    yield from _plausible(row)
+
+
+def _plausible(row: Row) -> Iterator[RowFinding]:
+    """Results that no test can have: another unit, another column, the whole specimen."""
+    diameter, ultimate, shear = (_value(row, c) for c in ("diameter_mm", "fu_MPa", "shear_kN"))
+    if shear and diameter and ultimate:
+        share = 1e3 * shear / (0.25 * pi * diameter**2 * ultimate)
+        if share > LARGEST_OVER_SHANK:
+            reason = f"is {share:.2g} times the tensile strength of the shank"
+            advice = "loads are per stud: is this the load of the specimen?"
+            yield "shear_kN", shear, reason, advice
+    for column, reference in (
+        ("shear_kN", "undamaged_shear_kN"),
+        ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
+    ):
+        value, whole = _value(row, column), _value(row, reference)
+        if value and whole and value / whole > LARGEST_GAIN:
+            reason = f"is {value / whole:.3g} times {reference}"
+            yield column, value, reason, "are columns swapped, or the units different?"
+    slip = _value(row, "slip_at_max_mm")
+    if slip is not None and slip < LEAST_SLIP:
+        yield "slip_at_max_mm", slip, "is no slip at a largest load", "is it in metres?"
 
 
 def _sizes(row: Row) -> Iterator[RowFinding]:
@@ -145,6 +171,9 @@ def _sizes(row: Row) -> Iterator[RowFinding]:
     strength, ultimate = _value(row, "fy_MPa"), _value(row, "fu_MPa")
     if strength and ultimate and strength > ultimate:
         yield "fy_MPa", strength, f"exceeds the tensile strength {ultimate:g} MPa", ""
+    concrete = _value(row, "fcm_MPa")
+    if concrete and concrete == ultimate:
+        yield "fcm_MPa", concrete, "equals fu_MPa", "is one column copied?"
     head = _value(row, "head_diameter_mm")
     if head and diameter and head <= diameter:
         yield "head_diameter_mm", head, f"must exceed the shank, {diameter:g} mm", ""

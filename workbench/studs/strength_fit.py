@@ -15,7 +15,15 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
+from workbench.studs.fit_protocol import (
+    Content,
+    Fit,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    outlier_findings,
+)
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
@@ -28,6 +36,7 @@ from workbench.studs.statistics.prediction import (
     predictive_quantile,
 )
 from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
@@ -159,7 +168,11 @@ def fit_strength(
         new_campaign_factor=new,
         measurement=_measurement(kept),
         rows=_rows(kept, tests, chosen.of(tests)),
-        findings=tuple(_findings(kept, tests, chosen, given)),
+        findings=(
+            *suspicions(table),
+            *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
+            *_findings(kept, tests, chosen, given),
+        ),
         identity=identity_of(kept),
     )
 

@@ -2,16 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.evidence import dataset
 from workbench.fields import Choice, did_you_mean
-from workbench.studs.reading import LONGEST_LINE, examine
+from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS
 
 SHIPPED = {
@@ -39,20 +37,6 @@ def check_tables() -> list[str]:
         except InputError as error:
             problems.append(f"dataset {name}: {error}")
     return problems
-
-
-def check_file(path: str | Path) -> list[str]:
-    """Problems of a CSV file of your own, one sentence each; empty when all rows are good.
-
-    A file with the columns slip_mm and load_kN holds points of curves, any other one tests. Raises
-    `InputError` for a file that cannot be read at all.
-    """
-    path = Path(path)
-    with open_input(path, path.name) as stream:
-        first = stream.readline(LONGEST_LINE)
-    names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
-    table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
-    return [str(problem.error()) for problem in examine(path, table).problems]
 
 
 def campaigns_of(*tables: pd.DataFrame) -> list[str]:
@@ -146,6 +130,21 @@ class RowIdentity:
                 how = "was used for the fit" if name in self.names else how
                 advice = "validate on tests that the fit has not seen, or leave campaigns out of it"
                 raise InputError("validation", " ".join(name), how, advice)
+
+
+def same_contents(table: pd.DataFrame) -> list[tuple[str, str]]:
+    """Names of rows that hold the same load and other numbers, enough of them to be one test."""
+    seen: dict[tuple[float, ...], str] = {}
+    found = []
+    for (_, content), told in zip(
+        _rows(table), table[["campaign", "specimen"]].to_numpy(str), strict=True
+    ):
+        if sum(value != _MISSING for value in content) < _ENOUGH:
+            continue
+        own = " ".join(told)
+        if (first := seen.setdefault(content, own)) != own:
+            found.append((first, own))
+    return found
 
 
 def identity_of(table: pd.DataFrame) -> RowIdentity:

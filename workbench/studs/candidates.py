@@ -1,0 +1,91 @@
+"""Candidates for what is left after damage: fitted, weighed by cross-validation, averaged."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from workbench.errors import InputError, SolverError
+from workbench.studs.quantities import Array
+from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
+from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
+from workbench.studs.statistics.prediction import Part, Score, averaged_quantile, score_relations
+from workbench.studs.statistics.problem import Problem, problem
+
+LEAST_WEIGHT = 0.02  # of a candidate in the average
+
+
+class Candidate(NamedTuple):
+    """A relation fitted to the tests, and its `weight` in the average."""
+
+    weight: float
+    relation: Relation
+    estimate: Estimate
+
+
+def candidates(
+    mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
+) -> list[Relation]:
+    """All relations, and the mechanical prediction where it is one of the same damage."""
+    damage = (quantity, *rows[["predamage", "predamage_measure"]].iloc[0])
+    comparable = (
+        mechanical is not None
+        and (mechanical.quantity, mechanical.predamage, mechanical.measure) == damage
+        and float(rows["level"].max()) <= mechanical.level[-1]
+    )
+    return [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
+
+
+def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
+    """The regression of ratios (n,) at damage levels (n,) on a relation."""
+    predict, names, start = partial(relation, level), relation.parameters, relation.start
+    bounds = {"lower": relation.lower, "upper": relation.upper}
+    return problem(y, campaigns, predict, names, start, **bounds)
+
+
+def fit_candidates(
+    relations: list[Relation], y: Array, level: Array, campaigns: ArrayLike, loss: str
+) -> dict[str, Estimate]:
+    """Fits of all candidates that leave a test to judge them by; those that fail are no candidates.
+
+    With a robust loss all weigh a test alike, as the one does that it suits best: a test is an
+    outlier where it is one for every candidate.
+    """
+    found: dict[str, Estimate] = {}
+    failed: Exception = InputError("tests after pre-damage", len(y), "must be two or more")
+    for relation in relations:
+        if len(y) < len(relation.parameters) + 2:
+            continue
+        try:
+            found[relation.name] = fit_robust(problem_of(y, level, campaigns, relation), loss)
+        except (InputError, SolverError) as error:
+            failed = error
+    if not found:
+        raise failed
+    if loss != "linear":
+        weights = np.max([each.problem.weights for each in found.values()], axis=0)
+        found = {n: fit(replace(e.problem, weights=weights)) for n, e in found.items()}
+    return found
+
+
+def average(
+    relations: Sequence[Relation], estimates: dict[str, Estimate]
+) -> tuple[tuple[Score, ...], tuple[Candidate, ...]]:
+    """Scores of all candidates, and those that count in the average, that of most weight first."""
+    scores = tuple(score_relations(estimates))
+    kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
+    total = sum(score.weight for score in kept)
+    named = {relation.name: relation for relation in relations}
+    averaged = (Candidate(k.weight / total, named[k.name], estimates[k.name]) for k in kept)
+    return scores, tuple(averaged)
+
+
+def quantiles(averaged: Sequence[Candidate], level: Array, shares: Sequence[float]) -> Array:
+    """Ratios (shares, n) below which shares of new tests in new campaigns lie, at levels (n,)."""
+    new = ["new"] * len(level)
+    parts = [Part(w, e, problem_of(0.0 * level, level, new, r)) for w, r, e in averaged]
+    return averaged_quantile(parts, shares)

@@ -1,0 +1,60 @@
+"""Tests that the others do not expect: residuals of tests that are left out of the fit."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.errors import InputError, SolverError
+from workbench.studs.quantities import Array
+from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit
+from workbench.studs.statistics.problem import jacobian, subset, whiten
+
+CHANCE = 0.05  # that a table without outliers has one found in it
+
+
+class Outlier(NamedTuple):
+    """An outlier: its `row`, `distance` in standard deviations, and value `expected` by others."""
+
+    row: int
+    distance: float
+    expected: float
+
+
+def deleted_residuals(estimate: Estimate) -> Array:
+    """Residuals (n,) over the standard deviation that the other tests tell (studentised, deleted).
+
+    Of a normal model they are Student-distributed, with as many degrees of freedom as there are
+    tests less parameters less one. The ratio of variances stays that of the fit. Source: Cook and
+    Weisberg 1982.
+    """
+    given, free = estimate.problem, np.flatnonzero(~estimate.at_bound)
+    nu = given.count - len(free) - 1
+    if nu < 1:
+        return np.zeros(given.count)
+    z = whiten(given, given.y - given.predict(estimate.theta), estimate.ratio)
+    j = whiten(given, jacobian(given, estimate.theta, free), estimate.ratio)
+    open_ = 1.0 - np.einsum("ni,ij,nj->n", j, np.linalg.pinv(j.T @ j), j)
+    told = open_ > 1e-9  # others say something of it
+    own = np.where(told, z**2 / np.where(told, open_, 1.0), 0.0)
+    floor = (ROUND_OFF * max(1.0, float(np.max(np.abs(given.y))))) ** 2
+    others = np.maximum((z @ z - own) / nu, floor)
+    return np.asarray(np.sign(z) * np.sqrt(own / others))
+
+
+def outliers(estimate: Estimate) -> list[Outlier]:
+    """Tests farther off than chance lets any of as many tests be (Bonferroni), farthest first."""
+    from scipy.special import stdtrit
+
+    given, distance = estimate.problem, deleted_residuals(estimate)
+    nu = max(given.count - int((~estimate.at_bound).sum()) - 1, 1)
+    limit = float(stdtrit(nu, 1.0 - 0.5 * CHANCE / given.count))
+    found = []
+    for k in np.argsort(-np.abs(distance)):
+        if abs(distance[k]) <= limit:
+            break
+        try:
+            theta = fit(subset(given, np.flatnonzero(np.arange(given.count) != k))).theta
+        except (InputError, SolverError):
+            theta = estimate.theta
+        found.append(Outlier(int(k), float(distance[k]), float(given.predict(theta)[k])))
+    return found

@@ -1,0 +1,98 @@
+"""Tables whose rows are possible one by one and absurd together: units, columns, copies.
+
+Each suspicion is a finding, named by `workbench data check` and by every fit to such a table.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from workbench.datafiles import open_input
+from workbench.responses import Finding
+from workbench.studs.damaged import QUANTITIES, ratios
+from workbench.studs.quantities import specimens
+from workbench.studs.reading import LONGEST_LINE, examine
+from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, POINTS, TESTS
+from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.tables import same_contents
+
+# median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.8 to 1.5
+USUAL_RATIO = (0.5, 1.9)
+# what a load may have been in instead of kN per stud, by the factor that would put it right
+UNITS = {"kip instead of kN": 4.448, "tonnes instead of kN": 9.807}
+METRES, INCHES = 0.1, 0.5  # mm, below which slips of a campaign look like another unit
+HIGHER = 1.05  # median of damaged over undamaged, above which columns look swapped
+LEAST_ROWS = 3  # that show a pattern
+
+
+def check_file(path: str | Path) -> tuple[list[str], list[str]]:
+    """Problems and suspicions of a CSV file of your own, one sentence each.
+
+    A file with the columns slip_mm and load_kN holds points of curves, any other one tests. Raises
+    `InputError` for a file that cannot be read at all.
+    """
+    path = Path(path)
+    with open_input(path, path.name) as stream:
+        first = stream.readline(LONGEST_LINE)
+    names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
+    table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
+    found = examine(path, table)
+    doubts = (suspicions if table is TESTS else suspicions_of_points)(found.rows)
+    return [str(problem.error()) for problem in found.problems], [each.text for each in doubts]
+
+
+def suspicions(table: pd.DataFrame) -> list[Finding]:
+    """What looks wrong in a table of tests (schema `TESTS`), one finding per suspicion."""
+    return [Finding("data", text) for text in (*_loads(table), *_slips(table), *_columns(table))]
+
+
+def suspicions_of_points(points: pd.DataFrame) -> list[Finding]:
+    """What looks wrong in a table of load-slip points (schema `POINTS`)."""
+    curves = points.groupby(["campaign", "specimen"])["slip_mm"].agg(["max", "count"])
+    curves = curves[curves["count"] >= LEAST_ROWS]
+    named = curves["max"].rename("slip_at_max_mm").reset_index()
+    return [Finding("data", text) for text in _slips(named)]
+
+
+def _loads(table: pd.DataFrame) -> Iterator[str]:
+    """Undamaged studs in solid slabs against a formula of their mean strength, by campaign."""
+    whole = (table["predamage"] == NO_PREDAMAGE) & (table["connector"] == HEADED)
+    whole &= (table["test"] == "push-out") & table["deck_depth_mm"].isna()
+    whole &= ~(table["height_mm"] < 3.0 * table["diameter_mm"])
+    rows = table[whole]
+    tests = specimens(rows)
+    ratio = pd.Series(tests.shear / SHEAR_MODELS["roik-mean"].of(tests), index=rows.index)
+    for campaign, own in ratio.dropna().groupby(rows["campaign"]):
+        middle, (low, high) = float(own.median()), USUAL_RATIO
+        if low <= middle <= high:
+            continue
+        guess = "loads of the specimen instead of loads per stud"
+        if middle < low:
+            guess = min(UNITS, key=lambda words: abs(np.log(UNITS[words] * middle)))
+        words = f"loads of {campaign} are {middle:.2g} times those that studs like these bear"
+        yield f"{words}: {guess}?"
+
+
+def _slips(table: pd.DataFrame) -> Iterator[str]:
+    for campaign, own in table.groupby("campaign")["slip_at_max_mm"]:
+        slip = float(own.astype(float).median())
+        if slip < INCHES:
+            unit = "metres" if slip < METRES else "inches"
+            yield f"slips of {campaign}, {slip:.3g} mm at the most, are short: {unit}?"
+
+
+def _columns(table: pd.DataFrame) -> Iterator[str]:
+    """Columns that hold the same, swapped references, and rows that stand twice under two names."""
+    damaged = table[(table["predamage"] != NO_PREDAMAGE) & (table["predamage_level"] > 0.0)]
+    for quantity, (column, reference) in QUANTITIES.items():
+        ratio = ratios(table, quantity)[damaged.index].dropna()
+        middle, count = float(ratio.median()), len(ratio)
+        if count >= LEAST_ROWS and (ratio == 1.0).all():
+            yield f"{column} equals {reference} in all {count} damaged rows: one column copied?"
+        elif (count >= LEAST_ROWS and middle > HIGHER) or middle > LARGEST_GAIN:
+            more = f"damaged studs have {middle:.2f} times the {column} of undamaged ones"
+            yield f"{more} (median of {count}): columns swapped, or another unit?"
+    for first, second in same_contents(table):
+        yield f"{first} and {second} hold the same numbers: one test under two names?"
