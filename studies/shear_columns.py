@@ -43,8 +43,8 @@ PANELS, THESIS_MASS = "4-DOF with panels", "4-DOF with panels, thesis' mass"
 REDUCED = {
     PANELS: FourDofShear(),
     THESIS_MASS: FourDofShear(hit_mass="thesis"),
-    "energy with panels": EnergyEstimate(resistance="panel", hit_mass="sliding"),
-    "SDOF with panels": SingleDof(resistance="panel", hit_mass="sliding"),
+    "energy with panels": EnergyEstimate(resistance="panel", hit_mass="waves"),
+    "SDOF with panels": SingleDof(resistance="panel", hit_mass="waves"),
     "rigid bars with panels": RigidSuperelement(),
     "flexible bars with panels": FlexibleSuperelement(),
     "4-DOF": FourDof(),

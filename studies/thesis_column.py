@@ -41,7 +41,7 @@ models = {
     WEB: FiberShear(),
     SOLID: SolidPlaneStress(),
     PANELS: FourDofShear(),
-    ENERGY_PANELS: EnergyEstimate(resistance="panel", hit_mass="sliding"),
+    ENERGY_PANELS: EnergyEstimate(resistance="panel", hit_mass="waves"),
     "4-DOF": FourDof(),
     "4-DOF linear yield": FourDof(alpha=1.0, beta=1.0),
     "SDOF analytic": SingleDof(resistance="analytic"),

@@ -32,7 +32,7 @@ class EnergyEstimate(Declared, table="option"):
 
     Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
-    thesis or sliding, as in `four-dof`.
+    thesis or waves, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")

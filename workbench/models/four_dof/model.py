@@ -11,7 +11,7 @@ from workbench.hinges.panel import SHEAR_DEPTHS
 from workbench.models.domain import flange_findings, panel_findings
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.rigid_bars import RigidBars
-from workbench.models.hit_mass import HIT_MASS, SLIDING
+from workbench.models.hit_mass import HIT_MASS, WAVES
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnScenario
 
@@ -30,7 +30,7 @@ class FourDof(RigidBars):
     restitution, refined until the energy balance closes to 1e-7); `small_rotations`: the
     kinematics of the SDOF model; `spring_shares_load`: the restraint spring is there before the
     axial load comes on; `hit_mass`: a third of the column (thesis), or what of it shares the
-    velocity of the striker at once while webs slide (sliding).
+    velocity of the striker at once (waves).
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -70,14 +70,14 @@ class FourDofShear(RigidBars):
     Options: `kinematics`: sliding stretches a bar (chord, as in a solid) or does not (section, as
     in `fiber-shear`); `web_depth`, what of the webs carries shear: between the centre lines of the
     flanges, as in a solid, or clear, as in `fiber-shear`; `rotational_stiffness`, `integrator` and
-    `spring_shares_load` as in `four-dof`; `hit_mass` as there, but sliding by default; `time_step`
+    `spring_shares_load` as in `four-dof`; `hit_mass` as there, but waves by default; `time_step`
     in s (None: twice the inverse of the highest axial frequency, a half with restitution, refined
     until the energy balance closes to 1e-6).
     """
 
     kinematics: str = checked(Choice(tuple(_KINEMATICS)), "chord")
     web_depth: str = checked(Choice(SHEAR_DEPTHS), "centre")
-    hit_mass: str = checked(HIT_MASS, SLIDING)
+    hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
     assumptions: ClassVar[tuple[str, ...]] = (

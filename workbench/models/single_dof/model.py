@@ -76,7 +76,7 @@ class SingleDof(Declared, table="option"):
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
     50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most 0.1 ms);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
-    thesis or sliding, as in `four-dof`.
+    thesis or waves, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")
