@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 Names = list[str] | None
 Content = dict[str, Any]
 _CAMPAIGN = "CAMPAIGN"
+USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 app = typer.Typer(
     help="Fit laws of studs to a table of tests.",
     rich_markup_mode=None,
@@ -65,7 +66,12 @@ class StrengthOptions(Common):
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
     variation: Names = _option("Scatter of a variable in structures, for D.8.", None, "NAME=V")
     points: str | None = _option("Load-slip curves, for slip capacities.", None, "POINTS.csv")
-    specified: float = _option("Specified stud strength.", 450.0, "MPA", "--specified-fu")
+    specified: float | None = _option(
+        "Specified stud strength.  [default: 450 in Annex B, as tested in D.8]",
+        None,
+        "MPA",
+        "--specified-fu",
+    )
 
 
 @dataclass(frozen=True)
@@ -129,7 +135,8 @@ def stud_strength(options: StrengthOptions) -> Answer:
     from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
     from workbench.studs.fit_protocol import plain
 
-    specified = 1e6 * TESTS.column("fu_MPa").rule.check("--specified-fu", options.specified)
+    specified = options.specified or USUAL_SPECIFIED
+    TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
     for name in options.model or list(SHEAR_MODELS):
@@ -142,7 +149,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     if not contents:
         raise why
     curves = None if options.points is None else examine(options.points, POINTS).accept()
-    series = evaluate_groups(fitted, curves, specified_strength=specified)
+    series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
     result = {**head, "models": contents, "not_fitted": left_out, "series": plain(series)}
     return Answer(result, stud_answer.strength(result))
 
@@ -258,6 +265,7 @@ def _formula(
         loss=options.loss,
         confidence=options.confidence,
         variations=_variations(options.variation),
+        specified_strength=None if options.specified is None else 1e6 * options.specified,
     )
     more: Content = {"corrected": None, "factors": None}
     if not held.empty:

@@ -5,9 +5,9 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Choice
+from workbench.studs.quantities import LIKE_CONCRETE
 from workbench.studs.schema import LARGEST_GAIN, NO_PREDAMAGE
 
-LIKE_CONCRETE = 0.1  # share by which cylinder strengths of one concrete may differ
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
     "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),

@@ -30,7 +30,7 @@ from workbench.studs.load_slip import (
     parameter_names,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import identity_of
@@ -181,7 +181,7 @@ def fit_load_slip(
     logarithms = np.log(curves[list(names)].to_numpy(float))
     population = {}
     for parameter, own in zip(names, logarithms.T, strict=True):
-        estimate = fit_robust(location(own, curves["campaign"].to_numpy(str)))
+        estimate = fit(location(own, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(
             estimate, ("median",), confidence=confidence, resamples=resamples
         )

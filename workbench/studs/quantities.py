@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 
 ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318
 DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 and ACI 318
+# share by which cylinder strengths of one concrete may differ: EN 1994-1-1, B.2.3 lets those of
+# specimens be 10 % off what was intended (recalled)
+LIKE_CONCRETE = 0.1
 NORMAL_WEIGHT_FROM = 2160.0  # kg/m3
 COLUMNS = {  # quantity: its column in a table of tests, and its unit there in SI
     "diameter": ("diameter_mm", 1e-3),
@@ -100,13 +103,17 @@ def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
     return np.asarray(table[column].to_numpy(float) * factor)
 
 
-def undamaged_headed_studs(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows that a fit of the undamaged headed stud may use.
+def undamaged_headed_studs(table: pd.DataFrame, *, deck: bool = False) -> pd.DataFrame:
+    """Rows that a fit of the undamaged headed stud in a solid slab may use.
 
-    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear. Raises `InputError` when
-    none is left, saying what took the rows away.
+    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear alone, no profiled deck unless
+    a `deck` may be there. Raises `InputError` when none is left, saying what took the rows away.
     """
+    profiled = table["slab"].str.contains("deck", case=False).astype(bool)
+    profiled |= table[["deck_depth_mm", "deck_width_mm"]].notna().any(axis=1)
     conditions = {
+        "in a profiled deck": ~profiled | deck,
+        "no push-out": table["test"] == "push-out",
         "use_for_fit is 0": table["use_for_fit"] == 1.0,
         "another connector than a headed stud": table["connector"] == HEADED,
         "after pre-damage": table["predamage"] == NO_PREDAMAGE,

@@ -3,7 +3,7 @@
 Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.studs.quantities import Array, undamaged_headed_studs
+from workbench.studs.quantities import LIKE_CONCRETE, Array, undamaged_headed_studs
 
 LARGEST_DEVIATION = 0.10  # of any test from the mean of the series
 REDUCTION = 0.9
@@ -106,7 +106,8 @@ def slip_capacity(slip: ArrayLike, load: ArrayLike, level: float) -> tuple[float
     return float(s[last] + share * (s[last + 1] - s[last])), False
 
 
-EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fcm_MPa", "fu_MPa")
+EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fu_MPa")
+LIKE_LOAD = 0.05  # share by which the largest load of a curve may miss that of the table
 
 
 class Series(NamedTuple):
@@ -133,13 +134,14 @@ def evaluate_groups(
     """
     curves = {} if points is None else _curves(points)
     result = []
-    for _, group in undamaged_headed_studs(table).groupby(list(EQUAL), sort=False, dropna=False):
+    for group in _equal(undamaged_headed_studs(table, deck=True)):
         first = group.iloc[0]
         words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
         words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
         names = list(zip(group["campaign"], group["specimen"], strict=True))
         found, why = None, ""
         try:
+            _check_curves(group, names, curves)
             found = evaluate_series(
                 1e3 * group["shear_kN"].to_numpy(float),
                 specified_strength=specified_strength,
@@ -151,6 +153,28 @@ def evaluate_groups(
             why = f"{error.allowed}; {error.advice}" if error.advice else error.allowed
         result.append(Series(", ".join(words), len(group), found, why))
     return result
+
+
+def _equal(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """Nominally equal tests: the same in `EQUAL`, in concrete of about the same strength."""
+    for _, group in rows.groupby(list(EQUAL), sort=False, dropna=False):
+        strength = group["fcm_MPa"].astype(float).sort_values()
+        starts, first = [], np.nan
+        for value in strength:
+            first = first if value <= (1.0 + LIKE_CONCRETE) * first else value
+            starts.append(first)
+        part = pd.Series(starts, index=strength.index)
+        for _, own in group.groupby(part.reindex(group.index), sort=False, dropna=False):
+            yield own
+
+
+def _check_curves(group: pd.DataFrame, names: list[Any], curves: dict[Any, Any]) -> None:
+    """Refuse curves whose largest load is not that of their test."""
+    for name, load in zip(names, group["shear_kN"], strict=True):
+        top = 1e-3 * float(np.max(curves[name][1])) if name in curves else load
+        if abs(top / load - 1.0) > LIKE_LOAD:
+            said = f"of {name[1]} must reach the {load:.4g} kN of the table"
+            raise InputError("curves", f"{top:.4g} kN", f"the curve {said}")
 
 
 def _curves(points: pd.DataFrame) -> dict[Any, tuple[Array, Array]]:

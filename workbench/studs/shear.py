@@ -97,7 +97,10 @@ class ShearModel:
     def terms(self, tests: Specimens) -> tuple[Array, Array]:
         """Steel and concrete term (n,) each of tested specimens, in N."""
         d, strength = tests.diameter, tests.concrete_strength
-        concrete = self.concrete(d, tests.height, strength, tests.concrete_modulus)
+        # a stocky stud has no value, and takes none from the others
+        outside = self.reduces_stocky & (tests.slenderness < LEAST_SLENDERNESS)
+        height = np.where(outside, np.nan, tests.height)
+        concrete = self.concrete(d, height, strength, tests.concrete_modulus)
         return self.steel(d, tests.ultimate_strength), concrete
 
     def findings(self, tests: Specimens) -> list[Finding]:

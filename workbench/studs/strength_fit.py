@@ -49,6 +49,7 @@ VARIATIONS = {
 }
 _SIZES = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
 ABOVE_STEEL = 1.0
+LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
 FEW_CAMPAIGNS = 5
 LEAST_FOR_DESIGN = 4  # tests, EN 1990 table D.2 for an unknown coefficient of variation
 
@@ -139,18 +140,21 @@ def fit_strength(
     confidence: float = 0.9,
     resamples: int = 500,
     variations: Mapping[str, float] | None = None,
+    specified_strength: float | None = None,
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
     Arguments: `model`, a name in `SHEAR_MODELS` or a `ShearModel`; `trends`, variables out of
     `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or ``bisquare``;
     `confidence` of the intervals; `resamples` of the bootstrap; `variations`, see
-    `evaluate_d8` (default `VARIATIONS`). Raises `InputError`, `SolverError`.
+    `evaluate_d8` (default `VARIATIONS`); `specified_strength` of the stud material in Pa, for
+    gamma_M* (None: the mean of the tests). Raises `InputError`, `SolverError`.
     """
     chosen = shear_model(model) if isinstance(model, str) else model
     for trend in trends:
         Choice(TRENDS).check("trends", trend)
-    kept, tests = _complete(undamaged_headed_studs(table), chosen)
+    usable = undamaged_headed_studs(table)
+    kept, tests = _complete(usable, chosen)
     reference = {
         name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in (*TRENDS, "height")
     }
@@ -163,7 +167,13 @@ def fit_strength(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence, resamples=resamples),
         left_out=tuple(_left_out(given)),
-        d8=_d8(tests, chosen, reference, dict(VARIATIONS if variations is None else variations)),
+        d8=_d8(
+            tests,
+            chosen,
+            reference,
+            VARIATIONS if variations is None else variations,
+            specified_strength,
+        ),
         reference=reference,
         new_campaign_factor=new,
         measurement=_measurement(kept),
@@ -171,6 +181,7 @@ def fit_strength(
         findings=(
             *suspicions(table),
             *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
+            *_left_without_value(len(usable) - len(kept), len(usable), chosen),
             *_findings(kept, tests, chosen, given),
         ),
         identity=identity_of(kept),
@@ -215,7 +226,8 @@ def _d8(
     tests: Specimens,
     model: ShearModel,
     reference: Mapping[str, float],
-    variations: dict[str, float],
+    variations: Mapping[str, float],
+    specified_strength: float | None,
 ) -> D8:
     means = {name: reference[name] for name in variations if np.isfinite(reference[name])}
 
@@ -230,7 +242,10 @@ def _d8(
     if steel_known or np.isinf(code.steel_factor):
         specified = float(characteristic_strength(reference["concrete_strength"]))
         if specified > 0.0:
-            nominal = resistance({"concrete_strength": specified}, code)
+            steel = {}
+            if specified_strength is not None:
+                steel["ultimate_strength"] = min(specified_strength, LARGEST_SPECIFIED)
+            nominal = resistance({"concrete_strength": specified, **steel}, code)
     return evaluate_d8(
         tests.shear,
         model.of(tests),
@@ -297,6 +312,13 @@ def _findings(
             f"{computed} tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is {_stiffer(tests)} more and "
             "would raise predictions that the concrete governs: give Ecm_MPa to use another",
         )
+
+
+def _left_without_value(count: int, total: int, model: ShearModel) -> Iterator[Finding]:
+    if count:
+        why = "missing values, or a stud too stocky for it"
+        text = f"{count} of {total} tests left out: {model.title} has no value for them ({why})"
+        yield Finding("range", text)
 
 
 def _campaign_findings(given: Problem) -> Iterator[Finding]:
