@@ -7,6 +7,7 @@ gamma, with the contact law of `workbench.impact.restitution`.
 
 from numba import njit
 
+from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
@@ -14,7 +15,6 @@ from workbench.models.four_dof.kinematics import BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_dense
 
 _EPS = 2.220446049250313e-16
-REACH = 0.9  # of the shorter bar; beyond it the mechanism has collapsed
 _PIECES = 64  # into which a step may be cut
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
 
@@ -209,12 +209,11 @@ def moreau_step(column, dt, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def turned(lengths, q):
-    """How far both chords have turned: v1 over their lengths, now or at first."""
-    v = abs(q[V])
-    below = (v**2 + (lengths[0] + q[U1]) ** 2) ** 0.5
-    above = (v**2 + (lengths[1] + q[U2] - q[U1]) ** 2) ** 0.5
-    return v / min(lengths[0], below), v / min(lengths[1], above)
+def chords(lengths, q):
+    """Distances that are left between the ends of both bars, in m."""
+    below = (q[V] ** 2 + (lengths[0] + q[U1]) ** 2) ** 0.5
+    above = (q[V] ** 2 + (lengths[1] + q[U2] - q[U1]) ** 2) ** 0.5
+    return below, above
 
 
 @njit(cache=True, error_model="numpy")
@@ -223,12 +222,13 @@ def impact(column, scheme, dt, records, work):
 
     `records` (steps + 1,) of STATE begin with the preloaded column and the velocity of the
     striker. A step that does not converge is redone with 2, 4, ... 64 substeps. Stops with
-    COLLAPSE when a bar squashes, and when v1 passes nine tenths of a bar: of its first length, or
-    of what is left between its ends, which a chord that turns over passes in any case.
+    COLLAPSE when v1 passes nine tenths of a bar (of its first length, or of the distance that is
+    left between its ends, which a chord that turns over passes in any case), and when the bars have
+    been squashed by a tenth of their length.
     """
     statics.internal_forces(column, records[0], work)
     records[0].force = work.F[V]
-    squashed = -column.squash_loads[1] * (1.0 - 1e-9)
+    shorter, length = min(column.lengths[0], column.lengths[1]), column.lengths.sum()
     residual, cuts = 0.0, 0
     for n in range(1, records.size):
         state, pieces, done = records[n], 1, False
@@ -249,7 +249,8 @@ def impact(column, scheme, dt, records, work):
                 if pieces > _PIECES:
                     return statics.NO_CONVERGENCE, n, residual, cuts
         state.force = work.F[V]
-        fallen = max(turned(column.lengths, state.q)) > REACH
-        if fallen or min(state.stress[0, 0], state.stress[1, 0]) <= squashed:
+        below, above = chords(column.lengths, state.q)
+        fallen = abs(state.q[V]) > COLLAPSE_SIDEWAYS * min(shorter, min(below, above))
+        if fallen or below + above < (1.0 - COLLAPSE_CONTRACTION) * length:
             return statics.COLLAPSE, n, residual, cuts
     return statics.OK, records.size - 1, residual, cuts

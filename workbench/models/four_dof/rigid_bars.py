@@ -16,6 +16,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
+from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, shear_findings, step_finding
 from workbench.models.four_dof import dynamics, panels, statics
@@ -228,15 +229,16 @@ class RigidBars(Declared, table="option"):
 
 def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
     """How the column has collapsed in the last `state` of a run, at a `time` (s)."""
-    reached, axial = float(state["q"][V]), state["stress"][:, 0]
-    turned = dynamics.turned(bars["lengths"], state["q"])
-    if max(turned) > dynamics.REACH:
-        mechanism, bar = Mechanism.GEOMETRY, int(np.argmax(turned))
-        reason = f"the displacement passes nine tenths of the segment {SEGMENTS[bar]} the hit point"
-    else:
-        mechanism, bar = Mechanism.SQUASH, int(axial.argmin())
-        reason = f"the bar {SEGMENTS[bar]} the hit point reaches its squash load"
-    return CollapseError(Collapse(mechanism, (SEGMENTS[bar],), reached, time), reason)
+    lengths, reached = bars["lengths"], float(state["q"][V])
+    left = np.array(dynamics.chords(lengths, state["q"]))
+    turned = abs(reached) / np.minimum(lengths, left)
+    if turned.max() > COLLAPSE_SIDEWAYS:
+        bar = SEGMENTS[int(turned.argmax())]
+        reason = f"the displacement passes nine tenths of the segment {bar} the hit point"
+        return CollapseError(Collapse(Mechanism.GEOMETRY, (bar,), reached, time), reason)
+    loss = 1.0 - left.sum() / lengths.sum()
+    reason = f"the bars have been squashed by {100.0 * loss:.3g} % of their length"
+    return CollapseError(Collapse(Mechanism.SQUASH, SEGMENTS, reached, time), reason)
 
 
 def _dead_work(column: Column, records: Any) -> Array:

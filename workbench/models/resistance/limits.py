@@ -3,9 +3,9 @@
 import numpy as np
 
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
+from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.domain import member_findings
 from workbench.models.four_dof import FourDofShear
-from workbench.models.four_dof.dynamics import REACH
 from workbench.models.resistance.curve import Array, ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
@@ -19,7 +19,7 @@ _WORK = 0.10  # share by which a simplification may leave the analytic curve wit
 
 def reach(column: Column) -> float:
     """Largest displacement (m) at which the mechanism means anything."""
-    return REACH * min(column.length_below, column.length_above)
+    return COLLAPSE_SIDEWAYS * min(column.length_below, column.length_above)
 
 
 def limit_of(curve: ResistanceCurve, column: Column) -> float:

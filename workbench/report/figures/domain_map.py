@@ -58,6 +58,10 @@ def draw(request: Request) -> Drawing:
             sheet.said.append(
                 f"{label}: {len(silent)} errors beyond {100 * far:g} % carry no warning."
             )
+    fallen = sum(request.stored.collapses(case.name, request.against) for case in request.cases)
+    if fallen:
+        text = f"{request.against} collapses in {fallen} cases, which have no place in this map."
+        sheet.said.append(text)
     for name, look in classes.items():
         sheet.legend(entry(name, **look.points(markeredgewidth=0.8)))
     sheet.legend(entry("no answer", **Look(INK, marker="x", size=3.4).points()))
