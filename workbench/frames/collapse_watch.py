@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism
+from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure
 
@@ -44,7 +44,8 @@ class CollapseWatch:
     def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
 
-        Without a `time` (s), on a static path, only what the elements cannot follow counts.
+        Without a `time` (s), on a static path, nothing collapses. Raises `OutOfDomainError` where
+        an element crumples: that depends on its length, and other meshes may go on and survive.
         """
         structure = self._structure
         names = [member.name for member in structure.frame.members]
@@ -55,11 +56,11 @@ class CollapseWatch:
 
         left, worst = structure.members.slightest()
         if left < LEAST_LENGTH:
-            reason = (
-                "crumples: a plastic hinge under compression has shortened its element to less "
-                f"than {LEAST_LENGTH:g} of its length (a larger smallest_element puts this off)"
+            raise OutOfDomainError(
+                f"member {names[worst]} crumples at {displacement:.4g} m: a plastic hinge under "
+                f"compression has shortened its element to less than {LEAST_LENGTH:g} of its "
+                "length; take fiber-reissner, or a larger smallest_element, which puts this off"
             )
-            raise fallen(Mechanism.SQUASH, [names[worst]], reason)
         if time is None:
             return
         share, worst = self.sideways(now=True)

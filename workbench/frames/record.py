@@ -53,7 +53,7 @@ class Record:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
 
         `turns`, whether a static path ends or turns back here. Raises `CollapseError` when the
-        frame has collapsed; on a static path, when an element crumples.
+        frame has collapsed, `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
         self._see(at, turns)

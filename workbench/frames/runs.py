@@ -61,7 +61,7 @@ def run_static(
 ) -> Response:
     """Follow `steps` of a static driver on a frame under its dead loads.
 
-    Raises `SolverError`, and `CollapseError` when an element crumples.
+    Raises `SolverError`, and `OutOfDomainError` when an element crumples.
     """
     record = Record(structure, scenario.node, scenario.direction, None)
     leads = scenario.control == "load"
