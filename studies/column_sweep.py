@@ -9,6 +9,7 @@ from itertools import product
 
 from workbench.assessment import Gate
 from workbench.cli import main
+from workbench.models.domain import shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof
 from workbench.models.single_dof import SingleDof
@@ -64,6 +65,13 @@ cases = tuple(
     for section, position, load, velocity in product(SECTIONS, POSITIONS, LOADS, VELOCITIES)
 )
 
+
+def needing(least: float, most: float) -> tuple[str, ...]:
+    """Cases whose bending mechanism needs a shear force V/Vpl in a range."""
+    demands = {case.name: max(shear_demand(case.scenario).values()) for case in cases}
+    return tuple(name for name, demand in demands.items() if least <= demand < most)
+
+
 gates = tuple(
     Gate(
         model,
@@ -112,6 +120,11 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
+    groups={
+        "V/Vpl below 0.5": needing(0.0, 0.5),
+        "V/Vpl 0.5 to 1": needing(0.5, 1.0),
+        "V/Vpl above 1": needing(1.0, 1e3),
+    },
     gates=gates,
     figures=figures,
 )

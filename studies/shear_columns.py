@@ -121,6 +121,14 @@ cases = tuple(
     strike(column_of(share, number), share, number, number >= MASSIVE)
     for number, share in enumerate(points)
 )
+
+
+def hit_hard(least: float, most: float) -> tuple[str, ...]:
+    """Cases with plastic hits and a shear demand of the mechanism in a range."""
+    hard = (case for case in cases if case.parameters[HIT] == "plastic")
+    return tuple(case.name for case in hard if least <= case.parameters[DEMAND] < most)
+
+
 STRUCK = tuple(case.name for case in cases[:SOLIDS])
 
 gates = (
@@ -205,6 +213,14 @@ study = Study(
     cases=cases,
     models=models,
     reference=WEB,
+    references=(SOLID, WEB, BEAM),
+    groups={
+        "V/Vpl below 0.5": hit_hard(0.0, 0.5),
+        "V/Vpl 0.5 to 1": hit_hard(0.5, 1.0),
+        "V/Vpl above 1": hit_hard(1.0, 1e3),
+        "elastic hits": tuple(case.name for case in cases if case.parameters[HIT] == "elastic"),
+    },
+    decisive="map-solid",
     quantities=("peak_displacement", "residual_displacement"),
     gates=gates,
     figures=figures,

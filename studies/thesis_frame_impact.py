@@ -170,6 +170,7 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
+    groups={"column of a frame, 50 m/s": (CASE,)},
     gates=gates,
     figures=figures,
     quick_models=(REFERENCE, RIGID, LINEAR, FLEXIBLE, PUBLISHED),

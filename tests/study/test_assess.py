@@ -339,6 +339,9 @@ def test_an_assessment_reads_the_store_only(
         "gates.csv",
         "verdicts.csv",
         "bias.csv",
+        "references.csv",
+        "matrix.csv",
+        "cost.csv",
     }
     outcomes = [row["outcome"] for row in result.tables["cells"]]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4

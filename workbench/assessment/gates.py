@@ -17,10 +17,11 @@ _OPEN = ("no answer", "nothing to judge", "uncertainty unknown", "uncertainty ac
 class Verdict(StrEnum):
     """How a gate ends, and how it ends in one case.
 
-    Inconclusive: the uncertainty straddles the bound, or there is nothing to judge. A case alone
-    may also be refused by one side (out of its domain) or remain without an answer (failed, not
-    run). Collapse is an answer: a case fails where one side collapses and the other survives, and
-    passes, without a number, where both collapse.
+    Inconclusive: the uncertainty straddles the bound, there is nothing to judge, or agreement says
+    nothing, as what was compared is outside its domain. A case alone may also be refused by one
+    side (out of its domain) or remain without an answer (failed, not run). Collapse is an answer:
+    a case fails where one side collapses and the other survives, and passes, without a number,
+    where both collapse.
     """
 
     FAIL = "fail"
@@ -77,7 +78,7 @@ class CaseVerdict:
     """A gate in one case: the `value` of its metric, with `uncertainty`, None without an answer.
 
     `note` says where the uncertainty comes from, or why there is nothing to judge; `collapsed` are
-    the labels whose structure collapses.
+    the labels whose structure collapses; `doubt`, why what is within the bound is no pass.
     """
 
     case: str
@@ -86,10 +87,13 @@ class CaseVerdict:
     uncertainty: float | None
     note: str
     collapsed: tuple[str, ...] = ()
+    doubt: str = ""
 
     @property
     def told(self) -> str:
         """What there is to say of the case besides a number within or beyond the bound."""
+        if self.doubt:
+            return self.doubt
         if self.verdict in (Verdict.PASS, Verdict.FAIL):
             alone = _DIFFERENT if self.verdict is Verdict.FAIL else _ALIKE
             return alone if self.collapsed else ""
@@ -151,7 +155,7 @@ class GateVerdict:
         kinds: dict[str, list[CaseVerdict]] = {what: [] for what in (*_OPEN, _DIFFERENT, _ALIKE)}
         for case in self.cases:
             if case.told:
-                kinds[case.told].append(case)
+                kinds.setdefault(case.told, []).append(case)
         return tuple(
             f"{what} in {len(cases)} of {len(self.cases)} asked cases: {_listed(cases)}"
             for what, cases in kinds.items()
@@ -161,6 +165,7 @@ class GateVerdict:
 
 def _listed(cases: Sequence[CaseVerdict]) -> str:
     names = [case.case for case in cases]
-    names[0] += f" ({cases[0].note.rstrip('.')})"
+    if not cases[0].doubt:
+        names[0] += f" ({cases[0].note.rstrip('.')})"
     more = [f"{len(names) - _NAMED} more"] if len(names) > _NAMED else []
     return ", ".join([*names[:_NAMED], *more])

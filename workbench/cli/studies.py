@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -95,9 +94,9 @@ def run(
 
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
     from workbench.responses import Outcome
-    from workbench.study.assess import NOT_RUN
+    from workbench.study.store import NOT_RUN
 
-    yield from _gates(result)
+    yield from _answer(summary.study, result)
     for row in result.tables["cells"]:
         if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
@@ -188,7 +187,7 @@ def report(
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    return Answer(content, (*_gates(result), Definitions(tuple(content["files"].items()))))
+    return Answer(content, (*_answer(chosen, result), Definitions(tuple(content["files"].items()))))
 
 
 @verb
@@ -208,7 +207,7 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
         for case in found.cases
         if case.verdict != "pass"
     )
-    return Answer(content, (*_gates(result), Bullets(reasons)), int(result.failed))
+    return Answer(content, (*_answer(chosen, result), Bullets(reasons)), int(result.failed))
 
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
@@ -219,14 +218,12 @@ def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     ]
 
 
-def _gates(result: Assessment) -> Iterator[Block]:
-    """The verdicts as the report has them, without the rationale of the bounds."""
-    from workbench.report.chapters.verdicts import headline, summary_table
+def _answer(study: Study, result: Assessment) -> Iterator[Block]:
+    """The matrix and the verdicts as the report has them."""
+    from workbench.report.chapters.answer import in_brief
+    from workbench.report.stored import Stored
 
-    rows = [dict(row) for row in result.tables["verdicts"]]
-    yield headline(rows)
-    if rows:
-        yield replace(summary_table(rows, reasons=False), caption="")
+    yield from in_brief(study, Stored(result.directory, study))
 
 
 def _chosen(name: str, quick: bool) -> Study:

@@ -73,12 +73,12 @@ def brief(value: float) -> str:
     return text.replace("-", MINUS)
 
 
-def percent(value: float | None, *, signed: bool = True) -> str:
-    """A share as percentage with two decimals below 10 %, one above."""
+def percent(value: float | None, *, signed: bool = True, rough: bool = False) -> str:
+    """A share as percentage with two decimals below 10 %, one above; `rough`, with one less."""
     if value is None or not math.isfinite(value):
         return number(value)
     share = 100.0 * value
-    decimals = 2 if abs(share) < 9.995 else 1
+    decimals = (2 if abs(share) < 9.995 else 1) - rough
     text = f"{share:+.{decimals}f}" if signed else f"{share:.{decimals}f}"
     if float(text) == 0.0:
         text = f"{0.0:.{decimals}f}"
@@ -140,6 +140,27 @@ def duration(seconds: float | None, digits: int = 2) -> str:
     if seconds < 120.0:
         return f"{number(seconds, digits)}{NO_BREAK}s"
     return f"{number(seconds / 60.0, digits)}{NO_BREAK}min"
+
+
+def part(ratio: float | None) -> str:
+    """A ratio of times as a reader remembers it, in steps of 1, 2 and 5: ``1/2000``."""
+    if ratio is None or not math.isfinite(ratio) or ratio <= 0.0:
+        return number(None)
+    steps = [step * 10.0**power for power in range(-6, 10) for step in (1.0, 2.0, 5.0)]
+    near = min(steps, key=lambda step: abs(math.log(step * min(ratio, 1.0 / ratio))))
+    return f"{near:.0f}" if ratio >= 1.0 or near == 1.0 else f"1/{near:.0f}"
+
+
+def spans(numbers: Sequence[int]) -> str:
+    """Whole numbers in rising order, runs of them by their ends: ``1, 3 to 5``."""
+    runs: list[list[int]] = []
+    for each in numbers:
+        if runs and each == runs[-1][-1] + 1:
+            runs[-1].append(each)
+        else:
+            runs.append([each])
+    texts = (f"{r[0]} to {r[-1]}" if len(r) > 2 else ", ".join(map(str, r)) for r in runs)
+    return ", ".join(texts)
 
 
 def count(number_of: int, singular: str, plural: str = "") -> str:

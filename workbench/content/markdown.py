@@ -58,7 +58,8 @@ def _block(block: Block, level: int) -> Iterator[str]:
 
 
 def _cell(cell: Cell) -> str:
-    return _MARKS.get(cell.tone, "") + escaped(cell.text)
+    hatch = "▨ " if cell.hatched else ""
+    return _MARKS.get(cell.tone, "") + hatch + escaped(cell.text)
 
 
 def _row(cells: Iterator[str]) -> str:

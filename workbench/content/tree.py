@@ -75,12 +75,14 @@ class Callout:
 class Cell:
     """A table cell: its `text`, the value it sorts by (None: its text), and its `tone`.
 
-    Tones: empty, good, bad, doubt, muted.
+    Tones: empty, good, bad, doubt, muted. Of several lines the first one is the statement, the
+    others are details. A `hatched` cell holds a number that should not be relied on.
     """
 
     text: str
     sort: float | None = None
     tone: str = ""
+    hatched: bool = False
 
 
 ABSENT = Cell("–", tone="muted")

@@ -13,6 +13,7 @@ from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.chapters import (
+    answer,
     configuration,
     limits,
     reference,
@@ -70,11 +71,16 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     """The content tree of a study, from stored results and drawn figures with their kinds."""
     own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
     shear = limits.shear_demand(study, stored)
-    pictures = (Section(f"figure-{p.key}", p.title, (p,)) for of, p in drawn if of not in own)
+    first = answer.decisive(study)
+    pictures = (
+        Section(f"figure-{p.key}", p.title, (p,))
+        for of, p in drawn
+        if of not in own and p.key != first
+    )
     parts: list[Section | None] = [
-        verdicts.asked(study, stored),
+        answer.answer(study, stored, (p for _, p in drawn if p.key == first)),
         stud_evidence.in_short(study, stored),
-        verdicts.verdicts(stored, shear.headline),
+        verdicts.verdicts(stored),
         limits.collapses(stored),
         limits.missing(study, stored),
         limits.domain(stored, shear),
@@ -89,7 +95,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     sections = tuple(part for part in parts if part is not None)
     facts = (
         f"{count(len(study.cases), 'case')}, {count(len(study.models), 'model')}",
-        f"reference: {study.reference}",
+        f"{'references' if len(study.ranked) > 1 else 'reference'}: {', '.join(study.ranked)}",
         f"study: {study.name}",
     )
     return Document(study.title, "Validation report", facts, sections)
@@ -129,10 +135,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
 def _short(study: Study, stored: Stored) -> Iterator[Block]:
     """The question, the table of verdicts, and what must not be overlooked."""
     yield tree.Paragraph(study.question)
-    rows = stored.rows["verdicts"]
-    yield verdicts.headline(rows)
-    if rows:
-        yield replace(verdicts.summary_table(rows), caption="")
+    yield from answer.in_brief(study, stored)
     shear = limits.shear_demand(study, stored)
     parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(stored, shear)
     told = tree.walk(tuple(part for part in parts if part is not None))

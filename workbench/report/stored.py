@@ -10,17 +10,21 @@ import pandas as pd
 
 from workbench.errors import Collapse, InputError, Mechanism
 from workbench.responses import Finding, Outcome, Response
-from workbench.study.assess import COLLAPSE, NOT_RUN
+from workbench.study.assess import COLLAPSE
 from workbench.study.definition import Study
-from workbench.study.store import Store
+from workbench.study.store import NOT_RUN, Store
 
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
-_TABLES = ("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias")
+_TABLES = (
+    *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
+    *("references", "matrix", "cost"),
+)
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
+        *("doubt", "group", "reason"),
     ),
     str,
 )
@@ -56,6 +60,11 @@ class CellState:
     def warnings(self) -> tuple[Finding, ...]:
         """The findings that are no refusals."""
         return tuple(finding for finding in self.findings if not finding.refusal)
+
+    @property
+    def outside(self) -> tuple[Finding, ...]:
+        """The warnings that place the case outside the domain of the model."""
+        return tuple(finding for finding in self.findings if finding.outside)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,17 @@ from typing import Any
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 COLUMNS = ("subject", "severity", "sentence", "remedy", "number")  # of a finding in a table
 
+# Subjects of warnings about a run, input that a model takes otherwise, an estimate or data. Every
+# other warning, of models from elsewhere too, says that the scenario lies outside the domain.
+_NOT_OF_DOMAIN = frozenset(
+    (
+        *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
+        *("section", "plates", "exponents"),
+        *("estimate", "ends"),  # a column cut out of its frame is always one
+        *("evidence", "series", "campaigns", "bounds", "grade", "measurement"),
+    )
+)
+
 
 class Outcome(StrEnum):
     """How a model's attempt ended; `advice` says what to do about it."""
@@ -66,6 +77,11 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.text}: {self.remedy}" if self.remedy else self.text
+
+    @property
+    def outside(self) -> bool:
+        """Whether it warns that the scenario lies outside the domain of the model."""
+        return not self.refusal and self.subject not in _NOT_OF_DOMAIN
 
     def as_dict(self) -> dict[str, Any]:
         """The finding as JSON and tables hold it, by the names of `COLUMNS`."""

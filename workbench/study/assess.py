@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from workbench.assessment import METRICS, bias_and_scatter
+from workbench.assessment import METRICS
 from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.errors import Collapse, InputError
 from workbench.responses import (
@@ -31,9 +31,9 @@ from workbench.study.comparisons import (
     ladder_row,
 )
 from workbench.study.definition import Study
-from workbench.study.store import Presence, Row, Store, csv_bytes, write_atomically
-
-NOT_RUN = "not run"
+from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
+from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
+from workbench.study.store import NOT_RUN, Presence, Row, Store, csv_bytes, write_atomically
 
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
 _COMPARISON = (
@@ -46,13 +46,15 @@ _BIAS = (
 )
 _GATE = ("number", "gate", "model", "against", "quantity", "metric")
 _JUDGED = ("case", "value", "uncertainty", "collapsed", "bound")
-CASE_COLUMNS = (*_GATE, *_JUDGED, "verdict", "note")
+CASE_COLUMNS = (*_GATE, *_JUDGED, "verdict", "note", "doubt")
 VERDICT_COLUMNS = (
     *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict), "collapses"),
     *(*_JUDGED, "reasons", "rationale", "source"),
 )
 COLLAPSE = tuple(f"collapse_{name}" for name in Collapse._fields)
-_DERIVED = ("shear_utilisation", "energy_error")
+# of a cell: `outside`, how many warnings place it outside the domain; `cold`, whether its times may
+# hold compilation
+_DERIVED = ("shear_utilisation", "energy_error", "outside", "cold")
 _FEWEST_FOR_BIAS = 3  # cases
 
 
@@ -101,12 +103,19 @@ def assess(study: Study, root: Path) -> Assessment:
             rows["cells"].append({**row, **case.parameters})
         given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
     verdicts = verdicts_of(study, given)
-    rows["comparisons"] = [row for answers in given for row in comparison_rows(answers)]
+    rows["references"] = [standing_row(answers) for answers in given]
+    rows["comparisons"] = [
+        row
+        for answers, standing in zip(given, rows["references"], strict=True)
+        for row in comparison_rows(answers, standing.get("label"))
+    ]
     ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
     rows["ladder"] = [row for row in ladders if row]
     rows["gates"] = [row for found in verdicts for row in case_rows(found)]
     rows["verdicts"] = [verdict_row(found) for found in verdicts]
     rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
+    rows["matrix"] = list(matrix_rows(study, rows))
+    rows["cost"] = list(cost_rows(study, rows))
     columns = {
         "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, *COLLAPSE, "key"),
         "findings": ("case", "label", "model", *FINDING_COLUMNS),
@@ -115,6 +124,9 @@ def assess(study: Study, root: Path) -> Assessment:
         "gates": CASE_COLUMNS,
         "verdicts": VERDICT_COLUMNS,
         "bias": _BIAS,
+        "references": STANDING_COLUMNS,
+        "matrix": MATRIX_COLUMNS,
+        "cost": COST_COLUMNS,
     }
     store.prepare()
     for name, table in rows.items():
@@ -131,6 +143,8 @@ def _numbers(response: Response, store: Store, cell: Cell) -> Row:
         **{name: record.get(name) for name in TIMES},
         **scalars_of(response),
         "energy_error": energy_error(response),
+        "outside": len(outside(response)),
+        "cold": int(record.get("cold", False)),
     }
     if "shear_utilisation" in response:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
@@ -141,10 +155,7 @@ def _numbers(response: Response, store: Store, cell: Cell) -> Row:
 
 
 def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
-    """Bias and scatter of every model against the reference over the cases, per quantity.
-
-    The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
-    """
+    """Bias and scatter of every model against the reference over the cases, per quantity."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in comparisons:
         asked = row["against"] == reference and row["metric"] == "relative_error"
@@ -153,30 +164,7 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
     for (model, quantity), rows in groups.items():
         if len(rows) < _FEWEST_FOR_BIAS:
             continue
-        found = bias_and_scatter(
-            [row["value"] for row in rows], [row["against_value"] for row in rows]
-        )
-        known = [
-            row["uncertainty"] * (row["against_value"] / row["value"])
-            for row in rows
-            if row["uncertainty"] is not None
-        ]
-        # numerical errors have one sign over the cases: they shift the bias, they do not scatter
-        common = sum(known) / len(known) if known else 0.0
-        note = ""
-        if len(known) < len(rows):
-            unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
-            note = f"numerical uncertainty unknown in {unknown}"
-        yield {
-            "model": model,
-            "against": reference,
-            "quantity": quantity,
-            **asdict(found),
-            "low": None if found.low is None else found.low * (1.0 - common),
-            "high": None if found.high is None else found.high * (1.0 + common),
-            "uncertainty": common if known else None,
-            "note": note,
-        }
+        yield {"model": model, "against": reference, "quantity": quantity, **pooled(rows)}
 
 
 def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:
@@ -207,13 +195,14 @@ def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
             return CaseVerdict(name, verdict, None, None, answers.why_not(label))
     fallen = tuple(label for label, collapse in collapses.items() if collapse is not None)
     if fallen:
-        return _fallen(gate, answers, fallen)
+        return doubted(gate, answers, _fallen(gate, answers, fallen))
     try:
         found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
     except InputError as error:
         return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
     verdict = judge(found.error, found.uncertainty, gate.bound)
-    return CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
+    judged = CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
+    return doubted(gate, answers, judged)
 
 
 def _fallen(gate: Gate, answers: Answers, fallen: tuple[str, ...]) -> CaseVerdict:

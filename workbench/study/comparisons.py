@@ -232,12 +232,15 @@ def compare(
     return Comparison(value, metric.half_width(*pair, own, other), notes, *pair)
 
 
-def comparison_rows(answers: Answers) -> Iterator[Row]:
-    """Rows of every label of a case against the reference, the data and what gates ask for."""
+def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
+    """Rows of every label of a case against the reference, the data and what gates ask for.
+
+    Also against the `best` of several references.
+    """
     study = answers.study
     data = [label for label, r in answers.responses.items() if "data_uncertainty" in r.attrs]
     asked = [gate.against for gate in study.gates if gate.against != gate.model]
-    for against in dict.fromkeys([study.reference, *data, *asked]):
+    for against in dict.fromkeys([study.reference, *data, *asked, best or study.reference]):
         for model in answers.responses:
             if model == against or (model in data and against in data):
                 continue

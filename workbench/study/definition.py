@@ -59,9 +59,12 @@ class Study:
     label to model; `reference`, the label of the reference; `ladder`, labels of the reference
     from coarse to fine, each at half the element size and step of the one before, the
     last being the reference itself (for references that make no coarser runs of their own);
-    `quantities` compared; `gates`; `figures`; `quick_models`, labels that the quick form keeps
-    (empty: all); `notes`, paragraphs for the report about what is reconstructed, inferred or
-    outside a domain.
+    `references`, labels from best to worst, the best of which inside its domain counts in each
+    case (empty: the reference); `groups` of cases that the answer tells apart, names to names of
+    cases (empty: one of all); `quantities` compared; `gates`; `figures`; `decisive`, key of the
+    figure of the first page (empty: the first that shows all cases at once); `quick_models`,
+    labels that the quick form keeps (empty: all); `notes`, paragraphs for the report about what
+    is reconstructed, inferred or outside a domain.
     Raises `InputError` for labels or names that do not fit together, and for unknown metrics.
     """
 
@@ -72,9 +75,12 @@ class Study:
     models: Mapping[str, Model]
     reference: str
     ladder: tuple[str, ...] = ()
+    references: tuple[str, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     quantities: tuple[str, ...] = ("peak_displacement", "time_of_peak", "residual_displacement")
     gates: tuple[Gate, ...] = ()
     figures: tuple[Figure, ...] = ()
+    decisive: str = ""
     quick_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
@@ -83,10 +89,13 @@ class Study:
         for name in names:
             if names.count(name) > 1:
                 raise InputError("study.cases", name, "case names must be unique")
-        for name in (name for gate in self.gates for name in gate.cases):
-            if name not in names:
-                raise InputError("gate.cases", name, "is not a case of the study")
-        labels = [*self.ladder, *self.quick_models, self.reference]
+        for where, of in (("gate", [g.cases for g in self.gates]), ("group", self.groups.values())):
+            for name in (name for cases in of for name in cases):
+                if name not in names:
+                    raise InputError(f"{where}.cases", name, "is not a case of the study")
+        if self.decisive and self.decisive not in {figure.key for figure in self.figures}:
+            raise InputError("study.decisive", self.decisive, "is not a figure of the study")
+        labels = [*self.ladder, *self.references, *self.quick_models, self.reference]
         labels += [label for case in self.cases for label in case.models]
         labels += [label for figure in self.figures for label in figure.models]
         labels += [label for gate in self.gates for label in (gate.model, gate.against)]
@@ -100,6 +109,11 @@ class Study:
                 raise InputError("gate.against", gate.against, f"must be {gate.model} as well")
         if self.ladder and self.ladder[-1] != self.reference:
             raise InputError("study.ladder", self.ladder, "must end with the reference")
+
+    @property
+    def ranked(self) -> tuple[str, ...]:
+        """The references from best to worst."""
+        return self.references or (self.reference,)
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -166,6 +180,9 @@ class Study:
             for figure in self.figures
             if not figure.models or kept(figure.models)
         )
+        groups = {
+            group: tuple(name for name in of if name in names) for group, of in self.groups.items()
+        }
         left_out = {
             "models": [label for label in self.models if label not in keep],
             "cases": [case.name for case in self.cases if case.name not in names],
@@ -181,6 +198,9 @@ class Study:
             models=models,
             reference=self.reference if self.reference in keep else ladder[-1],
             ladder=ladder,
+            references=kept(self.references),
+            groups={group: of for group, of in groups.items() if of},
+            decisive=self.decisive if self.decisive in {f.key for f in figures} else "",
             gates=gates,
             figures=figures,
             quick_models=(),

@@ -27,6 +27,7 @@ from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Outcome, Response
 
 TEMPORARY = ".partial"
+NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored
 _COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compression saves
 
 # Attributes of a stored response by the ingredients of its key that they repeat.

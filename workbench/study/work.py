@@ -83,6 +83,7 @@ def _performed(task: Task, warm: set[str]) -> Result:
     kind = f"{type(model).__module__}.{type(model).__qualname__}/{scenario.KIND}"
     if kind not in warm and first < min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0):
         timed, _ = _answer(model, scenario)
+    cold = kind not in warm and timed is response
     warm.add(kind)
     runs = [timed]
     allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
@@ -93,6 +94,8 @@ def _performed(task: Task, warm: set[str]) -> Result:
         measured = [run.attrs[name] for run in runs if name in run.attrs]
         if measured:
             record[name] = median(measured)
+    if cold:
+        record["cold"] = True  # its times may hold compilation
     if trace:
         record["trace"] = trace
     return _result(task, response, record, started)

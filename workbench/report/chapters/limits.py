@@ -10,8 +10,8 @@ from workbench.content.tree import Block, Bullets, Callout, Cell, Column, Paragr
 from workbench.errors import Collapse
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding, Outcome
-from workbench.study.assess import NOT_RUN
 from workbench.study.definition import Study
+from workbench.study.store import NOT_RUN
 
 _PRINTED = 40
 _SIMILAR = 3  # sentences of one kind that are all shown

@@ -1,19 +1,33 @@
-"""What was asked, and what the gates say."""
+"""What the gates say."""
 
+from collections.abc import Iterator
 from math import inf
 from typing import Any
 
 from workbench.assessment import Verdict
 from workbench.content.bibliography import cited
-from workbench.content.formatting import count, interval, metric_title, metric_value, title_of
-from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
+from workbench.content.formatting import (
+    count,
+    interval,
+    metric_title,
+    metric_value,
+    spans,
+    title_of,
+)
+from workbench.content.tree import (
+    Block,
+    Callout,
+    Cell,
+    Column,
+    Definitions,
+    Paragraph,
+    Section,
+    Table,
+)
 from workbench.report.stored import Stored
-from workbench.study.definition import Study
 
 TONES = {verdict.value: "doubt" for verdict in Verdict} | {"pass": "good", "fail": "bad"}
 _PRINTED = 30
-_WELL_KNOWN = 0.015  # relative uncertainty below which a reference counts as fine
-_LISTED = 6
 _NOTES = 2  # reasons shown in the summary; the table of cases has all
 _RULE = (
     "A case passes if the whole interval, value ± numerical uncertainty, lies within the bound, "
@@ -27,54 +41,17 @@ _VERDICT = Column(
 )
 
 
-def asked(study: Study, stored: Stored) -> Section:
-    """The question and what was done to answer it."""
-    cells = stored.cells.values()
-    answered = sum(cell.ok or cell.collapse is not None for cell in cells)
-    done = (
-        f"{count(len(study.cases), 'case')} and {count(len(study.models), 'model')} ask for "
-        f"{count(len(cells), 'cell')}; {answered} of them hold an answer."
-    )
-    reference = f"The reference is {study.reference}"
-    if len(study.steps) > 1:
-        reference += f", refined in {count(len(study.steps), 'level')} ({', '.join(study.steps)})"
-    return Section(
-        "question", "What was asked", (Paragraph(study.question), Paragraph(f"{done} {reference}."))
-    )
-
-
-def verdicts(stored: Stored, warning: str = "") -> Section:
-    """The table of verdicts, critical case of each gate, and every case of every gate.
-
-    `warning` is said beside the headline: where all models leave their assumptions.
-    """
+def verdicts(stored: Stored) -> Section:
+    """How the gates ended, one line each, why they are open and bounded so, and every case."""
     rows, cases = stored.rows["verdicts"], stored.rows["gates"]
     blocks: list[Block] = [headline(rows)]
     if rows:
-        blocks.extend(Callout("doubt", text) for text in (warning, _doubt(stored)) if text)
         blocks.append(summary_table(rows))
+        blocks.extend(reasons(rows))
         if len(cases) > len(rows):
             blocks.append(_every_case(cases))
         blocks.append(Paragraph(_RULE))
     return Section("verdicts", "Verdicts", tuple(blocks))
-
-
-def _doubt(stored: Stored) -> str:
-    """What a reader must know before the table: how well the reference itself is known."""
-    reference = stored.study.reference
-    peaks, coarse = stored.values("peak_displacement"), []
-    for row in stored.rows["ladder"]:
-        known = row["quantity"] == "peak_displacement" and (row["case"], reference) in peaks
-        if known and (row["relative"] is None or row["relative"] > _WELL_KNOWN):
-            width = "unknown" if row["relative"] is None else f"{100.0 * row['relative']:.1f} %"
-            coarse.append(f"{row['case']}: {width}")
-    if not coarse:
-        return ""
-    shown = "; ".join(coarse[:_LISTED]) + ("; …" if len(coarse) > _LISTED else "")
-    return (
-        "The reference itself is known only to (numerical uncertainty of its peak "
-        f"displacement): {shown}. The intervals below contain this."
-    )
 
 
 def headline(rows: list[dict[str, Any]]) -> Callout:
@@ -108,18 +85,38 @@ def question_of(row: dict[str, Any]) -> str:
     return f"{row['model']} against {row['against']}: {metric_title(row['metric'])} of {quantity}"
 
 
-def summary_table(rows: list[dict[str, Any]], *, reasons: bool = True) -> Table:
-    """Verdict, critical value and bound of every gate; `reasons`, also why this bound."""
+def summary_table(rows: list[dict[str, Any]]) -> Table:
+    """Verdict, critical value and bound of every gate."""
     columns = (
         _VERDICT,
-        Column("what is judged", width=2.6, of=question_of),
-        Column("critical value ± uncertainty", True, 2.0, _critical),
-        Column("bound", True, 1.0, _bound),
-        Column("cases passed", True, 0.85, _passed),
-        Column("why this bound", width=3.0, of=_why),
+        Column("no.", width=0.4, of="number"),
+        Column("what is judged", width=3.4, of=question_of),
+        Column("critical value ± uncertainty", True, 2.4, _critical),
+        Column("bound", True, 0.9, _bound),
+        Column("cases passed", True, 0.9, _passed),
     )
-    caption = "Verdicts of the acceptance gates."
-    return Table.of("verdict-table", caption, columns if reasons else columns[:-1], rows)
+    return Table.of("verdict-table", "Verdicts of the acceptance gates.", columns, rows)
+
+
+def reasons(rows: list[dict[str, Any]], *, bounds: bool = True) -> Iterator[Block]:
+    """What keeps gates from passing and, with `bounds`, why they ask that: once for all alike."""
+    kept: dict[str, list[int]] = {}
+    why: dict[str, list[int]] = {}
+    for row in rows:
+        for reason in row["reasons"]:
+            kept.setdefault(reason, []).append(row["number"])
+        why.setdefault(f"{row['rationale']} {cited(row['source'])}".strip(), []).append(
+            row["number"]
+        )
+    for title, texts in (("Open cases:", kept), ("Why these bounds:", why if bounds else {})):
+        if texts:
+            yield Paragraph(title)
+            yield Definitions(
+                tuple(
+                    (f"{'gate' if len(n) == 1 else 'gates'} {spans(n)}", text)
+                    for text, n in texts.items()
+                )
+            )
 
 
 def _critical(row: dict[str, Any]) -> Cell:
@@ -127,7 +124,7 @@ def _critical(row: dict[str, Any]) -> Cell:
         return Cell("not judged")
     text = _interval(row)
     reach = inf if row["value"] is None else abs(row["value"])
-    return Cell(f"{text}\n({row['case']})" if row["asked"] > 1 else text, reach)
+    return Cell(f"{text} ({row['case']})" if row["asked"] > 1 else text, reach)
 
 
 def _ended(row: dict[str, Any]) -> str:
@@ -151,12 +148,8 @@ def _passed(row: dict[str, Any]) -> Cell:
 
 
 def _note(row: dict[str, Any]) -> Cell:
-    return Cell(row["note"], tone="muted")
-
-
-def _why(row: dict[str, Any]) -> str:
-    why = f"{row['rationale']} {cited(row['source'])}".strip()
-    return "\n".join([why, *row["reasons"]])
+    doubt = f"{row['doubt']}; " if row["doubt"] else ""
+    return Cell(doubt + row["note"], tone="muted")
 
 
 def _every_case(rows: list[dict[str, Any]]) -> Table:

@@ -86,7 +86,7 @@ def _table(
         row["error"] = errors.get((case.name, label), {}).get("error")
         cell = request.stored.cells.get((case.name, label))
         row["collapsed"] = request.stored.collapses(case.name, label)
-        row["warned"] = cell is not None and bool(cell.warnings)
+        row["warned"] = cell is not None and bool(cell.outside)
         rows.append(row)
     kinds = {"x": float, "y": float, "error": float, "collapsed": bool, "warned": bool}
     return pd.DataFrame(rows, columns=["case", *kinds]).astype(kinds)

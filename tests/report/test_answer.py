@@ -1,0 +1,104 @@
+"""The first page: one matrix, its words, and the same nodes in every renderer."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+from synthetic_study import Synthetic, store_of, sweep_study
+
+from workbench.content.terminal import render_text
+from workbench.content.tree import Bullets, Section, Table, walk
+from workbench.report.build import build_report, document, summary
+from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
+from workbench.report.stored import Stored
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory) -> Stored:
+    """A sweep in two groups: models 1 and 30 % off, one of them outside its domain when hit low."""
+    study = sweep_study()
+    low, middle = (
+        tuple(c.name for c in study.cases if c.name.startswith(f"HEB 160, {position}"))
+        for position in ("0.1", "0.5")
+    )
+    cases = tuple(case for case in study.cases if case.name in low + middle)
+    models = {
+        "close": Synthetic(gain=1.01, warns=False),
+        "off": Synthetic(gain=0.7, fails_above=22.0),
+        "reference": Synthetic(warns=False),
+    }
+    groups = {"hit low": low, "hit at mid-height": middle}
+    study = replace(
+        study, name="grouped", cases=cases, models=models, groups=groups, ladder=("reference",)
+    )
+    return store_of(study, tmp_path_factory.mktemp("grouped"))
+
+
+def table_of(stored: Stored) -> Table:
+    (table,) = (block for block in matrix(stored.study, stored) if isinstance(block, Table))
+    return table
+
+
+def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
+    table = table_of(stored)
+    assert [column.title.split(";")[0] for column in table.columns] == [
+        *("model", "hit low", "hit at mid-height", "time, reference = 1", "in words"),
+    ]
+    reference, close, off = table.rows
+    assert reference[0].text == "reference\nreference"
+    assert reference[1].text.startswith("the reference\n4 cases")
+    assert close[1].text.startswith("+1.0\u2009% (+1.0 to +1.0)\n")
+    assert (close[1].tone, close[1].hatched) == ("doubt", False)  # of unknown uncertainty
+    assert off[1].text.endswith("4 cases, 1 failed, all outside its domain")
+    assert (off[1].tone, off[1].hatched, off[2].hatched) == ("bad", True, False)
+    assert off[4].text == ("Off by up to 30\u2009%, with unknown uncertainty, no answer in 1 of 4")
+
+
+def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
+    first = next(block for block in matrix(stored.study, stored))
+    assert isinstance(first, Bullets)
+    # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
+    assert first.items[0].startswith("hit low: no model stays within 10")
+
+
+def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
+    files = build_report(stored.directory, stored.study, out=tmp_path)
+    html = files["html"].read_text(encoding="utf-8")
+    page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
+    text = render_text(*in_brief(stored.study, stored))
+    assert files["pdf"].read_bytes().startswith(b"%PDF")
+    for cell in (cell for row in table_of(stored).rows for cell in row):
+        said = re.escape(cell.text.split("\n")[0])
+        assert all(re.search(said, shown) for shown in (html, page, text)), cell.text
+    assert '<td class="bad hatched"' in html
+    assert "❌ ▨ " in page
+    assert html.index('id="table-matrix"') < html.index('id="plot-map"') < html.index("<nav")
+    assert html.count('id="plot-map"') == 1  # not again among the results
+    assert html.index("<nav") < html.index('id="verdicts"')
+
+
+def test_the_decisive_figure_is_named_or_the_first_over_cases(stored: Stored, small) -> None:
+    assert decisive(stored.study) == "map"
+    assert decisive(small.study) == "peaks"
+    assert decisive(replace(small.study, decisive="shape")) == "shape"
+
+
+def test_cases_without_a_peak_make_no_matrix(small, tmp_path) -> None:
+    push = tuple(case for case in small.study.cases if case.scenario.STATIC)
+    study = replace(small.study, name="pushed", cases=push, gates=(), figures=())
+    found = store_of(study, tmp_path)
+    assert list(matrix(study, found)) == []
+    first = document(study, found, []).sections[0]
+    assert (first.key, len(first.blocks)) == ("answer", 1)
+
+
+def test_reasons_stand_once_for_all_gates_alike(small) -> None:
+    whole = document(small.study, small, [])
+    (gates,) = (s for s in whole.sections if s.key == "verdicts")
+    said = [pair for block in gates.blocks if block.kind == "definitions" for pair in block.pairs]
+    assert ("gates 1 to 5", "a tenth is what design can absorb [@heng2017]") in said
+    blocks = list(walk((answer(small.study, small, ()),)))
+    assert any(isinstance(block, Section) for block in whole.sections)
+    assert [block.kind for block in blocks].count("table") == 1

@@ -1,0 +1,260 @@
+"""The first page: how far each model can be trusted, where, and at what cost."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from math import ceil
+from typing import Any
+
+from workbench.content.formatting import count, part, percent, several
+from workbench.content.tree import (
+    ABSENT,
+    Block,
+    Bullets,
+    Cell,
+    Column,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+)
+from workbench.report.chapters import verdicts
+from workbench.report.stored import CellState, Stored
+from workbench.responses import Finding
+from workbench.study.definition import Study
+from workbench.study.matrix import RESIDUAL
+from workbench.study.standing import PEAK
+
+GOOD, FAIR = 0.05, 0.10  # bounds of what may be relied on, and of what may do
+_DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
+_REASONS = 4  # why models are outside their domain, the most frequent
+_CAPTION = (
+    "How far each model is off: bias of the peak displacement over the cases of a column with its "
+    "95 % interval (of one case: its error with its numerical uncertainty), and of the residual "
+    "displacement, against the best reference that is inside its own domain. Good: the whole "
+    "interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain or of "
+    "unknown uncertainty; bad: beyond. Hatched: the model itself warns that it is outside its "
+    "domain. Time: the median of the cases, rounded to 1, 2, 5."
+)
+
+Row = dict[str, Any]
+
+
+def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
+    """The question, the matrix with what places models outside their domain, and `pictures`."""
+    shown = (Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures)
+    blocks = (Paragraph(study.question), *matrix(study, stored), *shown)
+    title = "The answer" if len(blocks) > 1 else "What was asked"
+    return Section("answer", title, blocks)
+
+
+def decisive(study: Study) -> str:
+    """Key of the figure of the first page; empty if none shows models over cases."""
+    kinds = (figure.key for figure in study.figures if figure.kind in _DECISIVE)
+    return study.decisive or next(kinds, "")
+
+
+def matrix(study: Study, stored: Stored) -> Iterator[Block]:
+    """Models by groups of cases; nothing for a study whose cases have no peak."""
+    by_label: dict[str, dict[str, Row]] = {}
+    for row in stored.rows["matrix"]:
+        by_label.setdefault(row["label"], {})[row["group"]] = row
+    if not by_label:
+        return
+    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
+    costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
+    times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
+    columns = (
+        Column("model", width=1.5, of=lambda item: _name(study, item[0])),
+        *(Column(_title(stored, group), width=1.9, of=partial(_cell, group)) for group in groups),
+        Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0]))),
+        Column("in words", width=2.4, of=lambda item: _sentence(item[1])),
+    )
+    yield Bullets(tuple(_trusted(study, stored.rows["matrix"], group) for group in groups))
+    yield Table.of("matrix", _CAPTION, columns, by_label.items())
+    reasons = tuple(_why(stored, set(by_label)))
+    if reasons:
+        yield Paragraph("Why models are outside their domain:")
+        yield Bullets(reasons)
+
+
+def in_brief(study: Study, stored: Stored) -> Iterator[Block]:
+    """The matrix and the verdicts, as they stand on a terminal and in the summary."""
+    yield from matrix(study, stored)
+    rows = stored.rows["verdicts"]
+    yield verdicts.headline(rows)
+    if rows:
+        yield replace(verdicts.summary_table(rows), caption="")
+        yield from verdicts.reasons(rows, bounds=False)
+
+
+def _name(study: Study, label: str) -> str:
+    if label not in study.ranked:
+        return label
+    place = f" {study.ranked.index(label) + 1}" if len(study.ranked) > 1 else ""
+    return f"{label}\nreference{place}"
+
+
+def _trusted(study: Study, rows: list[Row], group: str) -> str:
+    """The models that answered all cases of a group inside their domain and within `FAIR`."""
+    found = {
+        row["label"]: row[f"{PEAK}_within"]
+        for row in rows
+        if row["group"] == group
+        and row["label"] not in study.ranked
+        and row[f"{PEAK}_count"]
+        and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
+        and row[f"{PEAK}_within"] is not None
+        and row[f"{PEAK}_within"] <= FAIR
+        and not any(row[name] for name in ("outside", "against_outside", "falls", "stands"))
+    }
+    order = sorted(found, key=lambda label: found[label])
+    names = several([f"{label} ({_up(found[label])})" for label in order], 8)
+    stay, their = ("stay", "their") if len(order) > 1 else ("stays", "its")
+    bound = f"within {_up(FAIR)} in every case, inside {their} domain"
+    return f"{group}: {names or 'no model'} {stay} {bound}."
+
+
+def _title(stored: Stored, group: str) -> str:
+    rows = [row for row in stored.rows["matrix"] if row["group"] == group]
+    against = rows[0]["against"]
+    return f"{group}; against {against}" if against else f"{group}; no reference answered"
+
+
+def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
+    """What a model does in a group of cases."""
+    row = item[1].get(group)
+    if row is None:
+        return ABSENT
+    compared, own = row[f"{PEAK}_count"], row["reference"]
+    lines, tone = [], "muted"
+    if compared:
+        lines.append(_bias(row, PEAK))
+        tone = _tone(row)
+        if row[f"{RESIDUAL}_count"]:
+            lines.append(f"residual {_bias(row, RESIDUAL)}")
+    elif own:
+        known = row["known"]
+        within = "" if known is None else f", known within {_up(known)}"
+        lines.append(f"the reference{within}")
+    else:
+        told = "not compared" if row["answered"] else "no answer"
+        lines.append("collapses" if row["collapsed"] else told)
+        tone = "bad" if row["failed"] or row["falls"] or row["stands"] else "muted"
+    lines.append(", ".join(_counts(row)))
+    text = "\n".join(line for line in lines if line)
+    return Cell(text, row[f"{PEAK}_bias"], tone, hatched=bool(row["outside"]))
+
+
+def _bias(row: Row, quantity: str) -> str:
+    bias, low, high = (row[f"{quantity}_{name}"] for name in ("bias", "low", "high"))
+    text = percent(bias - 1.0, rough=True)
+    if low is None:
+        return f"{text} (interval unknown)"
+    ends = (percent(end - 1.0, rough=True).removesuffix("\u2009%") for end in (low, high))
+    return f"{text} ({' to '.join(ends)})"
+
+
+def _tone(row: Row) -> str:
+    """Good needs a known uncertainty and a reference inside its domain.
+
+    Nothing is worse than to survive or to collapse where the reference does not.
+    """
+    ends = row[f"{PEAK}_low"], row[f"{PEAK}_high"]
+    known = [abs(end - 1.0) for end in ends if end is not None]
+    far = max(known, default=abs(row[f"{PEAK}_bias"] - 1.0))
+    sure = row[f"{PEAK}_within"] is not None and not row["against_outside"]
+    if far <= GOOD and sure and not row["falls"] and not row["stands"]:
+        return "good"
+    return "bad" if far > FAIR or row["falls"] or row["stands"] else "doubt"
+
+
+def _counts(row: Row) -> Iterator[str]:
+    """How many cases were asked, how those without an answer ended, what is outside a domain."""
+    yield count(row["asked"], "case")
+    for name in ("collapsed", "refused", "failed", "not_run"):
+        if row[name]:
+            yield f"{row[name]} {name.replace('_', ' ')}"
+    yield from _collapses(row)
+    if row["outside"]:
+        yield f"{_of(row['outside'], row['answered'])}outside its domain"
+    if row["against_outside"]:
+        some = _of(row["against_outside"], row[f"{PEAK}_count"])
+        yield f"{some}with the reference outside its own"
+
+
+def _collapses(row: Row) -> Iterator[str]:
+    """Where the model and the reference do not agree on whether the structure survives."""
+    if row["falls"]:
+        yield f"{row['falls']} collapsed where the reference survives"
+    if row["stands"]:
+        yield f"survives {row['stands']} in which the reference collapses"
+
+
+def _of(some: float, all_of: float) -> str:
+    if all_of == 1:
+        return ""
+    return "all " if some == all_of else f"{some:.0f} "
+
+
+def _sentence(rows: dict[str, Row]) -> str:
+    """What the numbers of a model say, group by group; groups that say the same stand together."""
+    said: dict[str, list[str]] = {}
+    for group, row in rows.items():
+        said.setdefault(_words(row), []).append(group)
+    if len(said) == 1:
+        words = next(iter(said))
+        return words[0].upper() + words[1:]
+    return "; ".join(f"{' and '.join(groups)}: {words}" for words, groups in said.items())
+
+
+def _words(row: Row) -> str:
+    lost = row["refused"] + row["failed"]
+    none = [f"no answer in {lost} of {row['asked']}"] if lost else []
+    return ", ".join([_number(row), *_collapses(row), *none])
+
+
+def _number(row: Row) -> str:
+    """What the peaks of a model say."""
+    if not row[f"{PEAK}_count"]:
+        if row["reference"]:
+            return "the reference"
+        return "no number to compare"
+    bias, low, high, worst, within = (
+        row[f"{PEAK}_{name}"] for name in ("bias", "low", "high", "worst", "within")
+    )
+    if within is None:
+        text = f"off by up to {_round(worst)}, with unknown uncertainty"
+    elif within <= FAIR:
+        text = f"within {_up(within)}"
+    elif low is not None and (high < 1.0 or low > 1.0):
+        text = f"{_round(bias - 1.0)} {'low' if high < 1.0 else 'high'}"
+        if row[f"{PEAK}_count"] > 1:
+            text += f", up to {_round(worst)}"
+    else:
+        text = f"off by up to {_round(worst)}"
+    if row["against_outside"] == row[f"{PEAK}_count"]:
+        text += " of a reference outside its own domain"
+    return text
+
+
+def _up(value: float) -> str:
+    return f"{ceil(100.0 * value - 1e-9)}\u2009%"
+
+
+def _round(value: float) -> str:
+    return f"{abs(100.0 * value):.0f}\u2009%"
+
+
+def _why(stored: Stored, labels: set[str]) -> Iterator[str]:
+    """The most frequent warnings about domains: which models, and the worst example."""
+    kinds: dict[str, list[tuple[CellState, Finding]]] = {}
+    for cell in stored.cells.values():
+        if cell.label in labels:
+            for finding in cell.outside:
+                kinds.setdefault(finding.subject, []).append((cell, finding))
+    for told in sorted(kinds.values(), key=len, reverse=True)[:_REASONS]:
+        top = max((finding for _, finding in told), key=lambda f: abs(f.number or 0.0))
+        names = several(list(dict.fromkeys(cell.label for cell, _ in told)), 8)
+        cases = len({cell.case for cell, _ in told})
+        yield f"{names} (in {count(cases, 'case')}): {top}."

@@ -1,0 +1,206 @@
+"""The answer of a study: every model over groups of cases against the references that count.
+
+Made of the tables of cells, comparisons and references; cases without a peak are left out.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from statistics import median
+
+from workbench.assessment import bias_and_scatter
+from workbench.responses import Outcome
+from workbench.study.definition import Study
+from workbench.study.standing import PEAK
+from workbench.study.store import NOT_RUN, Row
+
+RESIDUAL = "residual_displacement"
+ALL = "all cases"
+_POOLED = ("count", "bias", "low", "high", "worst", "within")
+_ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
+# `falls`: the model collapses and the reference survives, `stands`: the other way round;
+# `against`: the references that count, in words; `reference`: cases in which the label is that
+# itself; `known`: largest relative uncertainty of its own peaks there; `outside`: answers outside
+# the domain of the model; `against_outside`: comparisons with a reference outside its own
+MATRIX_COLUMNS = (
+    *(
+        "group",
+        "label",
+        "against",
+        "asked",
+        *_ENDS,
+        "falls",
+        "stands",
+        "outside",
+        "reference",
+        "known",
+    ),
+    *(
+        "against_outside",
+        *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
+    ),
+)
+COST_COLUMNS = ("label", "against", "count", "ratio")
+_REMAINS = 0.1  # of the peak: below, the ratio of residual displacements says nothing
+
+Tables = Mapping[str, Sequence[Row]]
+
+
+def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
+    """A row for every group of cases and label that is no published series, references first."""
+    cells = {(row["case"], row["label"]): row for row in tables["cells"]}
+    standings = {row["case"]: row for row in tables["references"] if row.get("label")}
+    pairs = _against_best(tables, standings)
+    moving = [case.name for case in study.cases if case.scenario.STATIC is False]
+    models = {label: study.models[label] for label in (*study.ranked, *study.models)}
+    models = {label: model for label, model in models.items() if model.name != "published"}
+    groups = dict(study.groups) or {ALL: tuple(moving)}
+    for group, names in groups.items():
+        cases = [name for name in names if name in moving]
+        best = Counter(str(standings[case]["label"]) for case in cases if case in standings)
+        against = ", ".join(
+            f"{label} ({n})" if len(best) > 1 else label for label, n in best.items()
+        )
+        for label in models:
+            asked = {case: cells[case, label] for case in cases if (case, label) in cells}
+            if not asked:
+                continue
+            yield {
+                "group": group,
+                "label": label,
+                "against": against,
+                **_ended(list(asked.values())),
+                **_apart(
+                    asked, {case: cells[case, str(row["label"])] for case, row in standings.items()}
+                ),
+                **_as_reference([standings[case] for case in asked if case in standings], label),
+                **_compared(label, list(asked), standings, pairs),
+            }
+
+
+def _against_best(tables: Tables, standings: Mapping[str, Row]) -> dict[tuple[str, str, str], Row]:
+    """Comparisons with the reference that counts, by case, label and quantity."""
+    return {
+        (row["case"], row["model"], row["quantity"]): row
+        for row in tables["comparisons"]
+        if row["metric"] == "relative_error"
+        and row["case"] in standings
+        and row["against"] == standings[row["case"]]["label"]
+    }
+
+
+def _ended(cells: Sequence[Row]) -> Row:
+    """How many cells were asked, and how they ended."""
+    found = Counter(row["outcome"] for row in cells)
+    counts = [
+        found[outcome] for outcome in (Outcome.OK, Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN, NOT_RUN)
+    ]
+    outside = sum(1 for row in cells if row["outcome"] == Outcome.OK and row["outside"])
+    ends = zip(_ENDS, (*counts, len(cells) - sum(counts)), strict=True)
+    return {"asked": len(cells), **dict(ends), "outside": outside}
+
+
+def _apart(asked: Mapping[str, Row], best: Mapping[str, Row]) -> Row:
+    """Cases in which one side alone collapses, `asked` of the model and `best`, by case."""
+    pairs = [(row["outcome"], best[case]["outcome"]) for case, row in asked.items() if case in best]
+    ends = {"falls": (Outcome.COLLAPSE, Outcome.OK), "stands": (Outcome.OK, Outcome.COLLAPSE)}
+    return {name: pairs.count(end) for name, end in ends.items()}
+
+
+def _as_reference(standings: Sequence[Row], label: str) -> Row:
+    own = [row.get("uncertainty") for row in standings if row["label"] == label]
+    known = [float(width) for width in own if width is not None]
+    return {
+        "reference": len(own),
+        "known": max(known) if known and len(known) == len(own) else None,
+    }
+
+
+def _compared(
+    label: str,
+    cases: Sequence[str],
+    standings: Mapping[str, Row],
+    pairs: Mapping[tuple[str, str, str], Row],
+) -> Row:
+    """Bias of the peak and of the residual displacement over the cases of a group."""
+    row: dict[str, object] = {}
+    for quantity in (PEAK, RESIDUAL):
+        found = []
+        for case in cases:
+            pair, peak = (pairs.get((case, label, name)) for name in (quantity, PEAK))
+            if pair is None or min(pair["value"], pair["against_value"]) <= 0.0:
+                continue
+            if peak is None or pair["against_value"] < _REMAINS * peak["against_value"]:
+                continue
+            found.append(pair)
+        if found:
+            numbers = pooled(found)
+            row |= {f"{quantity}_{name}": numbers[name] for name in _POOLED}
+        if quantity == PEAK:
+            row["against_outside"] = sum(not standings[pair["case"]]["inside"] for pair in found)
+    return row
+
+
+def pooled(rows: Sequence[Row]) -> dict[str, object]:
+    """Bias and scatter over compared cases; of a single case its error with its uncertainty.
+
+    The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
+    `worst` is the error of largest magnitude, `within` the largest with its uncertainty
+    (None: unknown in a case).
+    """
+    found = bias_and_scatter([row["value"] for row in rows], [row["against_value"] for row in rows])
+    errors = [row["value"] / row["against_value"] - 1.0 for row in rows]
+    both = [(abs(e), row["uncertainty"]) for e, row in zip(errors, rows, strict=True)]
+    known = [
+        row["uncertainty"] * (row["against_value"] / row["value"])
+        for row in rows
+        if row["uncertainty"] is not None
+    ]
+    # numerical errors have one sign over the cases: they shift the bias, they do not scatter
+    common = sum(known) / len(known) if known else 0.0
+    note = ""
+    if len(known) < len(rows):
+        unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
+        note = f"numerical uncertainty unknown in {unknown}"
+    low, high = found.low, found.high
+    if len(rows) == 1 and known:
+        low = high = found.bias
+    return {
+        **asdict(found),
+        "low": None if low is None else low * (1.0 - common),
+        "high": None if high is None else high * (1.0 + common),
+        "uncertainty": common if known else None,
+        "worst": max(errors, key=abs),
+        "within": None if len(known) < len(rows) else max(error + width for error, width in both),
+        "note": note,
+    }
+
+
+def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
+    """Median time of every label over that of the reference that counts in most cases.
+
+    Solving alone where both sides know that, else the whole answer; a time that may hold
+    compilation does not count.
+    """
+    moving = {case.name for case in study.cases if case.scenario.STATIC is False}
+    best = Counter(
+        row["label"] for row in tables["references"] if row["case"] in moving and row.get("label")
+    )
+    timed = {
+        (row["case"], row["label"]): row
+        for row in tables["cells"]
+        if row["outcome"] == Outcome.OK and not row["cold"]
+    }
+    for base, _ in best.most_common(1):
+        for label, model in study.models.items():
+            pairs = [(timed.get((case, label)), timed.get((case, base))) for case in sorted(moving)]
+            ratios = [_ratio(own, other) for own, other in pairs if own and other]
+            if ratios and model.name != "published":
+                row = {"label": label, "against": base, "count": len(ratios)}
+                yield {**row, "ratio": median(ratios)}
+
+
+def _ratio(own: Row, other: Row) -> float:
+    both = own.get("solve_time") and other.get("solve_time")
+    name = "solve_time" if both else "wall_time"
+    return float(own[name]) / float(other[name])

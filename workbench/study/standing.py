@@ -1,0 +1,109 @@
+"""Which reference counts in a case: the best that answered and is inside its own domain."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from workbench.assessment import METRICS
+from workbench.assessment.gates import CaseVerdict, Gate, Verdict, judge
+from workbench.errors import InputError
+from workbench.responses import Finding, Response, findings_of
+from workbench.study.comparisons import Answers, compare, of_side
+from workbench.study.store import Row
+
+STANDING_COLUMNS = ("case", "label", "inside", "uncertainty", "reason")
+PEAK = "peak_displacement"
+BOTH = "within the bound, but both sides are outside their domain,"
+
+
+def outside(response: Response) -> list[Finding]:
+    """What an answer says of itself about being outside the domain of its model."""
+    return [finding for finding in findings_of(response) if finding.outside]
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """The reference that counts in a case: its `label`, and whether it is `inside` its domain.
+
+    `reason` says why no better one counts (empty: it is the best of the study).
+    """
+
+    label: str
+    inside: bool
+    reason: str
+
+
+def standing_of(answers: Answers) -> Standing | None:
+    """The reference that counts in a case, None if none answered."""
+    found = {label: _answer(answers, label) for label in answers.study.ranked}
+    answered = {label: response for label, response in found.items() if response is not None}
+    inside = [label for label, response in answered.items() if not outside(response)]
+    for label in inside[:1] or list(answered)[:1]:
+        better = answers.study.ranked[: answers.study.ranked.index(label)]
+        reasons = list(_reasons(answers, better))
+        if not inside:
+            reasons.append("no reference is inside its domain")
+        return Standing(label, bool(inside), "; ".join(reasons))
+    return None
+
+
+def _answer(answers: Answers, label: str) -> Response | None:
+    """What a label answered, with numbers or that the structure collapses."""
+    return answers.ok(label) if answers.collapse(label) is None else answers.responses[label]
+
+
+def _reasons(answers: Answers, labels: tuple[str, ...]) -> Iterator[str]:
+    for label in labels:
+        response = _answer(answers, label)
+        if response is None:
+            yield answers.why_not(label)
+        else:
+            subjects = dict.fromkeys(finding.subject for finding in outside(response))
+            yield f"{label} is outside its domain ({', '.join(subjects)})"
+
+
+def standing_row(answers: Answers) -> Row:
+    """The row of a case in the table of references, with the relative uncertainty of the peak."""
+    row: dict[str, object] = {"case": answers.case.name}
+    found = standing_of(answers)
+    if found is None:
+        return {**row, "reason": "no reference answered"}
+    row |= {"label": found.label, "inside": int(found.inside), "reason": found.reason}
+    response = answers.responses[found.label]
+    if PEAK in response:
+        width, value = of_side(answers, found.label, PEAK)[0], float(response[PEAK])
+        row["uncertainty"] = None if width is None or value == 0.0 else width / abs(value)
+    return row
+
+
+def doubted(gate: Gate, answers: Answers, found: CaseVerdict) -> CaseVerdict:
+    """The verdict of a case, inconclusive where its pass says nothing about the structure.
+
+    That is where both sides are outside their domain, or what the model is held against is and
+    a better reference does not confirm it.
+    """
+    if found.verdict is not Verdict.PASS or gate.model == gate.against:
+        return found
+    model, against = (outside(answers.responses[label]) for label in (gate.model, gate.against))
+    if not against:
+        return found
+    if model:
+        return replace(found, verdict=Verdict.INCONCLUSIVE, doubt=BOTH)
+    best = standing_of(answers)
+    if best is None or best.label in (gate.model, gate.against):
+        return found
+    if _confirmed(gate, answers, best.label):
+        return found
+    doubt = f"{gate.against} is outside its domain and {best.label} does not confirm it"
+    return replace(found, verdict=Verdict.INCONCLUSIVE, doubt=doubt)
+
+
+def _confirmed(gate: Gate, answers: Answers, best: str) -> bool:
+    """Whether a better reference would let the model pass too, or does not know the quantity."""
+    fallen = [answers.collapse(label) is not None for label in (gate.model, best)]
+    if any(fallen):
+        return all(fallen)
+    try:
+        other = compare(answers, gate.model, best, gate.quantity, METRICS[gate.metric])
+    except InputError:
+        return True
+    return judge(other.error, other.uncertainty, gate.bound) is Verdict.PASS
