@@ -176,3 +176,27 @@ def test_groups_and_references_name_what_the_study_has(study: Study) -> None:
     quick = dataclasses.replace(study, cases=cases, quick_models=("soft", "fine")).quickened()
     assert quick.ranked == ("fine",)
     assert dict(quick.groups) == {"slow": ("v10.0",)}
+
+
+def test_a_collapse_that_the_reference_does_not_share_is_counted(
+    study: Study, tmp_path: Path
+) -> None:
+    models = {
+        **study.models,
+        "fine": Troubled("collapse", above=18.0),
+        "falls": Troubled("collapse", above=12.0),
+    }
+    gates = (gate("soft", "middle", 0.5, "v20.0"),)
+    ladders = {"ladder": (), "reference": "fine", "references": ("fine", "middle")}
+    bare = dataclasses.replace(study, models=models, gates=gates, **ladders)
+    _, tables = assessed(bare, tmp_path)
+    # a collapse is an answer of the best reference, no reason to take the next one
+    assert list(tables["references"].set_index("case").loc[list(FAST), "label"]) == ["fine"] * 2
+    rows = tables["matrix"].set_index(["group", "label"])
+    columns = ["answered", "collapsed", "falls", "stands"]
+    assert rows.loc[("fast", "falls"), columns].tolist() == [0, 2, 1, 0]
+    assert rows.loc[("fast", "soft"), columns].tolist() == [2, 0, 0, 1]
+    warned = {**models, "middle": Warned(error=0.08, level=1), "soft": Spring(stiffness=4.9e6)}
+    found, _ = assessed(dataclasses.replace(bare, models=warned), tmp_path / "warned")
+    (case,) = found.verdicts[0].cases
+    assert case.doubt == "middle is outside its domain and fine does not confirm it"

@@ -232,7 +232,7 @@ def _number(row: Row) -> str:
         if row[f"{PEAK}_count"] > 1:
             text += f", up to {_round(worst)}"
     else:
-        text = f"off by up to {_round(worst)}"
+        text = f"within {_up(within)} only"
     if row["against_outside"] == row[f"{PEAK}_count"]:
         text += " of a reference outside its own domain"
     return text
