@@ -194,3 +194,16 @@ def test_two_campaigns_do_not_validate(damaged: Maker) -> None:
     assert any("lack most of the scatter between campaigns" in text for text in texts(fit))
     one = fit_residual(damaged(1, 6, origin="measured"))
     assert any("every interval lacks the scatter between campaigns" in text for text in texts(one))
+
+
+def test_characteristic_and_design_shares_follow_en_1990(damaged: Maker) -> None:
+    """Recomputed from the chain of D.8 with plain numpy."""
+    fit = fit_residual(damaged(3, 5, origin="measured"), resamples=3)
+    e, t = fit.rows["ratio"].to_numpy(float), fit.left(fit.rows["level"])
+    b = (e @ t) / (t @ t)
+    q = np.std(np.log(e / (b * t)), ddof=1)  # Q_delta, as ln(V^2 + 1) = s_delta^2
+    found = fit.to_dict()
+    wide = np.sqrt(1.0 + 1.0 / 15.0)
+    for key, quantile in (("characteristic_share", 1.76131), ("design_share", 3.78739)):  # t_14
+        assert found[key] == pytest.approx(b * np.exp(-quantile * wide * q - 0.5 * q * q), rel=1e-4)
+    assert fit_residual(damaged(1, 3, origin="measured")).to_dict()["design_share"] is None

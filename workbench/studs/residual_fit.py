@@ -28,6 +28,7 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
     Score,
@@ -118,6 +119,22 @@ class ResidualFit(Fit):
             bounds[:, inside] = quantiles(self.averaged, d[inside], tails)
         return np.maximum(bounds[0], 0.0), bounds[1]
 
+    @property
+    def design(self) -> D8 | None:
+        """EN 1990 D.8 on the relation: shares of the median that are characteristic and design.
+
+        Of `resistance` 1, so that r_k and r_d multiply what `left` gives in the tested range. All
+        tests count as independent, as in the standard. None for a prediction, and where D.8 has no
+        factor for so few tests or nothing is left in one of them.
+        """
+        left = self.left(self.rows["level"].to_numpy(float)) if self.fitted else np.zeros(1)
+        if len(self.rows) < LEAST_FOR_DESIGN or not np.all(left > 0.0):
+            return None
+        try:
+            return evaluate_d8(self.rows["ratio"], left, resistance=1.0)
+        except InputError:  # a scatter that leaves no design value
+            return None
+
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold what is predicted to be left against tests that the fit has not used.
 
@@ -143,6 +160,8 @@ class ResidualFit(Fit):
             **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
+            "characteristic_share": None if self.design is None else self.design.r_k,
+            "design_share": None if self.design is None else self.design.r_d,
             **self.used(),
         }
 

@@ -26,7 +26,7 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
-from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
+from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
@@ -51,7 +51,6 @@ _SIZES = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultima
 ABOVE_STEEL = 1.0
 LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
 FEW_CAMPAIGNS = 5
-LEAST_FOR_DESIGN = 4  # tests, EN 1990 table D.2 for an unknown coefficient of variation
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from workbench.content.formatting import number, percent, share, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Table
-from workbench.studs.strength_fit import LEAST_FOR_DESIGN
+from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 
 Content = dict[str, Any]
 Named = Mapping[str, Content]  # the contents by the name of their rows
@@ -305,11 +305,18 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
         scores = ", ".join(
             f"{each['name']} {share(each['weight'])} ({each['rms']:.3f})" for each in fit["scores"]
         )
+        design = ""
+        if fit["design_share"] is not None:
+            shares = (number(fit[f"{name}_share"], 3) for name in ("characteristic", "design"))
+            design = "; {} (characteristic) and {} (design) of the median by EN 1990 D.8, ".format(
+                *shares
+            )
+            design += "which takes all tests as independent"
         yield Table.of(
             "relation",
             f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}, "
             f"{fit['holds']}); weights in the average, and root mean square of what is left out, "
-            f"by {fit['scores'][0]['by']}: {scores}",
+            f"by {fit['scores'][0]['by']}: {scores}{design}",
             columns,
             rows,
         )

@@ -104,8 +104,8 @@ class StudSeries(StudModel):
     asks: ClassVar[tuple[str, ...]] = ("strength",)
     assumptions: ClassVar[tuple[str, ...]] = (
         "EN 1994-1-1, B.2: three or more nominally equal tests within 10 % of their mean.",
-        "Equal means: campaign, diameter, height, slab, arrangement and stud strength, and cylinder "
-        "strengths within 10 %.",
+        "Equal means: campaign, diameter, height, slab, arrangement and stud strength, and "
+        "cylinder strengths within 10 %.",
     )
 
     def find(self, scenario: StudTests, split: Split) -> Found:

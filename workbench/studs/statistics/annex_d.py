@@ -40,6 +40,7 @@ def fractile_factor(count: float, share: float = CHARACTERISTIC) -> float:
 
 K_INFINITE = 1.64  # the limits as the standard prints them
 KD_INFINITE = 3.04
+LEAST_FOR_DESIGN = 4  # tests, table D.2 for an unknown coefficient of variation
 LEAST_DESIGN = 1e-12  # of the mean: below it nothing is left but round-off
 MANY_TESTS = 100  # from here on the scatter counts as known
 
