@@ -50,7 +50,7 @@ class RigidBars(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str]
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",

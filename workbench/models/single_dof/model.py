@@ -86,7 +86,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
