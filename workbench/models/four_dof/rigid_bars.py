@@ -234,7 +234,7 @@ def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
     turned = abs(reached) / np.minimum(lengths, left)
     if turned.max() > COLLAPSE_SIDEWAYS:
         bar = SEGMENTS[int(turned.argmax())]
-        reason = f"the displacement passes nine tenths of the segment {bar} the hit point"
+        reason = f"the segment {bar} the hit point has turned, nine tenths of its length sideways"
         return CollapseError(Collapse(Mechanism.GEOMETRY, (bar,), reached, time), reason)
     loss = 1.0 - left.sum() / lengths.sum()
     reason = f"the bars have been squashed by {100.0 * loss:.3g} % of their length"
