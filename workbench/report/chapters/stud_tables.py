@@ -303,7 +303,8 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             for name, value in fit["parameters"].items()
         ]
         scores = ", ".join(
-            f"{each['name']} {share(each['weight'])} ({each['rms']:.3f})" for each in fit["scores"]
+            f"{each['name']} {share(each['weight']).text} ({each['rms']:.3f})"
+            for each in fit["scores"]
         )
         design = ""
         if fit["design_share"] is not None:
