@@ -89,7 +89,7 @@ class StudModel(Declared, table="option"):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()

@@ -149,7 +149,6 @@ class StudResidual(StudModel):
     concrete_strength: float | None = checked(STRESS, optional=True)
     ultimate_strength: float | None = checked(STRESS, optional=True)
 
-    version: ClassVar[int] = 3
     name: ClassVar[str] = "stud-residual"
     sources: ClassVar[tuple[str, ...]] = (
         *("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018"),
