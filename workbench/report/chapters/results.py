@@ -103,8 +103,8 @@ def _of(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
 
 
 def _bias(stored: Stored) -> Iterator[Table]:
-    """Bias and scatter over all cases, where there are enough of them."""
-    rows = stored.rows["bias"]
+    """Bias and scatter over all cases, where there are enough of them and no matrix says more."""
+    rows = [] if stored.rows["matrix"] else stored.rows["bias"]
     columns = (
         Column("model", width=1.8, of="model"),
         Column("against", width=1.8, of="against"),
