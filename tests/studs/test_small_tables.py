@@ -22,8 +22,8 @@ COLUMNS = {  # of a random table: probability that it is there, and what stands 
 LEVELS = (0.0, 1.0, 0.5, 0.5, 0.1, 1e-6, 0.999)
 
 
-def table(seed: int) -> str:
-    """A table of 1 to 12 tests, some after pre-damage, with missing columns and extreme values."""
+def table(seed: int, damaged: float) -> str:
+    """A table of 1 to 12 tests, a share `damaged` before, with gaps and extreme values."""
     generator = np.random.default_rng(seed)
     there = {n: values for n, (p, values) in COLUMNS.items() if generator.random() < p}
     references = generator.random() < 0.8
@@ -35,7 +35,7 @@ def table(seed: int) -> str:
     for i in range(generator.integers(1, 13)):
         level = generator.random() if random_levels else generator.choice(LEVELS)
         kind = ("fatigue", "life fraction", f"{level:.6g}")
-        kind = kind if generator.random() < 0.85 else ("none", "", "")
+        kind = kind if generator.random() < damaged else ("none", "", "")
         share = 1.0 - 0.5 * float(kind[2] or 0.0)
         load = 100.0 * (share if exact else share * np.exp(0.1 * generator.normal()))
         row = [f"lab {generator.integers(campaigns)}", f"s{i}", "push-out", f"{load:.5g}", *kind]
@@ -51,7 +51,7 @@ def check(
     """How many tables are answered and how many refused; all in one of these two ways."""
     counts = [0, 0]
     for seed in seeds:
-        path.write_text(table(seed))
+        path.write_text(table(seed, 0.85 if "residual" in verb else 0.05))
         status = run([*verb, str(path)])
         said = capsys.readouterr()
         assert status in (0, 2), (seed, said.err)
@@ -74,12 +74,12 @@ def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("verb", [RESIDUAL, ["fit", "stud-strength"]])
+@pytest.mark.parametrize(("verb", "least"), [(RESIDUAL, 100), (["fit", "stud-strength"], 20)])
 def test_three_hundred_small_tables(
-    verb: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    verb: list[str], least: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     answered, _ = check(range(300), verb, tmp_path / "lab.csv", capsys)
-    assert answered > 100
+    assert answered > least
 
 
 @pytest.mark.parametrize("sizes", [(3,), (2, 2), (1, 1, 1), (1, 9)])
