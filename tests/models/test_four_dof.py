@@ -11,9 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.hinges import ShearSurface
-from workbench.models.four_dof import FourDof, panels, statics
+from workbench.models.four_dof import FourDof, FourDofShear, panels, statics
 from workbench.models.superelements import RigidSuperelement
-from workbench.responses import Outcome, collapse_of, outcome_of, survives, warnings_of
+from workbench.responses import (
+    Outcome,
+    collapse_of,
+    findings_of,
+    outcome_of,
+    survives,
+    warnings_of,
+)
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find
 
@@ -284,3 +291,26 @@ def test_bars_that_lose_a_tenth_of_their_length_are_squashed() -> None:
         collapse = collapse_of(model.simulate(stocky(0.0, 0.9)))
         assert (collapse.mechanism, collapse.parts) == ("squash", ("below", "above"))
         assert collapse.displacement < 0.4
+
+
+@pytest.mark.parametrize("model", [FourDof(), FourDofShear()])
+@pytest.mark.parametrize(
+    "stiff", [{"head_mass": 1e-9}, {"head_mass": 0.1, "restraint_stiffness": 1e14}]
+)
+def test_a_record_that_no_memory_holds_is_refused_with_what_to_do(
+    thesis_impact: ColumnImpact, model: FourDof, stiff: dict[str, float]
+) -> None:
+    endless = replace(thesis_impact, column=replace(thesis_impact.column, **stiff))
+    response = model.simulate(endless)
+    assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
+    (finding,) = (found for found in findings_of(response) if found.refusal)
+    assert finding.subject == "steps"
+    assert finding.number > 1e6
+    assert "column.head_mass" in finding.remedy
+
+
+def test_a_light_head_is_not_refined_without_end(thesis_impact: ColumnImpact) -> None:
+    light = replace(thesis_impact.column, head_mass=1.7e-4)
+    response = FourDof().simulate(replace(thesis_impact, column=light))
+    assert outcome_of(response) is Outcome.NOT_CONVERGED
+    assert "finer ones would be too many" in response.attrs["message"]

@@ -83,7 +83,9 @@ def test_integrators_agree(frame_impact, integrator) -> None:
 def test_restitution(frame_impact, restitution, expected) -> None:
     striker = replace(frame_impact.striker, restitution=restitution)
     response = RigidSuperelement().simulate(replace(frame_impact, striker=striker))
-    assert peak(response) == pytest.approx(expected, rel=2e-3)
+    # repeated rebounds: the peak at restitution 1 scatters from 0.5420 to 0.5434 m with node
+    # inertias of 0.05 to 0.2 kg m2, without a trend
+    assert peak(response) == pytest.approx(expected, rel=3e-3 if restitution == 1.0 else 2e-3)
 
 
 @pytest.mark.parametrize(

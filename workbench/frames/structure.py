@@ -142,22 +142,22 @@ def stand_frame(
     *,
     ties: Iterable[tuple[int, int]] = (),
     lumped: bool = False,
-    rotary_inertia: float = 0.0,
+    rotary_inertia: Array | None = None,
 ) -> FrameStructure:
     """Support a frame, bring its dead loads on, then its springs and locks.
 
     Arguments: `coordinates` (nodes, 2) in m, those of the frame's nodes first and in their order;
     element `groups`, and the reader of its `members`; `ties`, pairs
-    (master, slave) of nodes that share translations only; `lumped` mass; `rotary_inertia` of every
-    node in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
+    (master, slave) of nodes that share translations only; `lumped` mass; `rotary_inertia`
+    (nodes,) in kg m2, beside what frame and members give. Springs are unstressed, and locked nodes
     stand still, once the dead loads are on. Raises `SolverError` when those find no equilibrium.
     """
     assembly = PlanarAssembly(coordinates, groups, lumped=lumped, ties=ties)
     for number, node in enumerate(frame.nodes):
         assembly.hold([assembly.dof(number, component) for component in node.held])
         assembly.add_mass(number, node.mass, node.rotary_inertia)
-    for number in range(len(coordinates)):
-        assembly.add_mass(number, 0.0, rotary_inertia)
+    for number, inertia in enumerate([] if rotary_inertia is None else rotary_inertia):
+        assembly.add_mass(number, 0.0, float(inertia))
     for number in free_to_spin(frame):
         assembly.hold([assembly.dof(number, "rotation")])
     assembly.load = nodal_forces(frame, assembly, frame.loads)

@@ -3,6 +3,7 @@
 The element itself stands in `structures/superelements`, the two models in `models/superelements`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
@@ -82,6 +83,18 @@ def cut_members(frame: Frame, parts: int) -> tuple[Array, list[tuple[int, int]],
         nodes.extend(pairwise(line))
     pieces = [_piece(frame, member, parts, k) for member in frame.members for k in range(parts)]
     return np.array(points), nodes, pieces
+
+
+def joint_inertias(nodes: Sequence[tuple[int, int]], pieces: Sequence[Piece]) -> Array:
+    """Rotary inertia (nodes,) in kg m2 of the joints at the ends of pieces, by their nodes.
+
+    That of half a section depth of the heaviest bar there: its sections turn with the joint.
+    """
+    inertia = np.zeros(1 + max(max(ends) for ends in nodes))
+    for ends, piece in zip(nodes, pieces, strict=True):
+        half = 0.5 * piece.rotary * piece.member.section.height
+        np.maximum.at(inertia, list(ends), half)
+    return inertia
 
 
 def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:

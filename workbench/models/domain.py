@@ -105,6 +105,22 @@ def step_finding(step: float, stable: float) -> list[Finding]:
     return [Finding("time-step", text, refusal=True)]
 
 
+def count_finding(duration: float, step: float, most: int) -> list[Finding]:
+    """Refusal of a record of `duration` (s) in more time steps of `step` (s) than fit in memory."""
+    steps = duration / step
+    if steps <= most:
+        return []
+    text = (
+        f"the record of {duration:g} s has {steps:.3g} time steps of {step:.2g} s, which resolve "
+        f"its highest frequency or are asked for; at most {most:.0e} fit in memory"
+    )
+    remedy = (
+        "take a column.head_mass of 0 kg or of some size, a softer column.restraint_stiffness, a "
+        "shorter time.duration or a longer option time_step"
+    )
+    return [Finding("steps", text, refusal=True, remedy=remedy, number=steps)]
+
+
 def flange_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[Finding]:
     """Warnings of panels so short that their flanges, bending by themselves, carry shear too.
 

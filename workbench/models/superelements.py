@@ -33,6 +33,7 @@ from workbench.frames.superelements import (
     SuperelementMembers,
     cut_members,
     hinge_ends,
+    joint_inertias,
     joint_surface,
     series,
 )
@@ -71,7 +72,7 @@ class _HingedBars(FrameModel):
     elements: int = checked(Number(1, 100, integer=True), 1)
     integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
-    node_inertia: float = checked(Number(0.0, 1e6, "kg m2"), 0.1)
+    node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
     regularisation: float = checked(
         Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
     )
@@ -122,7 +123,10 @@ class _HingedBars(FrameModel):
             first_order=self.geometry == "linear",
         )
         members = SuperelementMembers(group, coordinates, self.elements)
-        return stand_frame(frame, coordinates, [group], members, rotary_inertia=self.node_inertia)
+        inertia = joint_inertias(nodes, pieces)
+        if self.node_inertia is not None:
+            inertia = np.full(len(coordinates), self.node_inertia)
+        return stand_frame(frame, coordinates, [group], members, rotary_inertia=inertia)
 
     def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""
@@ -183,8 +187,9 @@ class RigidSuperelement(_HingedBars):
     position) or none; `integrator`; `time_step` in s (None: 1/150 of the expected time to the
     peak, four times as long after six such times, at most the time of a wave along an element and
     back, half of that with restitution);
-    `node_inertia`, rotary inertia of every node in kg m2: without it the rotation of a joint at
-    which all hinges yield is indeterminate; `regularisation`, share of the elastic stiffness
+    `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
+    the heaviest bar there): without it the rotation of a joint at which all hinges yield is
+    indeterminate; `regularisation`, share of the elastic stiffness
     beside the perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the
     undeformed frame: first-order theory, for comparison); `shear`, panel: webs yield and slide,
     none: members are rigid in shear.
@@ -231,9 +236,10 @@ class FlexibleSuperelement(_HingedBars):
     member; `integrator`; `time_step` in s (None: 1/150 of the expected time to the peak, four
     times as long after six such times, at most the time of a wave along an element and back, half
     of that with restitution);
-    `node_inertia`, rotary inertia of every node in kg m2; `regularisation`, share of the elastic
-    stiffness beside the perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium
-    of the undeformed frame: first-order theory, for comparison); `shear`, panel: webs yield and
+    `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
+    the heaviest bar there); `regularisation`, share of the elastic stiffness beside the
+    perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the undeformed
+    frame: first-order theory, for comparison); `shear`, panel: webs yield and
     slide, none: members are rigid in shear.
     """
 

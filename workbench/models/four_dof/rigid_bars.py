@@ -18,7 +18,7 @@ from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.base import respond
-from workbench.models.domain import buckling_findings, shear_findings, step_finding
+from workbench.models.domain import buckling_findings, count_finding, shear_findings, step_finding
 from workbench.models.four_dof import dynamics, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
@@ -34,6 +34,7 @@ _SCHEMES = {
 }
 _PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
+_MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,11 @@ class RigidBars(Declared, table="option"):
         findings = buckling_findings(scenario) + self._hinge_findings(scenario)
         if any(finding.refusal for finding in findings):
             return findings
-        if isinstance(scenario, ColumnImpact) and self.integrator == "moreau" and self.time_step:
-            stable = 2.0 / self._highest_frequency(scenario.column)
-            findings += step_finding(self.time_step, stable)
+        if isinstance(scenario, ColumnImpact):
+            if self.integrator == "moreau" and self.time_step:
+                stable = 2.0 / self._highest_frequency(scenario.column)
+                findings += step_finding(self.time_step, stable)
+            findings += count_finding(scenario.duration, self._first_step(scenario), _MOST_STEPS)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -130,6 +133,13 @@ class RigidBars(Declared, table="option"):
             square = max(square, (axial[1] + column.restraint_stiffness) / column.head_mass)
         return float(np.sqrt(square))
 
+    def _first_step(self, scenario: ColumnImpact) -> float:
+        """The time step (s) before refinement."""
+        share = self._STEP[scenario.striker.restitution > 0.0]
+        column = with_hit_mass(scenario, self.hit_mass).column
+        step = self.time_step or share / self._highest_frequency(column)
+        return min(step, scenario.duration / 20)
+
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
         bars, q = self._bars(column)
@@ -160,12 +170,13 @@ class RigidBars(Declared, table="option"):
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
+        step = self._first_step(scenario)
         scenario = with_hit_mass(scenario, self.hit_mass)
-        frequency = self._highest_frequency(scenario.column)
-        share = self._STEP[scenario.striker.restitution > 0.0]
-        step = min(self.time_step or share / frequency, scenario.duration / 20)
         error = np.inf
-        for _ in range(5):
+        for refinement in range(5):
+            if refinement and scenario.duration / step > _MOST_STEPS:
+                tried = f"steps down to {2 * step:.2g} s; finer ones would be too many"
+                raise SolverError("the energy balance", error, tried)
             records, values = self._march(scenario, step)
             error = float(np.max(np.abs(values["balance_error"]))) / scenario.input_energy
             exact = self.integrator == "midpoint" and self.time_step is None

@@ -48,8 +48,7 @@ Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _STEPS_PER_PERIOD = 50  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
-_LONGEST_STEP = 1e-4  # s
-_FEWEST_STEPS = 200
+_FEWEST_STEPS = 1500  # of a record
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 _ENDINGS: dict[type[Exception], Outcome] = {
@@ -74,7 +73,8 @@ class SingleDof(Declared, table="option"):
     Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
     or panel (webs yield in shear: the static curve of `four-dof-shear`);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
-    50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most 0.1 ms);
+    50th of the shortest period, a 1000th with restitution or Moreau's scheme, at most a 1500th
+    of the record);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
     thesis or waves, as in `four-dof`.
     """
@@ -186,7 +186,7 @@ class SingleDof(Declared, table="option"):
         period = 2.0 * np.pi / _frequency(curve, scenario.column)
         event_bound = scenario.striker.restitution > 0.0 or self.integrator == "moreau"
         share = _FINE_STEPS if event_bound else _STEPS_PER_PERIOD
-        step = min(period / share, _LONGEST_STEP, scenario.duration / _FEWEST_STEPS)
+        step = min(period / share, scenario.duration / _FEWEST_STEPS)
         return min(int(np.ceil(scenario.duration / step)), _MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
