@@ -183,6 +183,8 @@ def _writable(out: str) -> Path:
     path = Path(out)
     if path.is_dir():
         raise InputError("--out", out, "is a directory", "name a file")
+    if path.exists() and not path.is_file():
+        raise InputError("--out", out, "is a pipe or a device", "name a file")
     if not path.parent.is_dir():
         raise InputError("--out", out, f"there is no directory {path.parent}", "make it first")
     if not os.access(path.parent, os.W_OK):
