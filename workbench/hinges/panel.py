@@ -100,7 +100,7 @@ class ShearSurface(Declared, table="shear_surface"):
 
         Panels leave it out.
         """
-        _, flange = self.section.shape.plates
+        _, flange = self.section.shape.plates  # none in a solid rectangle
         return float(self.section.shape.width * flange**2 * self.steel.yield_stress)
 
     @property

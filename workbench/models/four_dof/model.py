@@ -8,7 +8,7 @@ import numpy as np
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.panel import SHEAR_DEPTHS
-from workbench.models.domain import flange_findings, panel_findings
+from workbench.models.domain import panel_findings, stub_findings
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
@@ -103,7 +103,7 @@ class FourDofShear(RigidBars):
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
         findings = panel_findings(surface, column.properties, "the column")
-        return findings + flange_findings(surface, lengths)
+        return findings + stub_findings(surface, lengths)
 
     def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
         lengths = np.array([[column.length_below], [column.length_above]])
