@@ -594,7 +594,7 @@ def bears(impact: FrameImpact) -> bool:
     return impact.input_energy <= absorbed(lengths, moment, tuple(ends), max(axial, 0.0))
 
 
-@pytest.mark.parametrize("examples", [50, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", [75, pytest.param(150, marks=pytest.mark.slow)])
 def test_random_frames_run_or_end_in_a_typed_outcome(examples: int) -> None:
     answers = Answers()
 

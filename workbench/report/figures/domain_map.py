@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first
 from workbench.report.drawing.style import INK, Look, entry
@@ -51,9 +52,12 @@ def draw(request: Request) -> Drawing:
         silent = answered[(answered["error"].abs() > far) & ~answered["warned"]]
         if len(table):
             sheet.record(table.assign(model=label))
-        title = f"{label}: {inside} of {len(table)} within {100 * far:g} %"
+        for axis in (panel.xaxis, panel.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
+        title = f"{label}\n{inside} of {len(table)} within {100 * far:g} %"
         sheet.name(panel, title, x, y)
-        panel.title.set_fontsize(6.5)
         if len(silent):
             sheet.said.append(
                 f"{label}: {len(silent)} errors beyond {100 * far:g} % carry no warning."
