@@ -532,10 +532,11 @@ def test_it_is_the_frame_where_its_own_mechanism_governs(member: str, velocity: 
     assert "restraint" not in subjects(response)
     bars = RigidSuperelement(shear="none").simulate(scenario)
     assert peak(response) == pytest.approx(peak(bars), rel=9e-3)  # measured 0.0042
-    # and with webs that yield in shear, in both: measured 0.006
+    # and with webs that yield in shear, in both; the column knows what of its mass is hit at once:
+    # measured 0.006 below with the mass of the thesis, 0.024 to 0.044 above with its own
     panels = ColumnOfFrame(model="four-dof-shear").simulate(scenario)
     bars = RigidSuperelement().simulate(scenario)
-    assert peak(panels) == pytest.approx(peak(bars), rel=0.02)
+    assert 1.0 < peak(panels) / peak(bars) < 1.06
 
 
 @pytest.mark.parametrize(("member", "at"), [("B1-B2", 1.0), ("B0-B1", 3.2)])

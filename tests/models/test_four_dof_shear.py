@@ -187,7 +187,7 @@ def test_sections_and_columns_that_panels_do_not_hold_for(thesis_impact) -> None
     response = FourDofShear().simulate(replace(thesis_impact, column=tube))
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
     assert "four-dof" in response.attrs["message"]
-    thin = Column(i_section(0.8, 0.2, 0.006, 0.012), 0.8, 3.2)
+    thin = Column(i_section(0.8, 0.2, 0.006, 0.012), 1.8, 3.2)
     (finding,) = FourDofShear().domain(replace(thesis_impact, column=thin))
     assert finding.refusal
     assert finding.number == pytest.approx((0.776 / 0.006) / (60.0 * np.sqrt(235 / 355)), rel=1e-3)

@@ -135,7 +135,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
     from workbench.studs.fit_protocol import plain
 
-    specified = options.specified or USUAL_SPECIFIED
+    specified = USUAL_SPECIFIED if options.specified is None else options.specified
     TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents, left_out = [], {}
