@@ -175,9 +175,10 @@ def test_random_columns_close_their_ledger_or_say_why_not(count: int) -> None:
             assert ledger(response, scenario) < 1e-6
             assert float(response["shear_utilisation"].max()) <= 1.0 + 1e-9
         turned = scenario.input_energy / scenario.column.properties.plastic_moment
-        answers.note(FourDofShear(), scenario, response, asked=turned < 0.5)
+        asked = turned < 0.5 and outcome is not Outcome.COLLAPSE
+        answers.note(FourDofShear(), scenario, response, asked=asked)
     # the others lose their axial equilibrium: heavy load, no restraint, no mass at the head
-    assert typed >= 0.95 * count  # measured 394 of 400
+    assert typed >= 0.95 * count  # measured 398 of 400
     answers.demand(0.98, of=count // 10)
 
 
