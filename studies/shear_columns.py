@@ -6,8 +6,9 @@ The axes of its maps are the shear force that a plastic mechanism needs over the
 resistance, V/Vpl, and the largest displacement over the length of the segment below the hit point,
 v/La.
 
-The columns are drawn by a Latin hypercube. The rule "sliding" for the mass at the hit point was
-derived, and compared on 44 other columns, before these were drawn.
+The columns are drawn by a Latin hypercube. They were drawn after the first part of the rule "waves"
+for the mass at the hit point (webs that slide), and before its second part (supports that feel the
+hit late), which was then tried on others: see docs/theory/hit-mass.md.
 """
 
 import sys

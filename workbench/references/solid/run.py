@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import cumulative_trapezoid
 
 from workbench.arrays import Array, Indices
+from workbench.frames.runs import OPEN_LEDGER
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.material import SQUEEZED
 from workbench.references.solid.push import push
@@ -26,7 +27,6 @@ KINKED = 0.05  # nominal strain beyond which forces fall by several per cent wit
 REGULAR = 0.005  # hardening ratio from which on they do not
 LOCALISED = 0.8  # nominal strain at which kinks fold up
 LARGEST_IMBALANCE = 1e-3  # of the work of the push
-OPEN_LEDGER = 1e-6  # of the energy of a striker
 
 
 class Measures(NamedTuple):
@@ -143,8 +143,8 @@ def finished(
 def segment_shear(solid: SolidAssembly) -> tuple[float, float]:
     """Shear force of the segments below and above the hit section in the committed state, in N.
 
-    No load acts between the sections, so that the reaction of an end is the force in all sections
-    of its segment; shear is its part across the chord of the deformed segment.
+    The part of the reaction of its end across the chord of the deformed segment: at rest that is
+    the force in all of its sections, in motion that of its end.
     """
     mesh, force = solid.mesh, solid.force
     u = solid.supports.expand(solid.q)

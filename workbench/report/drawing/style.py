@@ -1,16 +1,18 @@
 """One house style: paper-sized figures, safe colours, one look per label in every figure."""
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from matplotlib import rc_context, rc_params_from_file
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.study.definition import Study
 
@@ -109,6 +111,19 @@ def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
     """An empty figure of the given size in inches, laid out without overlaps."""
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06, hspace=0.04)
     return Figure(figsize=(width, height), layout=layout)
+
+
+def logarithmic(axis: Axis, words: Callable[[float], str]) -> None:
+    """A decade at least; ticks at 1, 2, 5 over short ranges, at full decades over long ones."""
+    low, high = sorted(axis.get_view_interval())
+    if high < 10.0 * low:
+        middle = (low * high) ** 0.5
+        low, high = middle / 10.0**0.5, middle * 10.0**0.5
+        axis.set_view_interval(low, high, ignore=True)
+    short = high / low < 150.0
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: words(float(value))))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def settle(figure: Figure) -> None:

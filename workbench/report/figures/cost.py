@@ -3,15 +3,11 @@
 Options: `quantity` (a scalar, default the first of the study), `against` (a label).
 """
 
-from collections.abc import Callable
-
 import numpy as np
-from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.content.formatting import duration, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet
-from workbench.report.drawing.style import entry
+from workbench.report.drawing.style import entry, logarithmic
 
 _FLOOR = 1e-4  # smaller deviations are drawn here: they are below what matters
 _FEW = 12  # cases up to which each has a marker of its own
@@ -57,8 +53,8 @@ def draw(request: Request) -> Drawing:
     panel.margins(x=0.12)
     deviation = f"deviation of the {title_of(quantity)}"
     sheet.name(panel, "", "wall time of one case", f"{deviation}\nfrom {against}")
-    _logarithmic(panel.xaxis, lambda value: duration(value, 1))
-    _logarithmic(panel.yaxis, lambda value: f"{100 * value:g} %")
+    logarithmic(panel.xaxis, lambda value: duration(value, 1))
+    logarithmic(panel.yaxis, lambda value: f"{100 * value:g} %")
     if not few:
         sheet.said.append("Small markers are single cases, large ones the medians of a model.")
     if least < _FLOOR:
@@ -66,16 +62,3 @@ def draw(request: Request) -> Drawing:
         sheet.said.append(f"Deviations below {floor} are drawn at {floor}.")
     empty = f"No model has both a wall time and an error of {title_of(quantity)}."
     return sheet.finish(f"wall time against {deviation} from {against}", empty=empty)
-
-
-def _logarithmic(axis: Axis, words: Callable[[float], str]) -> None:
-    """A decade at least; ticks at 1, 2, 5 over short ranges, at full decades over long ones."""
-    low, high = sorted(axis.get_view_interval())
-    if high < 10.0 * low:
-        middle = (low * high) ** 0.5
-        low, high = middle / 10.0**0.5, middle * 10.0**0.5
-        axis.set_view_interval(low, high, ignore=True)
-    short = high / low < 150.0
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: words(float(value))))
-    axis.set_minor_formatter(NullFormatter())

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first
-from workbench.report.drawing.style import INK, Look, entry
+from workbench.report.drawing.style import INK, Look, entry, logarithmic
 
 _MOST_MODELS = 9
 _WITHIN, _NEAR, _TOO_SMALL, _TOO_LARGE = "#009e73", "#e69f00", "#0072b2", "#d55e00"
@@ -53,9 +52,7 @@ def draw(request: Request) -> Drawing:
         if len(table):
             sheet.record(table.assign(model=label))
         for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
+            logarithmic(axis, "{:g}".format)
         title = f"{label}\n{inside} of {len(table)} within {100 * far:g} %"
         sheet.name(panel, title, x, y)
         if len(silent):
