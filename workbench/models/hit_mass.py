@@ -35,7 +35,7 @@ from math import pi, sqrt
 
 from workbench.fields import Choice
 from workbench.models.domain import shear_demand
-from workbench.scenarios import ColumnImpact
+from workbench.scenarios import Column, ColumnImpact
 
 THESIS, WAVES = "thesis", "waves"
 HIT_MASS = Choice((THESIS, WAVES))
@@ -56,19 +56,25 @@ def wave_mass(scenario: ColumnImpact) -> float:
     lumped, demand = properties.impact_mass, shear_demand(scenario)
     ratio = lumped / scenario.striker.mass
     sliding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
-    lengths = {"below": column.length_below, "above": column.length_above}
-    clamped = {"below": column.base == "clamped", "above": column.head != "pinned"}
     plastic = 1.0 - elastic_energy(scenario) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
-    for bar, length in lengths.items():
+    for bar, (length, clamped) in bars_of(column).items():
         left = max(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
         lost = left * (1.0 + ratio) / (left + ratio)
         share = 1.0 - sliding * (1.0 - lost)
-        if clamped[bar]:
+        if clamped:
             share -= max(0.0, plastic) * late_work(scenario, length)
         shared += max(0.0, share) * length / column.length
     piece = properties.mass_per_length * column.section.height
     return min(max(shared * lumped, piece), lumped)
+
+
+def bars_of(column: Column) -> dict[str, tuple[float, bool]]:
+    """Length (m) of both bars, by their place, and whether the far end of each is clamped."""
+    return {
+        "below": (column.length_below, column.base != "pinned"),
+        "above": (column.length_above, column.head != "pinned"),
+    }
 
 
 def front_velocity(scenario: ColumnImpact) -> float:
@@ -103,10 +109,9 @@ def elastic_energy(scenario: ColumnImpact) -> float:
     column, properties = scenario.column, scenario.column.properties
     bending = column.steel.elastic_modulus * properties.second_moment
     stiffness = resistance = 0.0
-    lengths, clamps = (column.length_below, column.length_above), (column.base, column.head)
-    demands = shear_demand(scenario).values()
-    for length, end, demand in zip(lengths, clamps, demands, strict=True):
-        flexible = length**3 / ((3.0 if end == "pinned" else 12.0) * bending)
+    demand = shear_demand(scenario)
+    for bar, (length, clamped) in bars_of(column).items():
+        flexible = length**3 / ((12.0 if clamped else 3.0) * bending)
         stiffness += 1.0 / (flexible + length / shear_rigidity(scenario))
-        resistance += min(demand, 1.0) * properties.shear_resistance
+        resistance += min(demand[bar], 1.0) * properties.shear_resistance
     return 0.5 * resistance**2 / stiffness
