@@ -51,14 +51,15 @@ def draw(request: Request) -> Drawing:
         silent = answered[(answered["error"].abs() > far) & ~answered["warned"]]
         if len(table):
             sheet.record(table.assign(model=label))
-        for axis in (panel.xaxis, panel.yaxis):
-            logarithmic(axis, "{:g}".format)
         title = f"{label}\n{inside} of {len(table)} within {100 * far:g} %"
         sheet.name(panel, title, x, y)
         if len(silent):
             sheet.said.append(
                 f"{label}: {len(silent)} errors beyond {100 * far:g} % carry no warning."
             )
+    for panel in sheet.panels:  # once all points are in: the panels share their axes
+        for axis in (panel.xaxis, panel.yaxis):
+            logarithmic(axis, "{:g}".format)
     fallen = sum(request.stored.collapses(case.name, request.against) for case in request.cases)
     if fallen:
         text = f"{request.against} collapses in {fallen} cases, which have no place in this map."
