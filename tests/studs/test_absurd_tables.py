@@ -83,7 +83,7 @@ def test_data_check_names_the_suspicion(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["kip", "slips in inches", "one test under two names"])
 def test_fits_of_strength_warn(name: str) -> None:
     table, said = ABSURD[name]
-    fit = fit_strength(from_frame(table, TESTS), "roik-mean", resamples=3)
+    fit = fit_strength(from_frame(table, TESTS), "roik-mean")
     assert said in fit.findings[0].text
     assert fit.findings[0].subject == "data"
 
@@ -120,7 +120,7 @@ def test_curves_in_metres_are_flagged() -> None:
         for i in range(2)
         for s in (0.5, 1.0, 2.0, 4.0 + i)
     ]
-    fit = fit_load_slip(from_frame(pd.DataFrame(rows), POINTS), resamples=3)
+    fit = fit_load_slip(from_frame(pd.DataFrame(rows), POINTS))
     assert "slips of lab, 0.0045 mm at the most, are short: metres?" in fit.findings[0].text
 
 
@@ -144,9 +144,9 @@ def test_a_companion_is_a_test_for_fits_in_like_concrete() -> None:
 def test_outliers_are_named_and_may_weigh_less(damaged: Maker) -> None:
     table = damaged(4, 6, origin="measured")
     table.loc[3, "shear_kN"] = 140.0
-    fit = fit_residual(table, resamples=3)
+    fit = fit_residual(table)
     (found,) = [each for each in fit.findings if each.subject == "outlier"]
     assert "outlier: lab 0 s3, 1.4 where the others give" in found.text
-    clean = fit_residual(table.drop(index=3), resamples=3).left([0.8])[0]
-    robust = fit_residual(table, resamples=3, loss="bisquare").left([0.8])[0]
+    clean = fit_residual(table.drop(index=3)).left([0.8])[0]
+    robust = fit_residual(table, loss="bisquare").left([0.8])[0]
     assert abs(robust - clean) < 0.5 * abs(fit.left([0.8])[0] - clean)

@@ -120,7 +120,7 @@ def band_coverage(runs: int, labs: int = 4, each: int = 6) -> tuple[float, float
                 for row in curve(generator, f"{prefix}{i}", f"lab {j}", effect)
             ]
             tables.append(from_frame(pd.DataFrame(rows), POINTS))
-        found = fit_load_slip(tables[0], resamples=3)
+        found = fit_load_slip(tables[0])
         share = judge_curves(tables[1], found.shape, found, CONFIDENCE).coverage
         assert share is not None
         shares.append(share)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 
 import numpy as np
@@ -130,7 +131,7 @@ def test_a_robust_loss_is_not_led_by_an_outlier() -> None:
 
 
 def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
-    fit = fit_load_slip(curves, resamples=50)
+    fit = fit_load_slip(curves)
     assert len(fit.rows) == 24
     assert len(fit.skipped) == 4  # the noisy initial branches
     assert fit.to_dict()["campaigns"] == ["lehigh279", "mcgarraugh1971", "provines2019"]
@@ -139,21 +140,36 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
         assert median.profile.low < median.value < median.profile.high
     dense = curves[(curves["specimen"] == "P4") & (curves["use_for_fit"] == 1.0)]
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
-    again = fit_load_slip(repeated, resamples=50)
+    again = fit_load_slip(repeated)
     assert again.medians["rate"] == pytest.approx(fit.medians["rate"], rel=1e-8)  # measured 4.0e-11
     json.dumps(plain(fit.to_dict()), allow_nan=False)
 
 
 def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
-    fit = fit_load_slip(curves, resamples=50)
+    fit = fit_load_slip(curves)
     low, high = fit.band(SLIPS, 0.9)
     assert np.all(low <= high)
     middle = fit.shape.ratio(SLIPS)
     assert np.all((middle >= low) & (middle <= high))
 
 
+def test_what_is_left_out_is_covered_as_if_it_were_unseen(curves: pd.DataFrame) -> None:
+    few = curves[curves["campaign"] != "provines2019"]
+    found = fit_load_slip(few, "bilinear")
+    for kind, keys in (("curves", ["campaign", "specimen"]), ("campaigns", ["campaign"])):
+        inside: list[float] = []
+        for _, left in few.groupby(keys):
+            rest = few.drop(left.index)
+            with contextlib.suppress(InputError):  # a mean curve, or one of a single point
+                rows = fit_load_slip(rest, "bilinear").judge(left).rows
+                inside += rows.loc[rows["points"] >= 3, "inside"].tolist()
+        assert found.coverage[kind] == pytest.approx(np.mean(inside), rel=1e-9)
+    alone = fit_load_slip(few[few["campaign"] == "lehigh279"], "bilinear")
+    assert alone.coverage["campaigns"] is None
+
+
 def test_rational_law_holds_what_ascending_curves_cannot_tell(curves: pd.DataFrame) -> None:
-    fit = fit_load_slip(curves, "rational", resamples=50)
+    fit = fit_load_slip(curves, "rational")
     assert fit.held == {"softening": 0.0}
     assert set(fit.population) == {"peak_slip", "stiffness_ratio"}
     assert set(LAWS) == {"ollgaard", "bilinear", "rational"}

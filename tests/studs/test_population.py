@@ -32,12 +32,12 @@ def last(value: object, other: object) -> list[object]:
     ],
 )
 def test_decks_and_combined_tests_do_not_enter_the_solid_slab(changes: dict[str, object]) -> None:
-    fit = fit_strength(table(**changes), resamples=3)
+    fit = fit_strength(table(**changes))
     assert fit.rows["specimen"].tolist() == [f"s{i}" for i in range(7)]
 
 
 def test_a_stud_that_a_formula_has_no_value_for_takes_no_other_with_it() -> None:
-    fit = fit_strength(table(height_mm=last(50.0, 100.0)), "en1994", resamples=3)
+    fit = fit_strength(table(height_mm=last(50.0, 100.0)), "en1994")
     assert len(fit.rows) == 7
     assert any("1 of 8 tests left out: EN 1994-1-1 has no value" in f.text for f in fit.findings)
 
@@ -69,7 +69,7 @@ def test_the_design_function_takes_the_specified_strength_up_to_500_mpa() -> Non
     rows = table(fcm_MPa=[80.0 + i for i in range(8)])  # the steel governs
 
     def nominal(specified: float | None) -> float:
-        found = fit_strength(rows, resamples=3, specified_strength=specified).d8.r_nominal
+        found = fit_strength(rows, specified_strength=specified).d8.r_nominal
         assert found is not None
         return found
 
@@ -81,7 +81,7 @@ def test_the_design_function_takes_the_specified_strength_up_to_500_mpa() -> Non
 
 def test_the_population_of_load_slip_curves_is_not_trimmed() -> None:
     """The scatter of the logarithms is that of all curves: independent of any reweighting."""
-    fit = fit_load_slip(shipped("stud-load-slip"), "ollgaard", resamples=3)
+    fit = fit_load_slip(shipped("stud-load-slip"), "ollgaard")
     population = fit.population["rate"]
     spread = np.hypot(population.sigma.value, population.tau.value)
     assert spread == pytest.approx(np.std(fit.logarithms[:, 0], ddof=1), rel=0.02)

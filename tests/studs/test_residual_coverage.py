@@ -51,7 +51,7 @@ def measured(truth: str, runs: int, seed: int) -> tuple[float, float, float]:
     generator, shares, no_loss = np.random.default_rng(seed), [], 0
     for _ in range(runs):
         sizes = generator.integers(4, 11, generator.integers(3, 7)).tolist()
-        fit = fit_residual(laboratory(generator, truth, sizes), resamples=3)
+        fit = fit_residual(laboratory(generator, truth, sizes))
         no_loss += fit.relation.name == "none"
         band = fit.band(LEVELS)
         assert band is not None
@@ -80,7 +80,7 @@ def test_bands_of_two_hundred_laboratories(truth: str) -> None:
 
 def test_a_loss_that_shows_beyond_the_tests_is_not_denied_there() -> None:
     """1 - 0.4 D^2 tested up to 0.5: a band there would hold next to nothing at 1."""
-    fit = fit_residual(laboratory(np.random.default_rng(3), "square", [6, 6, 6], 0.5), resamples=3)
+    fit = fit_residual(laboratory(np.random.default_rng(3), "square", [6, 6, 6], 0.5))
     low, high = fit.band([0.4, 1.0])
     assert low[0] < TRUTHS["square"](np.array(0.4)) < high[0]
     assert np.isnan([low[1], high[1]]).all()

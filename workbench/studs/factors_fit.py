@@ -46,7 +46,7 @@ class FactorFit(Fit):
         return {
             "model": self.model.name,
             "factors": self.fitted.estimates,
-            **self.fitted.intervals(),
+            "profile": self.fitted.intervals,
             "sigma": self.fitted.sigma,
             "tau": self.fitted.tau,
             "at_bound": self.fitted.at_bound,
@@ -61,7 +61,6 @@ def fit_factors(
     *,
     loss: str = "linear",
     confidence: float = 0.9,
-    resamples: int = 200,
 ) -> FactorFit:
     """Fit factors of a formula to the undamaged headed studs of a table.
 
@@ -89,7 +88,7 @@ def fit_factors(
             raise
         value = float(np.exp(error.value))  # what is fitted is the logarithm
         raise InputError(error.field, value, error.allowed, error.advice) from error
-    found = fitted(estimate, factors, confidence=confidence, resamples=resamples)
+    found = fitted(estimate, factors, confidence=confidence)
     best = chosen.scaled(**found.estimates)
     steel, concrete = best.terms(tests)
     texts = (f"the {name} factor rests on a bound" for name in found.at_bound)

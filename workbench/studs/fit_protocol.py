@@ -19,12 +19,10 @@ from workbench.responses import Finding
 from workbench.studs.statistics.influence import outliers
 from workbench.studs.statistics.intervals import (
     Interval,
-    bootstrap_by_campaign,
     profile_interval,
     scatter_intervals,
 )
 from workbench.studs.statistics.mixed import Estimate, fit
-from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
 
@@ -123,11 +121,10 @@ def outlier_findings(
 
 
 class Parameter(NamedTuple):
-    """A fitted parameter and its intervals; `bootstrap` is None with too few campaigns."""
+    """A fitted parameter and its profile interval."""
 
     value: float
     profile: Interval
-    bootstrap: Interval | None
 
 
 class Scatter(NamedTuple):
@@ -173,32 +170,24 @@ class Fitted:
         names = self.estimate.problem.names
         return tuple(n for n, at in zip(names, self.estimate.at_bound, strict=True) if at)
 
-    def intervals(self) -> dict[str, dict[str, Interval]]:
-        """Profile and bootstrap intervals by parameter (the latter may be missing)."""
-        known = {n: p.bootstrap for n, p in self.parameters.items() if p.bootstrap is not None}
-        return {"profile": {n: p.profile for n, p in self.parameters.items()}, "bootstrap": known}
+    @property
+    def intervals(self) -> dict[str, Interval]:
+        """Profile intervals by parameter."""
+        return {name: each.profile for name, each in self.parameters.items()}
 
 
-def fitted(
-    estimate: Estimate, logarithms: Collection[str] = (), *, confidence: float, resamples: int
-) -> Fitted:
-    """Parameters with profile intervals, and bootstrap ones from three campaigns on.
+def fitted(estimate: Estimate, logarithms: Collection[str] = (), *, confidence: float) -> Fitted:
+    """Parameters with profile intervals.
 
-    Arguments: `logarithms`, parameters whose logarithm was fitted; `confidence` of the intervals;
-    `resamples` of the bootstrap. Raises `SolverError`.
+    Arguments: `logarithms`, parameters whose logarithm was fitted; `confidence` of the intervals.
+    Raises `SolverError`.
     """
-    names = estimate.problem.names
-    drawn: dict[str, Interval] = {}
-    if estimate.problem.campaigns >= LEAST_CAMPAIGNS and names:
-        drawn = bootstrap_by_campaign(estimate, confidence=confidence, resamples=resamples)
     parameters = {}
-    for name in names:
-        value, bootstrap = estimate.parameter(name), drawn.get(name)
-        profile = profile_interval(estimate, name, confidence)
+    for name in estimate.problem.names:
+        value, profile = estimate.parameter(name), profile_interval(estimate, name, confidence)
         if name in logarithms:
             value, profile = float(np.exp(value)), profile.exponential()
-            bootstrap = None if bootstrap is None else bootstrap.exponential()
-        parameters[name] = Parameter(value, profile, bootstrap)
+        parameters[name] = Parameter(value, profile)
     return Fitted(estimate, parameters, confidence)
 
 

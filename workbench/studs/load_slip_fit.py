@@ -50,12 +50,15 @@ class LoadSlipFit(Fit):
     `law_name`; `rows`, one per curve: campaign, specimen, points, parameters (SI), rms and
     bias of the fit and of the published Ollgaard law, strength (N), chord stiffness (N/m);
     `population`, the median of each parameter over the curves and the scatters of its logarithm;
-    parameters `held`; `logarithms` (curves, p) behind it; `skipped`, curves that could not be
+    `coverage`, share of the points of left-out ``curves`` and ``campaigns`` inside the band (of
+    `confidence`) that the others make, None where they are too few; parameters `held`;
+    `logarithms` (curves, p) behind it; `skipped`, curves that could not be
     fitted, each with the reason.
     """
 
     law_name: str
     population: dict[str, Fitted]
+    coverage: dict[str, float | None]
     held: dict[str, float]
     logarithms: Array
     skipped: tuple[str, ...]
@@ -81,22 +84,15 @@ class LoadSlipFit(Fit):
         keep their correlation. Its quantiles are those of the order statistics of n curves, which
         hold a further one with the wanted probability (below 20 curves: at most the extremes).
         """
-        names, s = list(self.population), np.asarray(slip, float)
-        own = [dict(zip(names, np.exp(row).tolist(), strict=True)) for row in self.logarithms]
-        laws = [make_law(self.law_name, {**each, **self.held}, ENDLESS) for each in own]
-        ratios, count = np.array([law.ratio(s) for law in laws]), len(laws)
-        points, rms = (self.rows[name].to_numpy(float) for name in ("points", "rms"))
-        spread = rms * np.sqrt(points / np.maximum(points - len(names), 1.0))
-        scattered = ratios[:, None, :] + (spread[:, None] * _NORMAL)[:, :, None]
-        tail = max((0.5 * (1.0 - share) * (count + 1.0) - 0.5) / count, 0.0)
-        low, high = np.quantile(scattered.reshape(-1, len(s)), [tail, 1.0 - tail], axis=0)
-        return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
+        laws = _laws(self.law_name, tuple(self.population), self.logarithms, self.held)
+        ratios = np.array([law.ratio(np.asarray(slip, float)) for law in laws])
+        return _bounds(ratios, _spread(self.rows, len(self.population)), share)
 
     def to_dict(self) -> Content:
         """Everything but the curves' rows (SI)."""
         population = {
             name: {"median": p.estimates["median"], "profile": p.parameters["median"].profile,
-                   "bootstrap": p.parameters["median"].bootstrap, "sigma": p.sigma, "tau": p.tau}
+                   "sigma": p.sigma, "tau": p.tau}
             for name, p in self.population.items()
         }  # fmt: skip
         return {
@@ -105,6 +101,7 @@ class LoadSlipFit(Fit):
             "campaigns": sorted(set(self.rows["campaign"])),
             "held": self.held,
             "population": population,
+            "coverage": self.coverage,
             "median_rms": float(self.rows["rms"].median()),
             "median_rms_of_published_ollgaard": float(self.rows["published_rms"].median()),
             "median_bias_of_published_ollgaard": float(self.rows["published_bias"].median()),
@@ -157,12 +154,11 @@ def fit_load_slip(
     loss: str = "linear",
     least_points: int = 3,
     confidence: float = 0.9,
-    resamples: int = 500,
 ) -> LoadSlipFit:
     """Fit a law to every curve of a table (schema `POINTS`) and to their population.
 
     Arguments: `law`, a name in `LAWS`; `loss` of the points of a curve (see `fit_curve`);
-    `least_points` of a curve; `confidence` and `resamples` of the intervals. Loads are taken
+    `least_points` of a curve; `confidence` of the intervals. Loads are taken
     over the largest load of the curve, so curves that were stopped before their maximum do not
     belong here. Raises `InputError`.
     """
@@ -170,11 +166,13 @@ def fit_load_slip(
     names = tuple(name for name in parameter_names(law) if name not in fixed)
     rows: list[dict[str, object]] = []
     skipped: list[str] = []
+    measured: list[tuple[Array, Array]] = []
     for name, slip, load in _each(points, falling=law == "rational"):
         if len(slip) < max(least_points, len(names)):
             skipped.append(f"{name['campaign']} {name['specimen']}: {len(slip)} points")
             continue
         rows.append({**name, **_row(fit_curve(slip, load, law, loss=loss, held=fixed), slip, load)})
+        measured.append((np.maximum(slip, 0.0), load / load.max()))
     if len(rows) < 2:
         raise InputError("points", len(rows), "must hold two curves or more that can be fitted")
     curves = pd.DataFrame(rows)
@@ -182,12 +180,58 @@ def fit_load_slip(
     population = {}
     for parameter, own in zip(names, logarithms.T, strict=True):
         estimate = fit(location(own, curves["campaign"].to_numpy(str)))
-        population[parameter] = fitted(
-            estimate, ("median",), confidence=confidence, resamples=resamples
-        )
-    found = (law, population, fixed, logarithms, tuple(skipped))
+        population[parameter] = fitted(estimate, ("median",), confidence=confidence)
+    laws = _laws(law, names, logarithms, fixed)
+    covered = _coverage(laws, measured, curves, len(names), confidence)
+    found = (law, population, covered, fixed, logarithms, tuple(skipped))
     findings = (*suspicions_of_points(points), *_findings(curves))
     return LoadSlipFit(*found, rows=curves, findings=findings, identity=identity_of(curves))
+
+
+def _laws(law: str, names: tuple[str, ...], logarithms: Array, held: dict[str, float]) -> list[Law]:
+    """The law of every curve, without the end of the bilinear law."""
+    own = (dict(zip(names, np.exp(row).tolist(), strict=True)) for row in logarithms)
+    return [make_law(law, {**each, **held}, ENDLESS) for each in own]
+
+
+def _spread(curves: pd.DataFrame, parameters: int) -> Array:
+    """Standard deviation (curves,) of the points of each curve about its law."""
+    points, rms = (curves[name].to_numpy(float) for name in ("points", "rms"))
+    return np.asarray(rms * np.sqrt(points / np.maximum(points - parameters, 1.0)))
+
+
+def _bounds(ratios: Array, spread: Array, share: float) -> tuple[Array, Array]:
+    """Band (n,) of the load ratios (curves, n) of laws whose points scatter by `spread`."""
+    count, n = ratios.shape
+    scattered = ratios[:, None, :] + (spread[:, None] * _NORMAL)[:, :, None]
+    tail = max((0.5 * (1.0 - share) * (count + 1.0) - 0.5) / count, 0.0)
+    low, high = np.quantile(scattered.reshape(-1, n), [tail, 1.0 - tail], axis=0)
+    return np.clip(low, 0.0, 1.0), np.clip(high, 0.0, 1.0)
+
+
+def _coverage(
+    laws: list[Law],
+    measured: list[tuple[Array, Array]],
+    curves: pd.DataFrame,
+    parameters: int,
+    share: float,
+) -> dict[str, float | None]:
+    """Share of the points of what is left out inside the band of the others, curves alike.
+
+    Curves and campaigns are left out in turn; None where fewer than two curves would be left.
+    """
+    spread, result = _spread(curves, parameters), {}
+    for kind, parts in (("curves", curves.index), ("campaigns", curves["campaign"])):
+        inside = []
+        for k, (slip, ratio) in enumerate(measured):
+            others = np.flatnonzero(np.asarray(parts) != parts[k])
+            if len(others) > 1:
+                low, high = _bounds(
+                    np.array([laws[i].ratio(slip) for i in others]), spread[others], share
+                )
+                inside.append(np.mean((ratio >= low) & (ratio <= high)))
+        result[kind] = float(np.mean(inside)) if len(inside) == len(measured) else None
+    return result
 
 
 def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:

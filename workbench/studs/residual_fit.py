@@ -157,7 +157,7 @@ class ResidualFit(Fit):
             "formula": self.relation.formula,
             "parameters": self.parameters,
             "holds": self.holds,
-            **({"profile": {}, "bootstrap": {}} if own is None else own.intervals()),
+            "profile": {} if own is None else own.intervals,
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
             "characteristic_share": None if self.design is None else self.design.r_k,
@@ -194,7 +194,6 @@ def fit_residual(
     mechanical: MechanicalCurve | None = None,
     loss: str = "linear",
     confidence: float = 0.9,
-    resamples: int = 300,
 ) -> ResidualFit:
     """Fit and choose a relation between damage and what is left, and grade its evidence.
 
@@ -212,7 +211,7 @@ def fit_residual(
     estimates = fit_candidates(relations, y, level, rows["campaign"], loss)
     scores, averaged = average(relations, estimates)
     chosen = averaged[0].relation
-    found = fitted(averaged[0].estimate, confidence=confidence, resamples=resamples)
+    found = fitted(averaged[0].estimate, confidence=confidence)
     return ResidualFit(
         quantity=quantity,
         predamage=str(rows["predamage"].iloc[0]),

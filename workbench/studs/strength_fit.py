@@ -137,7 +137,6 @@ def fit_strength(
     trends: Sequence[str] = (),
     loss: str = "linear",
     confidence: float = 0.9,
-    resamples: int = 500,
     variations: Mapping[str, float] | None = None,
     specified_strength: float | None = None,
 ) -> StrengthFit:
@@ -145,7 +144,7 @@ def fit_strength(
 
     Arguments: `model`, a name in `SHEAR_MODELS` or a `ShearModel`; `trends`, variables out of
     `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or ``bisquare``;
-    `confidence` of the intervals; `resamples` of the bootstrap; `variations`, see
+    `confidence` of the intervals; `variations`, see
     `evaluate_d8` (default `VARIATIONS`); `specified_strength` of the stud material in Pa, for
     gamma_M* (None: the mean of the tests). Raises `InputError`, `SolverError`.
     """
@@ -164,7 +163,7 @@ def fit_strength(
         new = float(np.exp(np.mean(predictive_quantile(estimate, estimate.problem, 0.05))))
     return StrengthFit(
         model=chosen,
-        fitted=fitted(estimate, ("bias",), confidence=confidence, resamples=resamples),
+        fitted=fitted(estimate, ("bias",), confidence=confidence),
         left_out=tuple(_left_out(given)),
         d8=_d8(
             tests,

@@ -54,6 +54,7 @@ def load_slip(result: Content) -> Iterator[Block]:
         result["laws"],
         *tables.load_slip(named),
         Paragraph(published),
+        *tables.band_coverage(named, result["confidence"]),
         *tables.unseen_curves(named),
     )
 

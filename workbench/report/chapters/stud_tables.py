@@ -46,6 +46,10 @@ def _span(path: str) -> Finder:
     return lambda record: span(found(record, path), record.get("factor", 1.0))
 
 
+def _covered(value: float | None) -> Cell:
+    return Cell("too few to tell", tone="doubt") if value is None else share(value)
+
+
 _NAME = Column("formula", width=2.2, of="name")
 
 
@@ -71,7 +75,6 @@ def fitted(named: Named) -> Iterator[Block]:
         _NAME,
         Column("median", True, of=_value("parameters.bias.value")),
         Column("interval", True, of=_span("parameters.bias.profile")),
-        Column("bootstrap", True, of=_span("parameters.bias.bootstrap")),
         Column("within", True, of=_value("sigma.value")),
         Column("between", True, of=_value("tau.value")),
         Column("5 % of a new campaign", True, of=_value("new_campaign_factor")),
@@ -150,18 +153,13 @@ def design_values(named: Named) -> Iterator[Block]:
 
 def left_out(named: Named) -> Iterator[Block]:
     """Every campaign predicted from the others."""
-
-    def covered(record: Content) -> Cell:
-        none = Cell("none: too few campaigns", tone="doubt")
-        return none if record["covered"] is None else share(record["covered"])
-
     columns = (
         _NAME,
         Column("campaign left out", width=1.6, of="campaign"),
         Column("tests", True, 0.7, "count"),
         Column("bias of the log ratio", True, 1.3, lambda r: valued(r["bias"], percent)),
         Column("its root mean square", True, 1.4, lambda r: share(r["rms"])),
-        Column("inside the 90 % band", True, 1.8, covered),
+        Column("inside the 90 % band", True, 1.8, lambda r: _covered(r["covered"])),
     )
     caption = (
         "Every campaign predicted by the formula with the bias of the others: negative, the tests "
@@ -217,7 +215,6 @@ def load_slip(named: Named) -> Iterator[Block]:
         Column("parameter", width=1.7, of="parameter"),
         Column("median", True, 0.9, lambda r: valued(r["median"], 3, factor=r["factor"])),
         Column("profile interval", True, 1.5, _span("profile")),
-        Column("bootstrap", True, 1.5, _span("bootstrap")),
         Column("σ", True, 0.6, _value("sigma.value")),
         Column("τ", True, 0.6, _value("tau.value")),
         Column("misfit", True, 0.7, _value("rms")),
@@ -228,6 +225,18 @@ def load_slip(named: Named) -> Iterator[Block]:
         "campaigns, median misfit of the load over the largest load."
     )
     return _table("design-load-slip", caption, columns, _rows(named, parameters))
+
+
+def band_coverage(named: Named, confidence: float) -> Iterator[Block]:
+    """What the bands of load-slip laws hold of curves and campaigns that are left out."""
+    columns = (
+        Column("law", of="name"),
+        Column("of a curve left out", True, of=lambda r: _covered(r["curves"])),
+        Column("of a campaign left out", True, of=lambda r: _covered(r["campaigns"])),
+    )
+    rows = _rows(named, lambda c: [c["fit"]["coverage"]])
+    caption = f"Share of the points inside the {100 * confidence:.3g} % band of the other curves:"
+    return _table("band-coverage", caption, columns, rows)
 
 
 def unseen_curves(named: Named) -> Iterator[Block]:
@@ -295,11 +304,9 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             Column("parameter", of="name"),
             Column("value", True, of=_value("value")),
             Column("interval", True, of=_span("profile")),
-            Column("bootstrap", True, of=_span("bootstrap")),
         )
-        kinds = ("profile", "bootstrap")
         rows = [
-            {"name": name, "value": value, **{kind: fit[kind].get(name) for kind in kinds}}
+            {"name": name, "value": value, "profile": fit["profile"][name]}
             for name, value in fit["parameters"].items()
         ]
         scores = ", ".join(

@@ -89,7 +89,7 @@ class StudModel(Declared, table="option"):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()

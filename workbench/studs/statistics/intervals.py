@@ -1,4 +1,4 @@
-"""Intervals of a fitted mixed model: profile likelihood, bootstrap by campaign.
+"""Intervals of a fitted mixed model: profile likelihood.
 
 Profile: a parameter is held, all others and the ratio of variances are fitted anew, and the
 interval is where the restricted criterion rises by (nu + 1) ln(1 + t^2 / nu), t the Student
@@ -10,16 +10,15 @@ less than it says, as nothing then tells how much campaigns differ.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from workbench.errors import InputError, SolverError
+from workbench.errors import SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import Estimate, best_ratio, criteria_at, solve_theta
-from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset, whiten
+from workbench.studs.statistics.mixed import Estimate, best_ratio, criteria_at
+from workbench.studs.statistics.problem import jacobian, whiten
 
 LEAST_FREEDOM = 1.0
 BRACKETINGS = 40
@@ -197,66 +196,3 @@ def scatter_intervals(estimate: Estimate, confidence: float = 0.9) -> dict[str, 
         for sign, bound in ((-1.0, 0.0), (1.0, np.inf))
     )
     return {"sigma": sigma, "tau": Interval(lowest_tau or 0.0, highest, confidence, PROFILE)}
-
-
-def bootstrap_by_campaign(
-    estimate: Estimate,
-    *,
-    confidence: float = 0.9,
-    resamples: int = 500,
-    seed: int = 0,
-) -> dict[str, Interval]:
-    """Bootstrap intervals of all parameters, drawing whole campaigns.
-
-    Percentiles of the resampled estimates, widened by sqrt(J / (J - 1)) t_(J-1) / z for J
-    campaigns, as plain percentiles are too narrow for few of them (Hesterberg 2015, expanded
-    percentiles). The ratio of variances stays that of the estimate. Arguments: `resamples`,
-    `seed`. Raises `InputError` for fewer than three campaigns.
-    """
-    from scipy.special import ndtri, stdtrit
-
-    given, count = estimate.problem, estimate.problem.campaigns
-    if count < 3:
-        reason = "must be three or more for a bootstrap by campaign"
-        advice = "specimens of one campaign are not independent: bring tests of other laboratories"
-        raise InputError("campaigns", count, reason, advice)
-    chosen = np.random.default_rng(seed).integers(0, count, (resamples, count))
-    if given.moments is not None:
-        draws = _linear_draws(given, estimate.ratio, chosen)
-    else:
-        members = [np.flatnonzero(given.groups == j) for j in range(count)]
-        draws = np.array([_refit(estimate, [members[j] for j in row]) for row in chosen])
-    quantile, method = 0.5 + 0.5 * confidence, "bootstrap by campaign"
-    widening = np.sqrt(count / (count - 1.0)) * stdtrit(count - 1.0, quantile) / ndtri(quantile)
-    tails = np.nanquantile(draws, [1.0 - quantile, quantile], axis=0)
-    centre = np.nanmedian(draws, axis=0)
-    ends = zip(given.names, *(centre + widening * (tails - centre)), strict=True)
-    return {name: Interval(float(a), float(b), confidence, method) for name, a, b in ends}
-
-
-def _refit(estimate: Estimate, members: list[Indices]) -> Array:
-    """Parameters (p,) on drawn campaigns; one drawn twice counts as two campaigns."""
-    groups = np.repeat(np.arange(len(members)), [len(m) for m in members])
-    labels = tuple(str(j) for j in range(len(members)))
-    chosen = subset(estimate.problem, np.concatenate(members))
-    drawn = replace(chosen, groups=groups, labels=labels)
-    try:
-        return solve_theta(drawn, estimate.ratio, estimate.theta, np.arange(len(drawn.names))).theta
-    except (InputError, SolverError):
-        return np.full(len(drawn.names), np.nan)  # a draw that does not tell: left out
-
-
-def _linear_draws(given: Problem, ratio: float, chosen: Indices) -> Array:
-    """Parameters (resamples, p) of a linear problem, from the cross products of its campaigns."""
-    assert given.moments is not None
-    assert given.design is not None
-    _, sums, totals = given.moments
-    joined = np.column_stack([given.design, given.y])
-    products = given.weights[:, None, None] * joined[:, :, None] * joined[:, None, :]
-    matrices = np.zeros((given.campaigns, joined.shape[1], joined.shape[1]))
-    np.add.at(matrices, given.groups, products)
-    shrink = ratio / (1.0 + ratio * totals)
-    matrices -= shrink[:, None, None] * sums[:, :, None] * sums[:, None, :]
-    drawn = matrices[chosen].sum(axis=1)
-    inverse = np.linalg.pinv(drawn[:, :-1, :-1], hermitian=True)
-    return np.asarray(np.einsum("rij,rj->ri", inverse, drawn[:, :-1, -1]))
