@@ -1,12 +1,16 @@
-"""Unilateral contact with Newton restitution, shared by all impact models."""
+"""The impact laboratory: contact laws, complementarity, integrators, problems with known answers.
 
-from workbench.impact.restitution import (
-    Collision,
-    collide,
-    contact_loss,
-    explicit_percussion,
-    rebound,
-    touches,
-)
+The compiled impact models share `restitution`; the laboratory's parts say what they rest on.
+"""
 
-__all__ = ["Collision", "collide", "contact_loss", "explicit_percussion", "rebound", "touches"]
+from workbench.impact.complementarity import Impulses as Impulses
+from workbench.impact.complementarity import solve_contacts as solve_contacts
+from workbench.impact.laws import Penalty as Penalty
+from workbench.impact.laws import Restitution as Restitution
+from workbench.impact.laws import Signorini as Signorini
+from workbench.impact.restitution import Collision as Collision
+from workbench.impact.restitution import collide as collide
+from workbench.impact.restitution import contact_loss as contact_loss
+from workbench.impact.restitution import explicit_percussion as explicit_percussion
+from workbench.impact.restitution import rebound as rebound
+from workbench.impact.restitution import touches as touches

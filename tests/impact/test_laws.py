@@ -1,0 +1,116 @@
+"""Contact laws: one impact, simultaneous impacts of a cradle, penalty springs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from workbench.errors import InputError
+from workbench.impact import Penalty, Restitution, Signorini, collide
+
+CRADLE = np.array([[2.0, -1.0], [-1.0, 2.0]])  # three balls of 1 kg
+NORMALS = np.array([[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]])
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson"])
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+def test_one_contact_is_the_collision_of_two_masses(law: str, e: float) -> None:
+    expected = collide(100.0, 1500.0, 20.0, e)
+    G = np.array([[1.0 / 100.0 + 1.0 / 1500.0]])
+    start = np.array([-20.0])
+    found = Restitution(e, law).impulses(G, start, start)
+    assert found.impulses[0] == pytest.approx(expected.percussion, rel=1e-13)
+    assert found.velocities[0] == pytest.approx(20.0 * e, abs=1e-12)
+
+
+def cradle(law: str, first: float, second: float) -> np.ndarray:
+    """Velocities of three touching balls after the first arrives at 1 m/s."""
+    before = np.array([-1.0, 0.0])
+    found = Restitution((first, second), law).impulses(CRADLE, before, before)
+    return np.array([1.0, 0.0, 0.0]) + NORMALS @ found.impulses
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_laws_agree_on_a_cradle_of_equal_coefficients(e: float) -> None:
+    expected = np.array([1.0 - 2.0 * e, 1.0 + e, 1.0 + e]) / 3.0
+    for law in ("newton", "poisson"):
+        np.testing.assert_allclose(cradle(law, e, e), expected, atol=1e-14)
+
+
+def test_newton_and_poisson_differ_on_a_cradle_of_two_coefficients() -> None:
+    # Newton: only the contact that closes rebounds, whatever the other one's coefficient is
+    np.testing.assert_allclose(cradle("newton", 0.0, 1.0), np.full(3, 1.0 / 3.0), atol=1e-14)
+    np.testing.assert_allclose(cradle("newton", 1.0, 0.0), [-1 / 3, 2 / 3, 2 / 3], atol=1e-14)
+    # Poisson: compression 2/3 and 1/3; the second gives 1/3 back, which throws the middle ball
+    # onto the first: one more sixth there
+    np.testing.assert_allclose(cradle("poisson", 0.0, 1.0), [1 / 6, 1 / 6, 2 / 3], atol=1e-14)
+    # P = 4/3 and 1/3 press the middle ball into the last: one more third there
+    np.testing.assert_allclose(cradle("poisson", 1.0, 0.0), [-1 / 3, 2 / 3, 2 / 3], atol=1e-14)
+    for e in np.random.default_rng(0).uniform(0.0, 1.0, (20, 2)):
+        for law in ("newton", "poisson"):
+            after = cradle(law, *e)
+            assert after.sum() == pytest.approx(1.0, rel=1e-13)
+            assert (after**2).sum() <= 1.0 + 1e-13
+            assert np.diff(after).min() >= -1e-13
+
+
+def test_signorini_keeps_bodies_apart_on_both_levels() -> None:
+    for level in ("position", "velocity"):
+        found = Signorini(level).impulses(CRADLE, np.array([-0.1, 0.4]))
+        assert found.impulses == pytest.approx([0.05, 0.0])
+        assert found.velocities == pytest.approx([0.0, 0.35])
+
+
+def flight(law: Penalty, mass: float, speed: float) -> tuple[float, float, float]:
+    """Duration (s), depth (m) and speed of departure (m/s) of a ball on a penalty spring."""
+
+    def left(_, y):
+        return y[0] if law.force(y[0], y[1]) <= 0.0 and y[1] > 0.0 else -1.0
+
+    left.terminal = True
+    out = solve_ivp(
+        lambda _, y: (y[1], law.force(y[0], y[1]) / mass),
+        *((0.0, 1.0), (0.0, -speed)),
+        **{"events": left, "rtol": 1e-10, "atol": 1e-14, "max_step": 1e-4},
+    )
+    return float(out.t[-1]), float(-out.y[0].min()), float(out.y[1, -1])
+
+
+def test_penalty_springs_are_their_closed_forms() -> None:
+    mass, speed = 2.0, 3.0
+    linear, hertz = Penalty(1e6), Penalty(1e8, 1.5)
+    duration, depth, back = flight(linear, mass, speed)
+    assert duration == pytest.approx(np.pi * np.sqrt(mass / 1e6), rel=1e-3)
+    assert depth == pytest.approx(linear.depth(mass, speed), rel=1e-3)
+    assert back == pytest.approx(speed, rel=1e-6)
+    duration, depth, _ = flight(hertz, mass, speed)
+    assert duration == pytest.approx(2.9432 * hertz.depth(mass, speed) / speed, rel=1e-3)
+    assert depth == pytest.approx(hertz.depth(mass, speed), rel=1e-3)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_the_damping_of_hunt_and_crossley_is_a_restitution(exponent: float) -> None:
+    law = Penalty(1e7, exponent, damping=0.2)
+    for speed in (0.5, 3.0):
+        assert flight(law, 2.0, speed)[2] / speed == pytest.approx(law.rebound(speed), rel=2e-4)
+    assert Penalty(1e6).rebound(10.0) == 1.0
+    assert law.rebound(1e-9) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Restitution(1.1), r"restitution.coefficients.*from 0 to 1"),
+        (lambda: Restitution((0.5, -0.1)), r"restitution.coefficients.1 = -0.1"),
+        (lambda: Restitution(0.5, "hertz"), "newton, poisson"),
+        (lambda: Restitution((0.5, 0.5)).each(3), "one number or 3"),
+        (lambda: Penalty(0.0), "penalty.stiffness"),
+        (lambda: Penalty(1.0, 0.5), "penalty.exponent"),
+        (lambda: Signorini("force"), "signorini.level"),
+        (lambda: Restitution(0.5).impulses(CRADLE, np.zeros(2), np.zeros(1)), "before"),
+    ],
+)
+def test_bad_laws_get_one_clear_message(make, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        make()

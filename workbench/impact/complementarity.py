@@ -1,0 +1,215 @@
+"""Linear complementarity problems of several contacts: a direct and a projected solver.
+
+Given the Delassus matrix G = W' M^-1 W (symmetric, positive semi-definite; singular where contacts
+depend on each other) and the gap velocities q without impulses, find impulses z with
+
+    0 <= z  perp  w = G z + q >= 0.
+
+* `lemke`: complementary pivoting with lexicographic ratio tests (Lemke 1965; Cottle, Pang and Stone
+  1992, section 4.4), which cannot cycle; it ends on a solution or, for these G, on a proof that
+  there is none.
+* `projected`: sweeps of projected Gauss-Seidel, which find out who touches, and steps to the
+  minimum of z'Gz/2 + q'z over those who do, cut where an impulse would pull.
+
+w is unique, z only where contacts are independent. Residuals are measured with G scaled to a unit
+diagonal and q to a largest entry of 1.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.arrays import Array
+from workbench.errors import InputError, SolverError
+from workbench.fields import Choice
+
+LEMKE, PROJECTED = "lemke", "projected"
+METHODS = Choice((LEMKE, PROJECTED))
+TOLERANCE = 1e-10
+_TIE, _PIVOT = 1e-12, 1e-10
+_FLAT = 1e-8
+_LARGEST = 1e6  # of a scaled impulse; beyond it round-off has solved what has no solution
+_SWEEPS, _POLISH = 2000, 400
+
+
+class Impulses(NamedTuple):
+    """Impulses (N s), gap velocities (m/s) that they leave, scaled `residual`."""
+
+    impulses: Array
+    velocities: Array
+    residual: float
+
+
+def solve_contacts(delassus: Array, free: Array, method: str = LEMKE) -> Impulses:
+    """Solve the contact problem, contacts that depend on each other included.
+
+    Arguments: `delassus` (n, n) in 1/kg; `free` gap velocities (n,) in m/s; `method`, lemke or
+    projected. Raises `InputError` for arrays that are no contact problem, `SolverError` where no
+    impulses keep the bodies apart.
+    """
+    G, q = np.asarray(delassus, dtype=float), np.asarray(free, dtype=float)
+    METHODS.check("method", method)
+    if q.ndim != 1 or G.shape != (q.size, q.size):
+        raise InputError("delassus", G.shape, f"must be square, for {q.size} gap velocities")
+    if not (np.isfinite(G).all() and np.isfinite(q).all()):
+        raise InputError("delassus", None, "and gap velocities must be finite numbers")
+    if q.size and (np.diagonal(G).min() < 0.0 or not np.allclose(G, G.T, rtol=1e-9)):
+        raise InputError("delassus", None, "must be symmetric without negative diagonal entries")
+    z, residual = complementary(G, q) if method == LEMKE else projected(G, q)
+    if not residual <= TOLERANCE:
+        tried = f"{method}: no impulses keep all bodies apart, the contacts contradict each other"
+        raise SolverError(f"{q.size} contacts", residual, tried)
+    return Impulses(z, G @ z + q, residual)
+
+
+@njit(cache=True, error_model="numpy")
+def _scaled(G, q):
+    """Scale of the impulses (n,), and the problem with a unit diagonal and largest |q| 1."""
+    n = q.size
+    root = np.ones(n)
+    for i in range(n):
+        if G[i, i] > 0.0:
+            root[i] = 1.0 / np.sqrt(G[i, i])
+    size = max(np.abs(root * q).max(), 1e-300)
+    scaled = np.empty((n, n))
+    for i in range(n):
+        for j in range(n):
+            scaled[i, j] = root[i] * G[i, j] * root[j]
+    return root * size, scaled, root * q / size
+
+
+@njit(cache=True, error_model="numpy")
+def residual_of(G, q, z):
+    """Largest violation of 0 <= z perp G z + q >= 0, as min(z, w)."""
+    worst = 0.0
+    for i in range(q.size):
+        w = q[i]
+        for j in range(q.size):
+            w += G[i, j] * z[j]
+        worst = max(worst, abs(min(z[i], w)))
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def complementary(G, q):
+    """Impulses by pivoting, and their residual (infinite where there are none)."""
+    n = q.size
+    if n == 0 or q.min() >= 0.0:
+        return np.zeros(n), 0.0
+    if n == 1:
+        if G[0, 0] <= 0.0:
+            return np.zeros(1), np.inf
+        return -q / G[0, 0], 0.0
+    scale, A, b = _scaled(G, q)
+    table = np.zeros((n, 2 * n + 2))  # of w, z, the artificial z_0, and the right-hand side
+    basis = np.arange(n)
+    for i in range(n):
+        table[i, i], table[i, 2 * n], table[i, 2 * n + 1] = 1.0, -1.0, b[i]
+        table[i, n : 2 * n] = -A[i]
+    entering, row = 2 * n, int(np.argmin(b))
+    for _ in range(200 + 50 * n):
+        table[row] /= table[row, entering]
+        for i in range(n):
+            if i != row and table[i, entering] != 0.0:
+                table[i] -= table[i, entering] * table[row]
+        leaving, basis[row] = basis[row], entering
+        entering = leaving + n if leaving < n else leaving - n
+        row = -1 if leaving == 2 * n else _leaving_row(table, basis, entering, n)
+        if row < 0:  # solved; or a ray, which in round-off may stand for a solution too
+            break
+    z = np.zeros(n)
+    for i in range(n):
+        if n <= basis[i] < 2 * n:
+            z[basis[i] - n] = max(table[i, 2 * n + 1], 0.0)
+    if z.max() > _LARGEST:
+        z[:] = 0.0
+    residual = _swept(A, b, z, _POLISH)
+    return z * scale, residual
+
+
+@njit(cache=True, error_model="numpy")
+def _leaving_row(table, basis, entering, n):
+    """Row of the lexicographically least ratio, that of z_0 if it ties; -1 for a ray."""
+    best = -1
+    for i in range(n):
+        if table[i, entering] <= _PIVOT:
+            continue
+        if best < 0:
+            best = i
+            continue
+        for k in range(n + 1):
+            column = 2 * n + 1 if k == 0 else k - 1
+            mine = table[i, column] / table[i, entering]
+            other = table[best, column] / table[best, entering]
+            if abs(mine - other) > _TIE * (1.0 + abs(other)):
+                if mine < other:
+                    best = i
+                break
+            if k == 0 and basis[best] == 2 * n:
+                break
+            if k == 0 and basis[i] == 2 * n:
+                best = i
+                break
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def _refine(A, b, z):
+    """Move z to the least of its energy over the contacts that push, as far as none pulls.
+
+    Where the energy has none, as contacts depend on each other, z moves down until one opens;
+    if none does, no impulses solve the problem: false.
+    """
+    for _ in range(z.size):
+        on = np.flatnonzero(z > 0.0)
+        if on.size == 0:
+            break
+        rows = np.ascontiguousarray(A[on][:, on])
+        slope = -(b[on] + A[on] @ z)
+        change = np.linalg.lstsq(rows, slope, _PIVOT)[0]
+        left = slope - rows @ change
+        share, stop = 1.0, -1
+        if np.abs(left).max() > _FLAT:
+            change, share = left, np.inf
+        for k in range(on.size):
+            if z[on[k]] + share * change[k] < 0.0:
+                share, stop = z[on[k]] / -change[k], on[k]
+        if share == np.inf:
+            return False
+        z[on] += share * change
+        if stop < 0:
+            break
+        z[stop] = 0.0
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def projected(G, q):
+    """Impulses by projected Gauss-Seidel with steps in the subspace found, and their residual."""
+    n = q.size
+    if n == 0 or q.min() >= 0.0:
+        return np.zeros(n), 0.0
+    scale, A, b = _scaled(G, q)
+    z = np.zeros(n)
+    residual = _swept(A, b, z, _SWEEPS)
+    return z * scale, residual
+
+
+@njit(cache=True, error_model="numpy")
+def _swept(A, b, z, most):
+    """Improve z until it solves the problem; its residual, infinite where z grows without end."""
+    n = z.size
+    for sweep in range(most):
+        if sweep % 4 == 0 and not _refine(A, b, z):
+            return np.inf
+        residual = residual_of(A, b, z)
+        if residual <= 0.1 * TOLERANCE:
+            break
+        for i in range(n):
+            if A[i, i] > 0.0:
+                w = b[i]
+                for j in range(n):
+                    w += A[i, j] * z[j]
+                z[i] = max(z[i] - w / A[i, i], 0.0)
+    return residual if z.max() <= _LARGEST else np.inf

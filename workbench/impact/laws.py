@@ -1,0 +1,147 @@
+"""Contact laws as value objects: Signorini, Newton's and Poisson's restitution, penalty springs.
+
+Rigid contacts answer with impulses. With G = W' M^-1 W, gap velocities gamma- before and
+gamma = gamma_free + G P after:
+
+* Signorini: 0 <= P perp s >= 0, the slack s being the gap (position) or its velocity.
+* Newton: 0 <= P perp gamma + e gamma- >= 0, contact by contact (Heng 2017, eq. 3.21).
+* Poisson: P = P_c + P_e. Compression ends at 0 <= P_c perp gamma_c >= 0; expansion gives back
+  P_e = e P_c, and more only where bodies would overlap otherwise (Glocker and Pfeiffer 1995).
+
+For one contact, and for equal coefficients where all contacts are compressed, Newton and Poisson
+agree; where they differ both are right by their own definitions. Penalty springs answer with a
+force along a penetration: linear, Hertz (exponent 3/2), Hunt and Crossley (1975) with damping.
+"""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numba import njit
+from scipy.optimize import brentq
+
+from workbench.arrays import Array
+from workbench.errors import InputError
+from workbench.fields import Choice, Declared, Many, Number, checked
+from workbench.impact.complementarity import (
+    LEMKE,
+    METHODS,
+    Impulses,
+    complementary,
+    solve_contacts,
+)
+
+NEWTON, POISSON = "newton", "poisson"
+
+
+@dataclass(frozen=True)
+class Signorini(Declared, table="signorini"):
+    """No penetration, no pull. `level`: of the gap (position, m) or its velocity (m/s)."""
+
+    level: str = checked(Choice(("position", "velocity")), "velocity")
+    method: str = checked(METHODS, LEMKE)
+
+    def impulses(self, delassus: Array, slack: Array) -> Impulses:
+        """Impulses that leave no negative slack; those of position level shift, in kg m.
+
+        Raises `InputError` and `SolverError`, as `solve_contacts`.
+        """
+        return solve_contacts(delassus, slack, self.method)
+
+
+@dataclass(frozen=True)
+class Restitution(Declared, table="restitution"):
+    """What comes back after an impact.
+
+    Arguments: `coefficients` of the contacts, 0 (plastic) to 1 (elastic), one for each or one for
+    all; `law`, newton or poisson.
+    """
+
+    coefficients: tuple[float, ...] | float = checked(Many(Number(0.0, 1.0), 1), (0.0,))
+    law: str = checked(Choice((NEWTON, POISSON)), NEWTON)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.coefficients, int | float):
+            object.__setattr__(self, "coefficients", (self.coefficients,))
+        super().__post_init__()
+
+    def each(self, contacts: int) -> Array:
+        """Coefficients of that many contacts. Raises `InputError` if they are not as many."""
+        given = np.atleast_1d(self.coefficients)
+        if given.size not in (1, contacts):
+            raise self.refusal("coefficients", f"must be one number or {contacts}, one per contact")
+        return np.full(contacts, given)
+
+    def impulses(self, delassus: Array, free: Array, before: Array) -> Impulses:
+        """Impulses of simultaneous impacts.
+
+        Arguments: `delassus` (n, n) in 1/kg; `free` and `before`, gap velocities (n,) in m/s
+        without impulses and before the impact. Raises as `solve_contacts`.
+        """
+        e, start = self.each(np.size(free)), np.asarray(before, dtype=float)
+        if start.shape != np.shape(free):
+            raise InputError("before", start.shape, f"must be one velocity for each of {e.size}")
+        if self.law == NEWTON:
+            found = solve_contacts(delassus, free + e * start)
+            return found._replace(velocities=found.velocities - e * start)
+        pressed = solve_contacts(delassus, free)
+        back = e * pressed.impulses
+        extra = solve_contacts(delassus, pressed.velocities + delassus @ back)
+        total = pressed.impulses + back + extra.impulses
+        return Impulses(total, extra.velocities, max(pressed.residual, extra.residual))
+
+
+@njit(cache=True, error_model="numpy")
+def percussions(G, free, start, e, poisson):
+    """Impulses of a step as `Restitution` has them, and their residual; for compiled steps.
+
+    A closed contact that separates already reverses its velocity elastically: with e < 1 it would
+    create energy (`restitution.rebound`).
+    """
+    if not poisson:
+        xi = np.empty(free.size)
+        for i in range(free.size):
+            xi[i] = free[i] + (1.0 if start[i] > 0.0 else e[i]) * start[i]
+        return complementary(G, xi)
+    pressed, first = complementary(G, free)
+    back = (1.0 + e) * pressed
+    extra, second = complementary(G, free + G @ back)
+    return back + extra, max(first, second)
+
+
+@dataclass(frozen=True)
+class Penalty(Declared, table="penalty"):
+    """A spring that bodies meet, f = k d^n (1 + c d') at penetration d > 0, and never pulls.
+
+    Arguments: `stiffness` k in N/m^n; `exponent` n, 1 linear, 3/2 Hertz; `damping` c in s/m of Hunt
+    and Crossley.
+    """
+
+    stiffness: float = checked(Number(0.0, 1e18, "N/m^n", low_included=False))
+    exponent: float = checked(Number(1.0, 3.0), 1.0)
+    damping: float = checked(Number(0.0, 1e6, "s/m"), 0.0)
+
+    def force(self, gap: float, velocity: float = 0.0) -> float:
+        """Contact force (N) at a gap (m; negative where bodies overlap) and its velocity (m/s)."""
+        pressed = self.stiffness * max(-gap, 0.0) ** self.exponent
+        return float(max(pressed * (1.0 - self.damping * velocity), 0.0))
+
+    def depth(self, mass: float, speed: float) -> float:
+        """Largest penetration (m) without damping of a `mass` (kg) that arrives at `speed`."""
+        n = self.exponent + 1.0
+        return float((0.5 * n * mass * speed**2 / self.stiffness) ** (1.0 / n))
+
+    def rebound(self, speed: float) -> float:
+        """Restitution that the damping amounts to at an arrival `speed` (m/s).
+
+        m u u' = -k d^n (1 + c u) integrates to c v (1 + e) = ln((1 + c v) / (1 - c e v)).
+        """
+        x = self.damping * speed
+        if x < 1e-9:
+            return 1.0
+        top = min(1.0, 1.0 / x)
+
+        def left(e: float) -> float:
+            return (1.0 - e * x) - (1.0 + x) * exp(-x * (1.0 + e))
+
+        return float(brentq(left, 0.0, top, xtol=1e-15)) if left(top) < 0.0 else top
