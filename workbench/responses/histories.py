@@ -102,9 +102,14 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     crossings = np.flatnonzero((d[:-1] < level) & (d[1:] >= level))
     if len(crossings) < 2:
         return None
-    whole = slice(int(crossings[0]), int(crossings[-1]) + 1)
-    span = t[whole][-1] - t[whole][0]
-    return float(np.trapezoid(d[whole], t[whole]) / span)
+    first, last = (
+        t[i] + (level - d[i]) / (d[i + 1] - d[i]) * (t[i + 1] - t[i])
+        for i in (int(crossings[0]), int(crossings[-1]))
+    )
+    inside = slice(int(crossings[0]) + 1, int(crossings[-1]) + 1)
+    times = np.concatenate([[first], t[inside], [last]])
+    heights = np.concatenate([[level], d[inside], [level]])
+    return float(np.trapezoid(heights, times) / (last - first))
 
 
 def peak_contact_force(time: Array, percussion: Array) -> float:

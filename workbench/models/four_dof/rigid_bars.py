@@ -19,7 +19,7 @@ from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, count_finding, shear_findings, step_finding
-from workbench.models.four_dof import dynamics, panels, statics
+from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.responses import Finding, Response, build_response
@@ -35,6 +35,8 @@ _SCHEMES = {
 _PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
+_FIRST = 0.005  # step after an impact over the inverse of the axial frequency
+_FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded by themselves
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class RigidBars(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str]
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
@@ -60,8 +62,8 @@ class RigidBars(Declared, table="option"):
         "At most one third of the column's mass acts at the hit point; waves are left out.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-    _STEP: ClassVar[tuple[float, float]] = (0.2, 0.05)  # plastic impact and with restitution
-    _BALANCE: ClassVar[float] = 1e-7  # of the input energy, in which the ledger closes
+    _CONTROL: ClassVar[tuple[tuple[float, float], ...]] = ((1e-4, 1.0), (2e-5, 0.3))
+    _BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
     def _strength(self, column: Column, bars: Any) -> None:
         """Write the strength of the hinges into the column of the kernels."""
@@ -84,7 +86,9 @@ class RigidBars(Declared, table="option"):
             if self.integrator == "moreau" and self.time_step:
                 stable = 2.0 / self._highest_frequency(scenario.column)
                 findings += step_finding(self.time_step, stable)
-            findings += count_finding(scenario.duration, self._first_step(scenario), _MOST_STEPS)
+            step = self._fixed_step(scenario)
+            if step is not None:
+                findings += count_finding(scenario.duration, step, _MOST_STEPS)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -133,12 +137,33 @@ class RigidBars(Declared, table="option"):
             square = max(square, (axial[1] + column.restraint_stiffness) / column.head_mass)
         return float(np.sqrt(square))
 
-    def _first_step(self, scenario: ColumnImpact) -> float:
-        """The time step (s) before refinement."""
-        share = self._STEP[scenario.striker.restitution > 0.0]
-        column = with_hit_mass(scenario, self.hit_mass).column
-        step = self.time_step or share / self._highest_frequency(column)
-        return min(step, scenario.duration / 20)
+    def _fixed_step(self, scenario: ColumnImpact) -> float | None:
+        """The time step (s) of all steps, or None where the error controls them."""
+        step = self.time_step
+        if step is None and self.integrator == "moreau":
+            column = with_hit_mass(scenario, self.hit_mass).column
+            share = 0.05 if scenario.striker.restitution > 0.0 else 0.2
+            step = share / self._highest_frequency(column)
+        return None if step is None else min(step, scenario.duration / 20)
+
+    def _pace(self, scenario: ColumnImpact, refinement: int) -> march.Pace:
+        """How the impact is stepped through, `refinement` times finer by a quarter."""
+        duration, step = scenario.duration, self._fixed_step(scenario)
+        if step is not None:
+            step = duration / int(np.ceil(duration / step))
+            return march.Pace(duration, step, step, np.inf, np.inf, 1.001 * step, 64 * _MOST_STEPS)
+        column = scenario.column
+        axial = column.steel.elastic_modulus * column.properties.area
+        square = axial * (1.0 / column.length_below + 1.0 / column.length_above)
+        first = _FIRST * float(np.sqrt(column.properties.impact_mass / square))
+        share = 0.25**refinement
+        error, flow = self._CONTROL[scenario.striker.restitution > 0.0]
+        longest = share * duration / _FEWEST
+        first = min(share * first, longest)
+        spacing = duration / _RECORDS
+        return march.Pace(
+            duration, first, longest, share * error, share * flow, spacing, _MOST_STEPS
+        )
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
@@ -170,21 +195,15 @@ class RigidBars(Declared, table="option"):
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
-        step = self._first_step(scenario)
         scenario = with_hit_mass(scenario, self.hit_mass)
         error = np.inf
         for refinement in range(5):
-            if refinement and scenario.duration / step > _MOST_STEPS:
-                tried = f"steps down to {2 * step:.2g} s; finer ones would be too many"
-                raise SolverError("the energy balance", error, tried)
-            records, values = self._march(scenario, step)
+            records, values = self._march(scenario, self._pace(scenario, refinement))
             error = float(np.max(np.abs(values["balance_error"]))) / scenario.input_energy
-            exact = self.integrator == "midpoint" and self.time_step is None
-            if not exact or error < self._BALANCE:
+            if self._fixed_step(scenario) is not None or error < self._BALANCE:
                 break
-            step *= 0.5
         else:
-            raise SolverError("the energy balance", error, f"steps down to {2 * step:.2g} s")
+            raise SolverError("the energy balance", error, "steps down to a 256th in length")
         solved = perf_counter() - started
         values |= {
             "velocity": records["w"][:, V],
@@ -194,34 +213,32 @@ class RigidBars(Declared, table="option"):
             "input_energy": scenario.input_energy,
             "plastic_rotation": _at_hinges(records["plastic"]),
         }
-        time = np.linspace(0.0, scenario.duration, len(records))
         warnings = self._reached(scenario.column, values)
         response = build_response(
-            values, time=time, hinges=tuple(HINGES), segments=SEGMENTS, warnings=warnings
+            values, time=records["time"], hinges=tuple(HINGES), segments=SEGMENTS, warnings=warnings
         )
         response.attrs["solve_time"] = solved
         return response
 
-    def _march(self, scenario: ColumnImpact, step: float) -> tuple[Any, dict[str, Any]]:
-        """Records (steps + 1,) of one run, its histories and energies."""
+    def _march(self, scenario: ColumnImpact, pace: march.Pace) -> tuple[Any, dict[str, Any]]:
+        """Records of one run, its histories and energies."""
         column, striker = scenario.column, scenario.striker
         bars, q = self._bars(column)
         bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
-        steps = int(np.ceil(scenario.duration / step))
-        step = scenario.duration / steps
-        records = np.zeros(steps + 1, statics.STATE)
+        records = np.zeros(pace.records, statics.STATE)
         records["q"][0], records["striker_velocity"][0] = q, striker.velocity
-        status, last, residual, cuts = dynamics.impact(
-            bars, _SCHEMES[self.integrator], step, records, np.zeros(1, statics.WORK)[0]
+        status, last, time, residual, cuts = march.impact(
+            bars, _SCHEMES[self.integrator], pace, records, np.zeros(1, statics.WORK)[0]
         )
-        if status == statics.NO_CONVERGENCE:
-            raise SolverError(
-                f"time {last * step:.6g} s (step {last} of {step:.3g} s)",
-                residual,
-                f"nested rotation balance, line search and 64 substeps ({cuts} cuts in all)",
-            )
+        records = records[: last + 1]
         if status == statics.COLLAPSE:
-            raise _collapsed(bars, records[last], last * step)
+            raise _collapsed(bars, records[last], time)
+        if status == march.TOO_MANY:
+            tried = f"{pace.most} steps; a softer or heavier column needs fewer"
+            raise SolverError(f"time {time:.6g} s", residual, tried)
+        if status == statics.NO_CONVERGENCE:
+            tried = f"nested rotation balance, line search, shorter steps ({cuts} cuts in all)"
+            raise SolverError(f"time {time:.6g} s (step after record {last})", residual, tried)
         m, w = bars["mass"], records["w"]
         twice = (
             m[V] * (w[:, V] ** 2 + w[:, U1] ** 2) + striker.mass * records["striker_velocity"] ** 2
@@ -241,7 +258,7 @@ class RigidBars(Declared, table="option"):
 def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
     """How the column has collapsed in the last `state` of a run, at a `time` (s)."""
     lengths, reached = bars["lengths"], float(state["q"][V])
-    left = np.array(dynamics.chords(lengths, state["q"]))
+    left = np.array(march.chords(lengths, state["q"]))
     turned = abs(reached) / np.minimum(lengths, left)
     if turned.max() > COLLAPSE_SIDEWAYS:
         bar = SEGMENTS[int(turned.argmax())]

@@ -43,6 +43,7 @@ COLUMN = np.dtype(
 )
 STATE = np.dtype(
     [
+        ("time", float),  # s
         ("q", float, 4),  # degrees of freedom
         ("w", float, 4),  # their velocities
         ("stress", float, (2, 4)),  # N, M_end, M_mid, V of the bars below and above
@@ -59,6 +60,8 @@ STATE = np.dtype(
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
         *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q")),
+        ("rate", float, 4),  # mean velocities of the last step, and the acceleration of V
+        ("acceleration", float),
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4")),
         ("f", float, (2, 3)),
         ("stress0", float, (2, 4)),

@@ -1,0 +1,149 @@
+"""Stepping through the impact of a column: as long as the error allows, or steps of one length.
+
+Controlled steps hold two measures. The trapezoidal rule errs by dt^3 / 12 times the rate of the
+acceleration of the hit point in its displacement; and hinges that flow, whose forces are those at
+the end of a step (backward Euler), may flow by no more than `flow` times their elastic deformation
+at yielding. Axial vibrations of the masses are not resolved: the midpoint rule keeps their energy
+at any step. An impact is stepped on to and followed by the first, very short step, so that its
+instant is found. After the first rebound only the phase of an elastic vibration is at stake, and
+longer steps are taken. Records are merged to what a plot needs.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
+from workbench.models.four_dof import dynamics, statics
+from workbench.models.four_dof.kinematics import U1, U2, V
+
+_PIECES = 64  # into which the shortest step may be cut where it does not converge
+_VIBRATION = 10.0  # times the tolerated error, once the column only vibrates
+TOO_MANY = 3  # status beside those of `statics`
+
+
+class Pace(NamedTuple):
+    """How an impact is stepped through; times in s.
+
+    `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
+    displacement of a step over the way that the striker goes in it (infinite: every step is
+    `first`); `flow`, see above; shortest time between two records, `spacing`; steps at `most`.
+    """
+
+    duration: float
+    first: float
+    longest: float
+    error: float
+    flow: float
+    spacing: float
+    most: int
+
+    @property
+    def records(self) -> int:
+        """How many records it takes at most: of three, the outer ones are a spacing apart."""
+        return 2 * int(np.ceil(self.duration / self.spacing)) + 4
+
+
+@njit(cache=True, error_model="numpy")
+def flown(column, start, end):
+    """Largest plastic deformation of a hinge between two states over its elastic one at yielding.
+
+    Webs that slide are held by the hinges that turn with them.
+    """
+    most = 0.0
+    for bar in range(2):
+        for j in range(3):
+            strength = column.squash_loads[0] if j == 0 else column.plastic_moments[0, j - 1]
+            flow = abs(end.plastic[bar, j] - start.plastic[bar, j])
+            most = max(most, flow * column.stiffness[bar, j] / strength)
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def aimed(pace, time, dt, state):
+    """The step that does not go beyond the end, the next of equal steps, or the next impact."""
+    dt = min(dt, pace.duration - time)
+    if not pace.error < np.inf:
+        return min(dt, (np.floor(time / pace.first + 1e-6) + 1.0) * pace.first - time)
+    gap, gamma = state.q[V] - state.striker, state.w[V] - state.striker_velocity
+    if gap > 0.0 and gamma < 0.0:
+        return min(dt, max(-gap / gamma, pace.first))
+    return dt
+
+
+@njit(cache=True, error_model="numpy")
+def chords(lengths, q):
+    """Distances that are left between the ends of both bars, in m."""
+    below = (q[V] ** 2 + (lengths[0] + q[U1]) ** 2) ** 0.5
+    above = (q[V] ** 2 + (lengths[1] + q[U2] - q[U1]) ** 2) ** 0.5
+    return below, above
+
+
+@njit(cache=True, error_model="numpy")
+def collapsed(column, q):
+    """Whether v1 passes nine tenths of a bar, or the bars are squashed by a tenth.
+
+    Of its first length, or of the distance that is left between its ends, which a chord that turns
+    over passes in any case.
+    """
+    below, above = chords(column.lengths, q)
+    shorter = min(min(column.lengths[0], column.lengths[1]), min(below, above))
+    squashed = below + above < (1.0 - COLLAPSE_CONTRACTION) * column.lengths.sum()
+    return squashed or abs(q[V]) > COLLAPSE_SIDEWAYS * shorter
+
+
+@njit(cache=True, error_model="numpy")
+def impact(column, scheme, pace, records, work):
+    """Follow the impact; returns (status, last record, time, residual, cuts).
+
+    `records` of STATE begin with the preloaded column and the velocity of the striker. A step that
+    does not converge is halved.
+    """
+    statics.internal_forces(column, records[0], work)
+    records[0].force = work.F[V]
+    scale = abs(records[0].striker_velocity)
+    n, steps, cuts, residual, time = 0, 0, 0, 0.0, 0.0
+    dt, before, highest, smooth, error = pace.first, 0.0, 0.0, False, pace.error
+    while time < pace.duration * (1.0 - 1e-12):
+        last, state = records[n], records[n + 1]
+        dt = aimed(pace, time, dt, last)
+        records[n + 1] = last
+        state.percussion = 0.0
+        steps += 1
+        if steps > pace.most:
+            return TOO_MANY, n, time, residual, cuts
+        done, residual = dynamics.step(column, scheme, dt, state, work)
+        if not done:
+            cuts += 1
+            dt *= 0.5
+            if dt < pace.first / _PIECES:
+                return statics.NO_CONVERGENCE, n, time, residual, cuts
+            continue
+        struck = state.percussion > 0.0 and last.w[V] - last.striker_velocity < -1e-9 * scale
+        acceleration, factor = (state.w[V] - last.w[V]) / dt, 0.0 if struck else 2.0
+        if smooth and not struck and pace.error < np.inf:
+            if state.q[V] < highest and state.w[V] > 0.0 and state.percussion == 0.0:
+                error = _VIBRATION * pace.error
+            rate = abs(acceleration - work.acceleration) / (0.5 * (dt + before))
+            factor = 0.9 * (error * scale / max(dt * dt / 12.0 * rate, 1e-300)) ** 0.5
+            factor = min(factor, 0.9 * pace.flow / max(flown(column, last, state), 1e-300))
+            if factor < 0.7 and dt > pace.first:
+                dt = max(dt * max(factor, 0.2), pace.first)
+                continue
+            factor = min(max(factor, 0.3), 2.0)
+        if not struck:
+            work.acceleration = acceleration
+        for i in range(4):
+            work.rate[i] = (state.q[i] - last.q[i]) / dt
+        smooth, before, time, highest = not struck, dt, time + dt, max(highest, state.q[V])
+        state.time, state.force = time, work.F[V]
+        dt = min(max(dt * factor, pace.first), pace.longest)
+        if n > 0 and time - records[n - 1].time <= pace.spacing:
+            state.percussion += last.percussion
+            records[n] = state
+        else:
+            n += 1
+        if collapsed(column, records[n].q):
+            return statics.COLLAPSE, n, time, residual, cuts
+    return statics.OK, n, time, residual, cuts
