@@ -7,6 +7,8 @@ have no closed form, so that the curve is the push of the four-DOF column with p
 between its points.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.optimize import brentq
 
@@ -83,8 +85,9 @@ def panel_curve(
     return ResistanceCurve("panel", mechanism, pieces, limit)
 
 
+@lru_cache(maxsize=256)
 def column_curve(column: Column, rotational_stiffness: float, shape: str) -> ResistanceCurve:
-    """Resistance of a column at its hit point, by the name of its shape.
+    """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
     Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`.
     """

@@ -133,7 +133,9 @@ def _solve_midpoint(dt, w0, mass, jump, state, pieces):
     The residual grows with w1 unless the curve softens within the step faster than 2 mass / dt^2.
     """
     v0 = state.v
-    w1 = w0 - (jump + dt * state.force) / mass
+    elastic = state.stiffness if state.yielded and state.v < state.top else 0.0
+    ahead = jump + dt * (state.force + 0.5 * dt * elastic * w0)  # exact on the unloading line
+    w1 = w0 - ahead / (mass + 0.25 * dt * dt * elastic)
     low, high, residual = -np.inf, np.inf, np.inf
     for _ in range(200):
         v1 = v0 + 0.5 * dt * (w0 + w1)
