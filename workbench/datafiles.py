@@ -1,5 +1,6 @@
 """Where the data files of the workbench are, and how files that a user names are opened."""
 
+import hashlib
 import os
 import stat
 from io import BufferedReader
@@ -48,3 +49,9 @@ def open_input(path: Path, field: str, largest: int = LARGEST_FILE) -> BufferedR
         raise InputError(field, str(path), text, advice)
     limit = f"must not exceed {largest / 1e6:g} MB"
     raise InputError(field, f"{found.st_size / 1e6:.0f} MB", limit, "is this the right file?")
+
+
+def digest(path: Path) -> str:
+    """First digits of the SHA-256 of a file that a user names: the same table, the same digits."""
+    with open_input(path, path.name) as stream:
+        return hashlib.sha256(stream.read()).hexdigest()[:16]

@@ -14,7 +14,7 @@ import pytest
 
 from workbench.studs import POINTS, RELATIONS, SHEAR_MODELS, OllgaardLaw, fit_load_slip
 from workbench.studs.factors_fit import prediction
-from workbench.studs.load_slip_fit import judge_curves
+from workbench.studs.load_slip_curves import judge_curves
 from workbench.studs.quantities import Specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.statistics.intervals import Interval, profile_interval
@@ -121,7 +121,7 @@ def band_coverage(runs: int, labs: int = 4, each: int = 6) -> tuple[float, float
             ]
             tables.append(from_frame(pd.DataFrame(rows), POINTS))
         found = fit_load_slip(tables[0])
-        share = judge_curves(tables[1], found.shape, found, CONFIDENCE).coverage
+        share = judge_curves(tables[1], found.shape, found.band, CONFIDENCE).coverage
         assert share is not None
         shares.append(share)
     return float(np.mean(shares)), float(np.std(shares) / sqrt(runs))

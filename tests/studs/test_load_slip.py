@@ -27,7 +27,7 @@ from workbench.studs.load_slip import (
     law_kind,
     law_stiffness,
 )
-from workbench.studs.load_slip_fit import first_loading
+from workbench.studs.load_slip_curves import first_loading
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
 

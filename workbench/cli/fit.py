@@ -8,11 +8,12 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, verb, writable
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Number
 
@@ -54,6 +55,7 @@ class Common:
     with_shipped: bool = _option("Add the shipped tables to FILE.", False, None, "--with-shipped")
     keep_good: bool = _option("Leave bad rows of FILE out.", False, None, "--keep-good")
     confidence: float = _option("Confidence of intervals and bands.", 0.9)
+    report: Names = _option("Write a report, its curves as CSV beside it.", None, "FILE.html|pdf")
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,9 @@ def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
         def command(**given: Any) -> Answer:
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
-            return answer(options)
+            targets = _report_files(options.report) if options.report else {}
+            found = answer(options)
+            return _reported(found, targets) if targets else found
 
         only = inspect.Parameter.KEYWORD_ONLY
         parameters = []
@@ -151,7 +155,7 @@ def stud_strength(options: StrengthOptions) -> Answer:
     curves = None if options.points is None else examine(options.points, POINTS).accept()
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
     result = {**head, "models": contents, "not_fitted": left_out, "series": plain(series)}
-    return Answer(result, stud_answer.strength(result))
+    return Answer(result, stud_answer.strength(result), rows=(fitted, held))
 
 
 @_verb("load-slip")
@@ -168,7 +172,7 @@ def load_slip(options: LoadSlipOptions) -> Answer:
     how = {name: getattr(options, name) for name in ("loss", "least_points", "confidence")}
     fits = (fit_load_slip(fitted, name, **how) for name in options.law or LAWS)
     result = {**head, "laws": [_judged(fit, held, options.confidence) for fit in fits]}
-    return Answer(result, stud_answer.load_slip(result))
+    return Answer(result, stud_answer.load_slip(result), rows=(fitted, held))
 
 
 @_verb("residual")
@@ -212,13 +216,38 @@ def residual(options: ResidualOptions) -> Answer:
         contents += [_judged(fit, judging, options.confidence) for fit in fits]
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
     result = {**head, "grade": "; ".join(grades), "quantities": contents}
-    return Answer(result, stud_answer.residual(result))
+    return Answer(result, stud_answer.residual(result), rows=(fitted, held))
+
+
+def _report_files(names: list[str]) -> dict[str, Path]:
+    """Where reports are to go, by their format: refused before anything is computed."""
+    from workbench.report.fit_report import FORMATS
+
+    found = {}
+    for name in names:
+        target = writable("--report", name)
+        kind = target.suffix.lower().removeprefix(".")
+        if kind not in FORMATS:
+            raise InputError("--report", name, f"must end in {' or '.join(FORMATS)}")
+        found[kind] = target
+    return found
+
+
+def _reported(found: Answer, targets: dict[str, Path]) -> Answer:
+    """The answer with reports written, which it names."""
+    from workbench.content.tree import Paragraph
+    from workbench.report.fit_report import write
+
+    written = write(found.content, found.rows, targets)
+    told = [Paragraph(f"{words}: {path}") for words, path in written.items()]
+    return found._replace(blocks=(*found.blocks, *told))
 
 
 def _tables(
     options: Common, fit: str, schema: Table, name: str
 ) -> tuple[pd.DataFrame, pd.DataFrame, Content]:
     """The rows to fit, those that judge, and what every answer begins with."""
+    from workbench.datafiles import digest
     from workbench.studs import examine, shipped
     from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
 
@@ -238,17 +267,30 @@ def _tables(
         "calibrate": calibrate,
         "validate": campaigns_of(held),
         "confidence": options.confidence,
+        "options": _given(options),
+        "digest": None if options.file is None else digest(Path(options.file)),
         "rows_left_out": bad,
     }
     return fitted, held, head
 
 
+def _given(options: Common) -> Content:
+    """The options that are not as by default."""
+    told = {each.name: getattr(options, each.name) for each in fields(options)}
+    defaults = {each.name: each.default for each in fields(options)}
+    hidden = ("file", "report", "points")
+    return {k: v for k, v in told.items() if k not in hidden and v != defaults[k]}
+
+
 def _judged(fit: Fit, held: pd.DataFrame, confidence: float) -> Content:
     """Everything that is known of a fit, and how it meets what was held out."""
     from workbench.studs.fit_protocol import plain
+    from workbench.studs.trust import ranked
 
     judged = None if held.empty else fit.judge(held, confidence)
-    return dict(plain(fit.content(judged, confidence)))
+    findings = [finding.as_dict() for finding in ranked(fit.findings)]
+    content = fit.content(judged, confidence)
+    return dict(plain({**content, "findings": findings, "influence": fit.influence()}))
 
 
 def _formula(

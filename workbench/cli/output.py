@@ -3,13 +3,16 @@
 import functools
 import inspect
 import json
+import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import typer
 
 from workbench.content.tree import Block
+from workbench.errors import InputError
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -21,12 +24,14 @@ class InterruptedByUserError(Exception):
 class Answer(NamedTuple):
     """What a verb found: the `content` of its JSON object, the same as `blocks`, its exit status.
 
-    `blocks` may be a generator: it does no work where JSON is asked for.
+    `blocks` may be a generator: it does no work where JSON is asked for. `rows`, tables of the
+    input that it rests on, for a report.
     """
 
     content: Mapping[str, Any]
     blocks: Iterable[Block] = ()
     status: int = 0
+    rows: Sequence[Any] = ()
 
 
 def verb(function: Callable[..., Answer]) -> Callable[..., int]:
@@ -57,3 +62,17 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
         signature = signature.replace(parameters=[*signature.parameters.values(), option])
     answered.__signature__ = signature  # type: ignore[attr-defined]
     return answered
+
+
+def writable(flag: str, name: str) -> Path:
+    """A file that a flag names for output. Raises `InputError` where it cannot be one."""
+    path = Path(name)
+    if path.is_dir():
+        raise InputError(flag, name, "is a directory", "name a file")
+    if path.exists() and not path.is_file():
+        raise InputError(flag, name, "is a pipe or a device", "name a file")
+    if not path.parent.is_dir():
+        raise InputError(flag, name, f"there is no directory {path.parent}", "make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError(flag, name, f"the directory {path.parent} cannot be written")
+    return path

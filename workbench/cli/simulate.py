@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, verb, writable
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -48,7 +48,7 @@ def simulate(
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
 
-    target = None if out is None else _writable(out)
+    target = None if out is None else writable("--out", out)
     given = load_scenario(scenario, settings or [])
     chosen = make_model(model, options_from(options or []))
     response = chosen.simulate(given)
@@ -175,18 +175,3 @@ def options_from(texts: list[str]) -> dict[str, Any]:
             raise InputError("--option", text, "must look like beta=1.3")
         options[name.strip()] = parse_value(value.strip())
     return options
-
-
-def _writable(out: str) -> Path:
-    import os
-
-    path = Path(out)
-    if path.is_dir():
-        raise InputError("--out", out, "is a directory", "name a file")
-    if path.exists() and not path.is_file():
-        raise InputError("--out", out, "is a pipe or a device", "name a file")
-    if not path.parent.is_dir():
-        raise InputError("--out", out, f"there is no directory {path.parent}", "make it first")
-    if not os.access(path.parent, os.W_OK):
-        raise InputError("--out", out, f"the directory {path.parent} cannot be written")
-    return path

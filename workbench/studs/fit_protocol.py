@@ -25,6 +25,7 @@ from workbench.studs.statistics.intervals import (
 from workbench.studs.statistics.mixed import Estimate, fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
+from workbench.studs.trust import ranked
 
 Content = dict[str, Any]
 
@@ -95,6 +96,10 @@ class Fit(ABC):
         """What belongs to the content of the fit beside itself: rows, predictions."""
         return {}
 
+    def influence(self) -> pd.DataFrame:
+        """How every test moves the answer (`influence_of`); without rows where none is told."""
+        return pd.DataFrame()
+
     def content(self, judged: Judged | None, confidence: float = 0.9) -> Content:
         """The fit, its parts, and a judgement (or None), for JSON and pages."""
         return {"fit": self.to_dict(), **self.parts(confidence), **judgement_of(judged)}
@@ -103,8 +108,8 @@ class Fit(ABC):
         """What a fit to single tests says of the rows behind it."""
         return {
             "tests": len(self.rows),
-            "campaigns": sorted(self.identity.campaigns),
-            "warnings": [finding.text for finding in self.findings],
+            "campaigns": sorted(set(self.rows["campaign"])),
+            "warnings": [finding.text for finding in ranked(self.findings)],
         }
 
 

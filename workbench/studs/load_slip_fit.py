@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,23 +16,25 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
+from workbench.studs.fit_protocol import Content, Fit, Fitted, fitted
 from workbench.studs.load_slip import (
     CurveFit,
     Law,
     OllgaardLaw,
     chord_stiffness,
     fit_curve,
-    law_stiffness,
     make_law,
     misfit,
     parameter_names,
 )
+from workbench.studs.load_slip_curves import CurveJudgement, curves_of, judge_curves
 from workbench.studs.quantities import Array
+from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import identity_of
+from workbench.studs.trust import grade_of, influence_of, ranked
 
 HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
 ENDLESS = 0.5  # m: beyond the slip of any test
@@ -106,45 +107,30 @@ class LoadSlipFit(Fit):
             "median_rms_of_published_ollgaard": float(self.rows["published_rms"].median()),
             "median_bias_of_published_ollgaard": float(self.rows["published_bias"].median()),
             "skipped": self.skipped,
-            "warnings": [finding.text for finding in self.findings],
+            "grade": grade_of(self.rows, "curves"),
+            "holds": "for the shape of the curve, load over its largest value",
+            "warnings": [finding.text for finding in ranked(self.findings)],
         }
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:
         """Judge the law and its band by unseen curves (see `judge_curves`)."""
         self.identity.refuse_overlap(table)
-        return judge_curves(table, self.shape, self, confidence)
+        return judge_curves(table, self.shape, self.band, confidence)
+
+    def influence(self) -> pd.DataFrame:
+        """How every curve moves the median of every parameter."""
+        parts = (
+            influence_of(self.rows, p.estimate, name, p.estimates["median"],
+                         np.exp(without_each(p.estimate)[:, 0]))
+            for name, p in self.population.items()
+        )  # fmt: skip
+        return pd.concat(parts, ignore_index=True)
 
     def parts(self, confidence: float) -> Content:
         """Its curves, median and band over the slip."""
         low, high = self.band(GRID, confidence)
         grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
         return {"curves": self.rows, "grid": grid}
-
-
-def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
-    """Points that belong to the first loading of single specimens, with loads and slips in SI.
-
-    Unloading readings, mean curves and doubtful points (`use_for_fit` 0) are left out, and the
-    `falling` branch unless it is wanted. Raises `InputError` if nothing is left.
-    """
-    kept = (points["single_specimen"] == 1.0) & (points["on_envelope"] == 1.0)
-    kept &= points["use_for_fit"] == 1.0
-    kept &= ~points["branch"].isin(["low-load reading", "later loading"])
-    if not falling:
-        kept &= points["branch"] != "post-peak"
-    if not kept.any():
-        raise InputError("points", len(points), "hold no point of a first loading to be fitted")
-    rows = points[kept]
-    slip, load = 1e-3 * rows["slip_mm"].astype(float), 1e3 * rows["load_kN"].astype(float)
-    return rows[["campaign", "specimen"]].assign(slip=slip, load=load)
-
-
-def _each(points: pd.DataFrame, *, falling: bool) -> Iterator[tuple[dict[str, str], Array, Array]]:
-    """Names, slips and loads of every curve."""
-    used = first_loading(points, falling=falling)
-    for (campaign, specimen), curve in used.groupby(["campaign", "specimen"], sort=False):
-        names = {"campaign": str(campaign), "specimen": str(specimen)}
-        yield names, curve["slip"].to_numpy(float), curve["load"].to_numpy(float)
 
 
 def fit_load_slip(
@@ -167,7 +153,7 @@ def fit_load_slip(
     rows: list[dict[str, object]] = []
     skipped: list[str] = []
     measured: list[tuple[Array, Array]] = []
-    for name, slip, load in _each(points, falling=law == "rational"):
+    for name, slip, load in curves_of(points, falling=law == "rational"):
         if len(slip) < max(least_points, len(names)):
             skipped.append(f"{name['campaign']} {name['specimen']}: {len(slip)} points")
             continue
@@ -257,89 +243,3 @@ def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
     if campaigns < FEW_CAMPAIGNS:
         text = f"{campaigns} campaigns: the scatter between them is hardly known"
         yield Finding("campaigns", text)
-
-
-@dataclass(frozen=True)
-class CurveJudgement:
-    """A law on curves that no fit has used.
-
-    `rows`, one per curve: campaign, specimen, points, rms and bias of the load over the largest
-    load, share of its points inside the band (`inside`, NaN without a band); `stiffness`, test over
-    prediction of the chord stiffness at the measured strength (None where no curve tells it);
-    `coverage`, mean of `inside` over the curves (None without a band).
-    """
-
-    rows: pd.DataFrame
-    stiffness: Judgement | None
-    coverage: float | None
-    confidence: float
-
-    @property
-    def coverage_half_width(self) -> float | None:
-        """Half-width of the interval of the coverage over curves; None with a single one.
-
-        At least one curve more or less.
-        """
-        from scipy.special import stdtrit
-
-        count = len(self.rows)
-        if self.coverage is None or count < 2:
-            return None
-        error = float(self.rows["inside"].std(ddof=1)) / np.sqrt(count)
-        width = float(stdtrit(count - 1.0, 0.5 + 0.5 * self.confidence) * error)
-        return max(width, 1.0 / count)
-
-    @property
-    def scalars(self) -> dict[str, float | None]:
-        """What a model is compared by."""
-        stiffness = None if self.stiffness is None else self.stiffness.bias
-        return {"coverage": self.coverage, "stiffness_test_over_prediction": stiffness}
-
-    @property
-    def widths(self) -> dict[str, float | None]:
-        """Half-widths of the intervals of the scalars, over curves."""
-        stiffness = None if self.stiffness is None else self.stiffness.half_width
-        return {"coverage": self.coverage_half_width, "stiffness_test_over_prediction": stiffness}
-
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        return {
-            "curves": len(self.rows),
-            "campaigns": sorted(set(self.rows["campaign"])),
-            "median_rms": float(self.rows["rms"].median()),
-            "coverage": self.coverage,
-            "stiffness": None if self.stiffness is None else self.stiffness.to_dict(),
-        }
-
-
-def judge_curves(
-    points: pd.DataFrame, law: Law, fit: LoadSlipFit | None = None, confidence: float = 0.9
-) -> CurveJudgement:
-    """Judge a law by the first loading of every curve of a table (schema `POINTS`).
-
-    Arguments: `law`; the `fit` that it is the median of, whose band is judged (None: a law as
-    published, without a band). Raises `InputError`.
-    """
-    rows: list[dict[str, Any]] = []
-    stiffness: list[dict[str, Any]] = []
-    for name, slip, load in _each(points, falling=law.name == "rational"):
-        top = float(load.max())
-        if len(slip) < 2 or top <= 0.0:
-            continue
-        ratio = load / top
-        rms, bias = misfit(law, slip, ratio)
-        inside = float("nan")
-        if fit is not None:
-            low, high = fit.band(np.maximum(slip, 0.0), confidence)
-            inside = float(np.mean((ratio >= low) & (ratio <= high)))
-        rows.append({**name, "points": len(slip), "rms": rms, "bias": bias, "inside": inside})
-        measured = chord_stiffness(slip, load)
-        if np.isfinite(measured):
-            stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
-    if not rows:
-        raise InputError("validation", 0, "holds no curve of two points or more")
-    frame, stiff, told = pd.DataFrame(rows), pd.DataFrame(stiffness), None
-    if stiffness:
-        told = judge(stiff, stiff["test"], stiff["prediction"], confidence)
-    coverage = None if fit is None else float(frame["inside"].mean())
-    return CurveJudgement(frame, told, coverage, confidence)

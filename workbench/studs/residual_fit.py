@@ -29,12 +29,11 @@ from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve, Relation
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
-from workbench.studs.statistics.prediction import (
-    LEAST_CAMPAIGNS,
-    Score,
-)
+from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, Score
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
+from workbench.studs.trust import influence_of
 
 ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
 LEVELS = np.linspace(0.0, 1.0, 41)  # of damage, at which the curve is given
@@ -164,6 +163,18 @@ class ResidualFit(Fit):
             "design_share": None if self.design is None else self.design.r_d,
             **self.used(),
         }
+
+    def influence(self) -> pd.DataFrame:
+        """How every test moves what is left at the largest tested damage, weights held."""
+        if self.fitted is None:
+            return self.rows
+        level, found = np.array([self.levels[1]]), np.zeros(len(self.rows))
+        for weight, relation, estimate in self.averaged:
+            others = without_each(estimate)
+            found += [weight * float(relation(level, theta)[0]) for theta in others]
+        answer, value = f"left at damage {self.levels[1]:.3g}", float(self.left(level)[0])
+        flexible = max(self.averaged, key=lambda each: len(each.estimate.theta)).estimate
+        return influence_of(self.rows, flexible, answer, value, found)
 
     def parts(self, confidence: float) -> Content:
         """Its tests, and what is left over the damage."""

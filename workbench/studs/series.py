@@ -138,6 +138,8 @@ def evaluate_groups(
         first = group.iloc[0]
         words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
         words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
+        strength = float(group["fcm_MPa"].astype(float).mean())
+        words += [f"f_c {strength:.3g} MPa"] if np.isfinite(strength) else []
         names = list(zip(group["campaign"], group["specimen"], strict=True))
         found, why = None, ""
         try:

@@ -40,6 +40,17 @@ class ShearModel:
     characteristic: bool
     source: str
 
+    @property
+    def formula(self) -> str:
+        """The formula in symbols: d, h, A_s of the shank, f_u, f_c, E_c."""
+        alpha = " α" if self.reduces_stocky else ""
+        size = "A_s" if self.over_area else "d²"
+        concrete = f"{self.concrete_factor:g}{alpha} {size} √(f_c E_c)"
+        whole = concrete
+        if not np.isinf(self.steel_factor):
+            whole = f"min({self.steel_factor:g} A_s f_u; {concrete})"
+        return f"P = {whole}" + (", α = 0.2 (h/d + 1) ≤ 1" if alpha else "")
+
     def steel(self, diameter: ArrayLike, ultimate_strength: ArrayLike) -> Array:
         """Steel term (n,) in N for diameters (m) and tensile strengths (Pa)."""
         if np.isinf(self.steel_factor):

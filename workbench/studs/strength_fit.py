@@ -15,6 +15,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
+from workbench.studs.damaged import studs_in_words
 from workbench.studs.fit_protocol import (
     Content,
     Fit,
@@ -27,6 +28,7 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8, sensitivities_of
+from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.prediction import (
     LEAST_CAMPAIGNS,
@@ -38,6 +40,7 @@ from workbench.studs.statistics.prediction import (
 from workbench.studs.statistics.problem import Problem, problem
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
+from workbench.studs.trust import grade_of, influence_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own
@@ -62,7 +65,8 @@ class StrengthFit(Fit):
     EN 1990 D.8 on the same rows (which takes all tests as independent) at the `reference` stud;
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
     (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
-    (None if not reported); `rows`, test, prediction and ratio of every row with its variables.
+    (None if not reported); `grade` of the evidence, and the studs that it `holds` for; `rows`,
+    test, prediction and ratio of every row with its variables.
     """
 
     model: ShearModel
@@ -72,6 +76,8 @@ class StrengthFit(Fit):
     reference: dict[str, float]
     new_campaign_factor: float | None
     measurement: float | None
+    grade: str
+    holds: str
 
     @property
     def bias(self) -> float:
@@ -116,7 +122,7 @@ class StrengthFit(Fit):
 
     def to_dict(self) -> Content:
         """Everything but the rows; loads in N."""
-        scatters = ("new_campaign_factor", "measurement", "model_scatter")
+        scatters = ("new_campaign_factor", "measurement", "model_scatter", "grade", "holds")
         return {
             "model": self.model.name,
             **{name: getattr(self.model, name) for name in ("title", "source")},
@@ -128,6 +134,12 @@ class StrengthFit(Fit):
     def parts(self, confidence: float) -> Content:
         """Its tests."""
         return {"tests": self.rows}
+
+    def influence(self) -> pd.DataFrame:
+        """How every test moves the median of test over prediction."""
+        estimate = self.fitted.estimate
+        others = np.exp(without_each(estimate)[:, 0])
+        return influence_of(self.rows, estimate, "test over prediction", self.bias, others)
 
 
 def fit_strength(
@@ -158,13 +170,13 @@ def fit_strength(
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
-    new = None
+    left_out, new = tuple(_left_out(given)), None
     if given.campaigns >= LEAST_CAMPAIGNS:
         new = float(np.exp(np.mean(predictive_quantile(estimate, estimate.problem, 0.05))))
     return StrengthFit(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence),
-        left_out=tuple(_left_out(given)),
+        left_out=left_out,
         d8=_d8(
             tests,
             chosen,
@@ -175,6 +187,8 @@ def fit_strength(
         reference=reference,
         new_campaign_factor=new,
         measurement=_measurement(kept),
+        grade=grade_of(kept, "undamaged tests", left_out=bool(left_out)),
+        holds=f"for studs {studs_in_words(kept)}, as tested",
         rows=_rows(kept, tests, chosen.of(tests)),
         findings=(
             *suspicions(table),

@@ -1,78 +1,145 @@
 """What `workbench fit` shows, from the content of its JSON object."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from workbench.content.formatting import number
 from workbench.content.tree import Block, Callout, Paragraph, Section
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_tables import Content
+from workbench.responses import Finding
+from workbench.studs.trust import ranked
+
+# where the contents of a fit are, and what names each of them
+_PLACES = {
+    "stud-strength": ("models", "model"),
+    "load-slip": ("laws", "law"),
+    "residual": ("quantities", "quantity"),
+}
 
 
-def _shown(result: Content, what: str, contents: list[Content], *blocks: Block) -> Iterator[Block]:
+# formulas as a reader knows them
+_LABELS = {
+    "en1994": "EN 1994-1-1",
+    "roik-mean": "EN 1994-1-1, mean form",
+    "aisc360": "AISC 360-22",
+    "ollgaard": "Ollgaard 1971",
+}
+
+
+def labelled(result: Content) -> Content:
+    """The content with formulas under the names of their sources; `key` keeps their own."""
+    place, name = _PLACES[result["fit"]]
+    contents = [
+        {**each, "fit": {**each["fit"], name: _LABELS.get(key, key), "key": key}}
+        for each in result[place]
+        for key in [each["fit"][name]]
+    ]
+    return {**result, place: contents}
+
+
+def contents_of(result: Content) -> list[Content]:
+    """The contents of all that was fitted."""
+    return list(result[_PLACES[result["fit"]][0]])
+
+
+def named_of(result: Content) -> Mapping[str, Content]:
+    """The contents by the names of formulas, laws or quantities."""
+    name = _PLACES[result["fit"]][1]
+    return {content["fit"][name]: content for content in contents_of(result)}
+
+
+def warnings_of(result: Content) -> list[Finding]:
+    """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
+    owners: dict[Finding, list[str]] = {}
+    contents, name = contents_of(result), _PLACES[result["fit"]][1]
+    for content in contents:
+        for each in dict.fromkeys(map(Finding.from_dict, content["findings"])):
+            owners.setdefault(each, []).append(content["fit"][name])
+    common = ranked(each for each, names in owners.items() if len(names) == len(contents))
+    single = ranked(each for each in owners if each not in common)
+    words = (", ".join(dict.fromkeys(owners[each])) for each in single)
+    return common + [replace(e, text=f"{w}: {e.text}") for e, w in zip(single, words, strict=True)]
+
+
+def sources_of(result: Content) -> str:
+    """The tables in words."""
+    return " and ".join("shipped tables" if t == "shipped" else t for t in result["tables"])
+
+
+def left_out(result: Content) -> Iterator[str]:
+    """Rows, curves and formulas that were left out, and why."""
+    for text in (*result["rows_left_out"], *contents_of(result)[0]["fit"].get("skipped", ())):
+        yield f"left out: {text}"
+    for name, why in result.get("not_fitted", {}).items():
+        yield f"not fitted: {name}: {why}"
+
+
+def _shown(result: Content, what: str, *blocks: Block) -> Iterator[Block]:
     """What was fitted and what was left out, the blocks, every warning once."""
-    where = " and ".join("shipped tables" if t == "shipped" else t for t in result["tables"])
-    yield Paragraph(f"{what} ({where})")
-    for text in (*result["rows_left_out"], *contents[0]["fit"].get("skipped", ())):
-        yield Paragraph(f"left out: {text}")
+    yield Paragraph(f"{what} ({sources_of(result)})")
+    yield from map(Paragraph, left_out(result))
     yield from blocks
-    warnings = dict.fromkeys(text for c in contents for text in c["fit"]["warnings"])
-    if warnings:
-        callouts = tuple(Callout("doubt", f"warning: {text}") for text in warnings)
+    callouts = tuple(Callout("doubt", f"warning: {each}") for each in warnings_of(result))
+    if callouts:
         yield Section("warnings", "", callouts)
 
 
 def strength(result: Content) -> Iterator[Block]:
     """Formulas of shear strength against tests, EN 1990 D.8, Annex B."""
-    named = {content["fit"]["model"]: content for content in result["models"]}
-    fit = result["models"][0]["fit"]
-    kinds = {"judgement": "as it is", "corrected": "as fitted"}
+    fit = contents_of(result)[0]["fit"]
+    what = f"{fit['tests']} tests of {', '.join(fit['campaigns'])}"
+    yield from _shown(result, what, *strength_tables(result))
+
+
+def strength_tables(result: Content) -> Iterator[Block]:
+    """All tables of the fitted formulas."""
+    named, kinds = named_of(result), {"judgement": "as it is", "corrected": "as fitted"}
     caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
-    yield from _shown(
-        result,
-        f"{fit['tests']} tests of {', '.join(fit['campaigns'])}",
-        result["models"],
-        *(Paragraph(f"not fitted: {name}: {why}") for name, why in result["not_fitted"].items()),
-        *tables.fitted(named),
-        *tables.exponents(named),
-        *tables.unseen(named, kinds, caption),
-        *tables.design_values(named),
-        *tables.left_out(named),
-        *tables.series(result["series"]),
-    )
+    yield from tables.fitted(named)
+    yield from tables.exponents(named)
+    yield from tables.unseen(named, kinds, caption)
+    yield from tables.design_values(named)
+    yield from tables.left_out(named)
+    yield from tables.series(result["series"])
 
 
 def load_slip(result: Content) -> Iterator[Block]:
     """Load-slip laws over curves, and on unseen ones."""
-    named = {content["fit"]["law"]: content for content in result["laws"]}
-    fit = result["laws"][0]["fit"]
+    fit = contents_of(result)[0]["fit"]
+    what = f"{fit['curves']} curves of {', '.join(fit['campaigns'])}"
+    yield from _shown(result, what, *tables.load_slip(named_of(result)), *load_slip_tables(result))
+
+
+def load_slip_tables(result: Content) -> Iterator[Block]:
+    """What stands below the parameters of the laws."""
+    fit = contents_of(result)[0]["fit"]
     names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
     rms, bias = (number(fit[name], 3) for name in names)
     published = f"Ollgaard's published law on these curves: misfit {rms}, bias {bias} of the load."
-    yield from _shown(
-        result,
-        f"{fit['curves']} curves of {', '.join(fit['campaigns'])}",
-        result["laws"],
-        *tables.load_slip(named),
-        Paragraph(published),
-        *tables.band_coverage(named, result["confidence"]),
-        *tables.unseen_curves(named),
-    )
+    yield Paragraph(published)
+    yield from tables.band_coverage(named_of(result), result["confidence"])
+    yield from tables.unseen_curves(named_of(result))
 
 
 def residual(result: Content) -> Iterator[Block]:
     """The grade first, then what is left after pre-damage."""
-    contents = result["quantities"]
-    named = {content["fit"]["quantity"]: content for content in contents}
+    contents = contents_of(result)
     most = max(content["fit"]["tests"] for content in contents)
     yield from _shown(
         result,
         f"{most} tests after pre-damage",
-        contents,
         Callout("bad", f"GRADE: {result['grade']}"),
         Paragraph(
             "The grade holds " + "; ".join(dict.fromkeys(c["fit"]["holds"] for c in contents))
         ),
         *tables.residual(contents),
-        *tables.relations(contents),
-        *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),
+        *residual_tables(result),
     )
+
+
+def residual_tables(result: Content) -> Iterator[Block]:
+    """What stands below the shares that are left."""
+    yield from tables.relations(contents_of(result))
+    caption = "Unseen tests, test over prediction:"
+    yield from tables.unseen(named_of(result), {"judgement": "as fitted"}, caption)

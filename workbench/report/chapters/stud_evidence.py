@@ -96,12 +96,14 @@ def _judged(study: Study, found: list[Answered]) -> Iterator[str]:
     """One sentence for every label that a gate judges by unseen tests."""
     for label in dict.fromkeys(gate.model for gate in study.gates):
         own = (each for each in found if each.label == label and each.content.get("judgement"))
-        parts = [
-            (_curves if each.asked == "load-slip" else _tests)(each.content["judgement"])
-            for each in own
-        ]
+        parts = [judged(each.content["judgement"]) for each in own]
         if parts:
             yield f"{label}: {'; '.join(parts)}."
+
+
+def judged(judgement: dict[str, Any]) -> str:
+    """How a fit meets what it has not seen, in words."""
+    return (_curves if "curves" in judgement else _tests)(judgement)
 
 
 def _tests(judgement: dict[str, Any]) -> str:
@@ -147,7 +149,7 @@ def _blocks(found: list[Answered]) -> Iterator[Block]:
     formulas = _largest([each for each in found if "d8" in each.fit], "tests")
     several = [each for each in formulas if len(each.fit["campaigns"]) > 1] or formulas
     if several:
-        yield _reference(several[0])
+        yield reference_stud(several[0].fit["reference"])
         noted = {f"{a.label}\n({a.case}, {a.fit['tests']} tests)": a.content for a in several}
         yield from tables.design_values(noted)
         yield from tables.left_out({a.label: a.content for a in several})
@@ -169,8 +171,8 @@ def _largest(found: list[Answered], size: str) -> list[Answered]:
     return list(best.values())
 
 
-def _reference(answer: Answered) -> Paragraph:
-    reference = answer.fit["reference"]
+def reference_stud(reference: dict[str, Any]) -> Paragraph:
+    """The stud that EN 1990 D.8 was evaluated for, and what was assumed of structures to come."""
     return Paragraph(
         "EN 1990 D.8 [@en1990] for the stud in the middle of the tests: "
         f"d = {number(1e3 * reference['diameter'], 3)} mm, "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -14,7 +14,14 @@ from matplotlib.figure import Figure as Canvas
 
 from workbench.arrays import Array as Array
 from workbench.arrays import Indices
-from workbench.report.drawing.style import TEXT_WIDTH, Look, legend_below, new_figure
+from workbench.report.drawing.style import (
+    TEXT_WIDTH,
+    Look,
+    house_style,
+    legend_below,
+    new_figure,
+    settle,
+)
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.study.definition import Case, Figure, Study
@@ -249,6 +256,15 @@ class Sheet:
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
         return Drawing(self.canvas, self.data, said, alt, width)
+
+
+def drawn(draw: Callable[..., Drawing], *arguments: Any) -> Drawing:
+    """What a function draws, in the house style and laid out."""
+    with house_style():
+        drawing = draw(*arguments)
+        if drawing.canvas is not None:
+            settle(drawing.canvas)
+    return drawing
 
 
 def nothing(*statements: str) -> Drawing:

@@ -25,15 +25,10 @@ def check_kind(kind: str) -> None:
 
 def draw(request: Request) -> Drawing:
     """Draw a figure in the house style. Raises `InputError` for an unknown kind."""
-    from workbench.report.drawing.sheet import nothing
-    from workbench.report.drawing.style import house_style, settle
+    from workbench.report.drawing.sheet import drawn, nothing
 
     check_kind(request.figure.kind)
     if not request.cases:
         return nothing("No case of the study names this figure.")
     module = importlib.import_module(f"{__name__}.{request.figure.kind.replace('-', '_')}")
-    with house_style():
-        drawing: Drawing = module.draw(request)
-        if drawing.canvas is not None:
-            settle(drawing.canvas)
-    return drawing
+    return drawn(module.draw, request)

@@ -12,7 +12,6 @@ from workbench.content.formatting import number, percent
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import PALETTE, Style, entry, numbered
-from workbench.study.definition import Case
 
 _LARGEST_SLIP = 10.0  # mm
 _LAW = PALETTE[0]
@@ -27,7 +26,15 @@ def draw(request: Request) -> Drawing:
     if not found:
         return nothing("No load-slip law has answered these cases.")
     case = next(iter(found.values()))[0]
-    fitted, unseen = (_curves(request, case, part) for part in ("calibration", "validation"))
+    points = (studs.measured(request, case, part) for part in ("calibration", "validation"))
+    return plot({label: content for label, (_, content) in found.items()}, *points)
+
+
+def plot(
+    found: dict[str, studs.Content], calibration: pd.DataFrame, validation: pd.DataFrame
+) -> Drawing:
+    """The contents of laws by their labels, and points (SI) of fitted and of unseen curves."""
+    fitted, unseen = _curves(calibration), _curves(validation)
     # the colour of the law is not used again
     campaigns = dict.fromkeys(campaign for campaign, _ in unseen)
     looks = {name: numbered(i + 1) for i, name in enumerate(campaigns)}
@@ -36,7 +43,7 @@ def draw(request: Request) -> Drawing:
         for name, look in looks.items()
     }
     sheet = Sheet.grid(len(found), height=2.35, sharex=True)
-    for panel, (label, (_, content)) in zip(sheet.panels, found.items(), strict=True):
+    for panel, (label, content) in zip(sheet.panels, found.items(), strict=True):
         for own in fitted.values():
             panel.plot(own["slip_mm"], own["load"], **_FITTED, zorder=2)
         for (campaign, _), own in unseen.items():
@@ -63,9 +70,8 @@ def draw(request: Request) -> Drawing:
     return sheet.finish(f"load over largest load against slip for {', '.join(found)}")
 
 
-def _curves(request: Request, case: Case, part: str) -> dict[Any, pd.DataFrame]:
+def _curves(points: pd.DataFrame) -> dict[Any, pd.DataFrame]:
     """Points of every specimen that has several, rising in slip, loads over the largest."""
-    points = studs.measured(request, case, part)
     if points.empty:
         return {}
     points = points.assign(slip_mm=studs.MILLI * points["slip"])

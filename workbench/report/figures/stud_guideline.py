@@ -4,6 +4,7 @@ Options: `cases`: questions of residual strength or stiffness; one row each.
 """
 
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ from workbench.report.drawing.style import INK, framed, new_figure
 
 # validated by tests of several campaigns or not
 _COLORS = {True: "#009e73", False: "#d55e00"}
+# tests or a prediction behind it
 _BANDS = {True: "band of a new test", False: "range over what is assumed"}
 AXES = {
     "displacement ratio": "uplift over the uplift at failure",
@@ -28,7 +30,12 @@ def draw(request: Request) -> Drawing:
     found = [each for each in studs.contents(request, "curve") if "grade" in each[2].get("fit", {})]
     if not found:
         return nothing("No residual capacity has been answered in these cases.")
-    cases = list(dict.fromkeys(case.name for case, _, _ in found))
+    return plot([(case.name, label, content) for case, label, content in found])
+
+
+def plot(found: Sequence[tuple[str, str, studs.Content]]) -> Drawing:
+    """A row for each case and a column for each label, of which the contents are given."""
+    cases = list(dict.fromkeys(case for case, _, _ in found))
     labels = list(dict.fromkeys(label for _, label, _ in found))
     canvas = new_figure(2.55 * len(cases) + 0.6)
     axes = canvas.subplots(len(cases), len(labels), sharey="row", squeeze=False)
@@ -36,11 +43,11 @@ def draw(request: Request) -> Drawing:
     tests = [test for _, _, content in found for test in content["tests"]]
     looks = studs.campaign_looks((test["campaign"] for test in tests), filled=True)
     for case, label, content in found:
-        panel, fit = axes[cases.index(case.name), labels.index(label)], content["fit"]
-        sheet.record(case=case.name, label=label, **_panel(panel, content))
+        panel, fit = axes[cases.index(case), labels.index(label)], content["fit"]
+        sheet.record(case=case, label=label, **_panel(panel, content))
         studs.draw_tests(panel, studs.table_of(content["tests"]), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
-        if case.name == cases[0]:
+        if case == cases[0]:
             panel.set_title(label, loc="left")
         if label == labels[0]:
             panel.set_ylabel(f"{fit['quantity']} left")
@@ -49,9 +56,10 @@ def draw(request: Request) -> Drawing:
     for panel in axes.flat:
         if not panel.lines:
             panel.remove()
-    for validated in sorted({content["validated"] for _, _, content in found}, reverse=True):
-        names = "what is left", _BANDS[validated]
-        sheet.legend(*studs.band_entries(_COLORS[validated], *names))
+    for _, _, content in sorted(found, key=lambda each: not each[2]["validated"]):
+        names = "what is left", _BANDS[bool(content["tests"])]
+        entries = studs.band_entries(_COLORS[content["validated"]], *names)
+        sheet.legend(*entries[: 1 if content["curve"]["low"] is None else 2])
     sheet.legend(*studs.test_entries(looks, "tests"))
     return sheet.finish(f"residual capacity of a stud against damage: {', '.join(cases)}")
 

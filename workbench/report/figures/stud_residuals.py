@@ -4,6 +4,7 @@ Options: `cases` (the first case with an answer of the first label counts).
 """
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
@@ -33,10 +34,13 @@ def draw(request: Request) -> Drawing:
     else:
         return nothing("No formula of shear strength has answered these cases.")
     case, label, _ = answered
+    return plot(f"{label}, case {case.name}", tests)
+
+
+def plot(label: str, tests: pd.DataFrame) -> Drawing:
+    """The tests of a formula, `label`, with their ratios and variables."""
     looks = campaign_looks(tests["campaign"])
-    sheet = Sheet.grid(
-        len(VARIABLES), [f"{label}, case {case.name}: {len(tests)} tests."], height=2.0
-    )
+    sheet = Sheet.grid(len(VARIABLES), [f"{label}: {len(tests)} tests."], height=2.0)
     poor = []
     for panel, (name, (title, factor)) in zip(sheet.panels, VARIABLES.items(), strict=True):
         shown = tests.assign(value=factor * tests[name])
@@ -51,8 +55,8 @@ def draw(request: Request) -> Drawing:
     sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
     if poor:
         sheet.said.append(
-            f"Too few different values to tell a trend: {', '.join(poor)}. What differs there is "
-            "the campaign."
+            f"Too few different values to tell a trend: {', '.join(poor)}."
+            + " What differs there is the campaign." * (len(looks) > 1)
         )
     sheet.said.append(f"The strongest test bore {KILO * tests['test'].max():.0f} kN per stud.")
     return sheet.finish(f"test over prediction of {label} against {', '.join(VARIABLES)}")

@@ -27,6 +27,11 @@ def draw(request: Request) -> Drawing:
             found.setdefault(label, content)
     if not found:
         return nothing("No formula of shear strength has answered these cases.")
+    return plot(found)
+
+
+def plot(found: dict[str, studs.Content]) -> Drawing:
+    """The contents of formulas by their labels."""
     tests = pd.concat([studs.judged_tests(*each) for each in found.items()]).drop(columns="ratio")
     looks = studs.campaign_looks(tests["campaign"])
     top = 1.06 * studs.KILO * float(np.max(tests[["test", "prediction"]].to_numpy(float)))

@@ -15,7 +15,7 @@ from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
 from workbench.studs.interaction import INTERACTIONS, combined_tests
-from workbench.studs.load_slip_fit import first_loading
+from workbench.studs.load_slip_curves import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points, push_out
 from workbench.studs.mechanical.calibration import complete_rows, stud_of
 from workbench.studs.quantities import Array, undamaged_headed_studs

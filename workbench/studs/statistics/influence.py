@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit
+from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
 from workbench.studs.statistics.problem import jacobian, subset, whiten
 
 CHANCE = 0.05  # that a table without outliers has one found in it
@@ -41,14 +41,19 @@ def deleted_residuals(estimate: Estimate) -> Array:
     return np.asarray(np.sign(z) * np.sqrt(own / others))
 
 
-def outliers(estimate: Estimate) -> list[Outlier]:
-    """Tests farther off than chance lets any of as many tests be (Bonferroni), farthest first."""
+def usual_distance(estimate: Estimate) -> float:
+    """Deleted residual that none of as many tests exceeds but by chance (Bonferroni)."""
     from scipy.special import stdtrit
 
-    given, distance = estimate.problem, deleted_residuals(estimate)
+    given = estimate.problem
     nu = max(given.count - int((~estimate.at_bound).sum()) - 1, 1)
-    limit = float(stdtrit(nu, 1.0 - 0.5 * CHANCE / given.count))
-    found = []
+    return float(stdtrit(nu, 1.0 - 0.5 * CHANCE / given.count))
+
+
+def outliers(estimate: Estimate) -> list[Outlier]:
+    """Tests farther off than chance lets any be (`usual_distance`), farthest first."""
+    given, distance = estimate.problem, deleted_residuals(estimate)
+    limit, found = usual_distance(estimate), []
     for k in np.argsort(-np.abs(distance)):
         if abs(distance[k]) <= limit:
             break
@@ -57,4 +62,20 @@ def outliers(estimate: Estimate) -> list[Outlier]:
         except (InputError, SolverError):
             theta = estimate.theta
         found.append(Outlier(int(k), float(distance[k]), float(given.predict(theta)[k])))
+    return found
+
+
+def without_each(estimate: Estimate) -> Array:
+    """Parameters (n, p) that the other tests give where each test is left out.
+
+    The ratio of variances stays that of the fit; NaN where the others do not tell them.
+    """
+    given, every = estimate.problem, np.arange(estimate.problem.count)
+    free, found = np.arange(len(given.names)), np.full((given.count, len(given.names)), np.nan)
+    for k in every if given.count > len(free) + 1 else ():
+        try:
+            others = subset(given, np.flatnonzero(every != k))
+            found[k] = solve_theta(others, estimate.ratio, estimate.theta, free).theta
+        except (InputError, SolverError):
+            continue
     return found

@@ -1,0 +1,149 @@
+"""The answer of a fit in words: its grade, what a designer takes from it, formulas and method."""
+
+from collections.abc import Iterator, Mapping
+
+from workbench.content.bibliography import cited
+from workbench.content.formatting import count, number, percent
+from workbench.content.tree import Block, Bullets, Callout, Definitions, Paragraph
+from workbench.report.chapters import stud_tables as tables
+from workbench.report.chapters.stud_answer import contents_of, named_of
+from workbench.report.chapters.stud_evidence import judged, reference_stud
+from workbench.report.chapters.stud_tables import Content
+from workbench.studs.answers.fits import SOURCES, STATISTICS, StudResidual
+from workbench.studs.relations import RELATIONS
+from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
+
+CODE, CODE_FACTOR = "en1994", 1.25  # whose partial factor designers know
+_MOST_SERIES = 4  # that the answer names
+_LAWS = {
+    "ollgaard": "q = (1 − exp(−rate s))^exponent",
+    "bilinear": "q = s / yield slip, at most 1",
+    "rational": "q = k x / (1 + (k − 2) x + x²), x = s / peak slip, k the stiffness ratio",
+}
+_MIXED = (
+    "Campaigns have a random effect each: restricted maximum likelihood, with profile intervals "
+    "of the parameters [@pinheiro-bates2000]."
+)
+
+
+def size(result: Content) -> str:
+    """How much was fitted."""
+    fits = [content["fit"] for content in contents_of(result)]
+    what = "curve" if result["fit"] == "load-slip" else "test"
+    most = max(fits, key=lambda fit: int(fit[f"{what}s"]))
+    after = " after pre-damage" if result["fit"] == "residual" else ""
+    campaigns = count(len(most["campaigns"]), "campaign")
+    return f"{count(most[f'{what}s'], what)}{after} of {campaigns}"
+
+
+def holds(result: Content) -> str:
+    """Where the grade holds."""
+    return "; ".join(dict.fromkeys(content["fit"]["holds"] for content in contents_of(result)))
+
+
+def stud_of(content: Content) -> str:
+    """The stud of a residual capacity, or the damage of tests of unknown studs."""
+    fit = content["fit"]
+    return str(fit["stud"] or f"{fit['predamage']}, {fit['measure']}")
+
+
+def formula(result: Content) -> tuple[str, Content]:
+    """The formula of least scatter within campaigns."""
+    return min(named_of(result).items(), key=lambda each: float(each[1]["fit"]["sigma"]["value"]))
+
+
+def grade(result: Content) -> Iterator[Block]:
+    """The grade of the evidence, and where it holds."""
+    contents = contents_of(result)
+    grades = "; ".join(dict.fromkeys(content["fit"]["grade"] for content in contents))
+    tone = "doubt"
+    if result["fit"] == "residual":
+        tone = "good" if all(content["validated"] for content in contents) else "bad"
+    yield Callout(tone, f"Grade: {grades}. It holds {holds(result)}.")
+
+
+def answer(result: Content) -> Iterator[Block]:
+    """What the tests say, the first thing that a reader wants to know."""
+    match result["fit"]:
+        case "stud-strength":
+            yield Bullets(tuple(_strength(result)))
+        case "load-slip":
+            yield from tables.load_slip(named_of(result))
+        case "residual":
+            yield from tables.residual(contents_of(result))
+    told = [
+        f"{name}: {judged(content['judgement'])}."
+        for name, content in named_of(result).items()
+        if content["judgement"]
+    ]
+    if told:
+        yield Bullets(tuple(told))
+
+
+def _strength(result: Content) -> Iterator[str]:
+    fits = {content["fit"]["key"]: content["fit"] for content in contents_of(result)}
+    code = fits[CODE]["d8"] if CODE in fits else None
+    if code is not None and code["count"] >= LEAST_FOR_DESIGN and code["gamma_m_star"] is not None:
+        star = code["gamma_m_star"]
+        verdict = "these tests are covered" if star <= CODE_FACTOR else "these tests ask for more"
+        yield (
+            f"Partial factor: EN 1990 D.8 [@en1990] asks for γ_M* = {number(star, 3)} on the "
+            f"characteristic resistance of EN 1994-1-1 [@en1994-1-1], which has {CODE_FACTOR:g}: "
+            f"{verdict}."
+        )
+    for series in [group for group in result["series"] if group["result"]][:_MOST_SERIES]:
+        found = series["result"]
+        loads = (number(tables.KILO * found[name], 4) for name in ("P_Rk", "P_Rd"))
+        yield "Annex B of EN 1994-1-1, {}, {}: P_Rk = {} kN and P_Rd = {} kN per stud.".format(
+            series["name"], count(series["tests"], "test"), *loads
+        )
+    _, content = formula(result)
+    title = SHEAR_MODELS[content["fit"]["key"]].title
+    bias, sigma = content["fit"]["parameters"]["bias"], content["fit"]["sigma"]["value"]
+    yield (
+        f"Formula of least scatter: {title}. The tests bore "
+        f"{number(bias['value'], 3)} ({tables.span(bias['profile'])}) of its value in the median "
+        f"and scatter by {percent(sigma, signed=False)} within campaigns."
+    )
+
+
+def method(result: Content) -> Iterator[Block]:
+    """Formulas with their sources, and how they were fitted."""
+    named = named_of(result)
+    match result["fit"]:
+        case "stud-strength":
+            yield _formulas(named, {key: model.formula for key, model in SHEAR_MODELS.items()})
+            yield Paragraph(
+                "Shank d, height h after welding, area A_s = π d²/4, tensile strength f_u, mean "
+                "cylinder strength f_c and modulus E_c of the concrete, per stud and with the "
+                "values of the tests. The logarithm of test over prediction is regressed on a "
+                "constant, whose exponential is the median ratio. " + _MIXED
+            )
+            content = next(iter(named.values()))
+            if content["fit"]["d8"]["count"] >= LEAST_FOR_DESIGN:
+                yield reference_stud(content["fit"]["reference"])
+        case "load-slip":
+            yield _formulas(named, _LAWS)
+            yield Paragraph(
+                "Slip s, load over its largest value q. Every curve gives its own parameters, "
+                "whose logarithms are regressed on a constant: a curve of many points counts once. "
+                + _MIXED
+            )
+        case "residual":
+            relations = [(name, each.formula) for name, each in RELATIONS.items()]
+            yield Definitions(tuple(relations))
+            sources = " ".join(map(cited, (*StudResidual.sources, *STATISTICS[:1])))
+            yield Paragraph(
+                "Damage D, share left R: of the test over its undamaged reference. Relations are "
+                "averaged by how well they predict campaigns (with one campaign specimens) that "
+                "are left out; the band is that of a new test of a new campaign. Shares for design "
+                f"follow EN 1990 D.8. {_MIXED} Sources: {sources}."
+            )
+
+
+def _formulas(named: tables.Named, words: Mapping[str, str]) -> Definitions:
+    """Formulas with their sources; `words`, by their own keys."""
+    keys = {name: content["fit"]["key"] for name, content in named.items()}
+    pairs = ((n, f"{words[key]} {' '.join(map(cited, SOURCES[key]))}") for n, key in keys.items())
+    return Definitions(tuple(pairs))

@@ -1,0 +1,116 @@
+"""The tests behind a fit as they stand in the table: every row with its name and its use."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import pandas as pd
+
+from workbench.content.formatting import brief, number
+from workbench.content.tree import ABSENT, Block, Cell, Column, Definitions, Paragraph, Table
+from workbench.report.chapters.stud_answer import contents_of
+from workbench.report.chapters.stud_tables import KILO, MILLI, Content
+
+_NAMES = ["campaign", "specimen"]
+_UNITS = {
+    **{"_kN_per_mm": "kN/mm", "_kg_per_m3": "kg/m³", "_mm": "mm", "_MPa": "MPa", "_kN": "kN"},
+    "_Hz": "Hz",
+}
+_MOST_COLUMNS = 8  # beside the name, on paper; more stand in a further table
+_HIDDEN = ("role", "use_for_fit", "licence", "source_locator", "origin")
+_PRINTED = 100
+_CURVES = {  # of a load-slip fit: entry of a curve, title, factor
+    "strength": ("largest load (kN)", KILO),
+    "slip_at_max": ("slip there (mm)", MILLI),
+    "chord_stiffness": ("stiffness, chord from 10 to 40 % (kN/mm)", 1e-6),
+}
+
+
+def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterator[Block]:
+    """What is the same in all rows of the tables, then every row; `file` holds all columns."""
+    yield Paragraph(f"All columns of all rows are in `{file}`.")
+    if result["fit"] == "load-slip":
+        yield from _curves(result)
+        return
+    uses = _uses(result)
+    rows = pd.DataFrame(pd.concat(tables))
+    keys = list(zip(rows["campaign"], rows["specimen"], strict=True))
+    rows["use"] = [uses.get(key, "not used") for key in keys]
+    told = [str(name) for name in rows if name not in (*_NAMES, *_HIDDEN) and _told(rows[name])]
+    same = [name for name in told if len(set(rows[name].astype(str))) == 1]
+    if len(set(rows["campaign"])) == 1:
+        same.insert(0, "campaign")
+    yield Definitions(tuple((_title(name), _cell(rows[name].iloc[0]).text) for name in same))
+    names = [name for name in _NAMES if name not in same][::-1]
+    varying = [name for name in told if name not in same]
+    parts = -(-len(varying) // _MOST_COLUMNS) or 1
+    each = -(-len(varying) // parts)
+    for start in range(0, max(len(varying), 1), max(each, 1)):
+        own = varying[start : start + each]
+        columns = [Column(_title(n), rows[n].dtype == float, 1.0, n) for n in (*names, *own)]
+        records = [
+            {name: _cell(value) for name, value in row.items()}
+            for row in rows[[*names, *own]].to_dict("records")
+        ]
+        more = "" if start == 0 else ", further columns"
+        caption = f"The tests as they stand in the table{more}; a dash is not reported."
+        yield Table.of(f"tests-{start}", caption, columns, records, _PRINTED)
+
+
+def _uses(result: Content) -> dict[tuple[str, str], str]:
+    """What each row was used for, by campaign and specimen."""
+    found = {}
+    for content in contents_of(result):
+        for key, use in (("judged", "unseen"), ("tests", "fitted")):
+            for row in content.get(key) or ():
+                found[row["campaign"], row["specimen"]] = use
+    return found
+
+
+def _told(column: pd.Series) -> bool:
+    """Whether a column says anything."""
+    return bool(column.notna().any() and (column.astype(str) != "").any())
+
+
+def _title(name: str) -> str:
+    for ending, unit in _UNITS.items():
+        if name.endswith(ending):
+            return f"{name.removesuffix(ending).replace('_', ' ')} ({unit})"
+    return name.removeprefix("x_").replace("_", " ")
+
+
+def _cell(value: Any) -> Cell:
+    if value == "" or value is None or value != value:
+        return ABSENT
+    if isinstance(value, float):
+        return Cell(brief(value), value)
+    return Cell(str(value))
+
+
+def _curves(result: Content) -> Iterator[Block]:
+    """One row per curve, with the misfit of every law."""
+    laws = contents_of(result)
+    titles = {key: title for key, (title, _) in _CURVES.items()}
+    titles |= {f"rms{k}": f"misfit, {law['fit']['law']}" for k, law in enumerate(laws)}
+    columns = [Column("specimen", width=1.6, of="name"), Column("points", True, 0.7, "points")]
+    columns += [Column(title, True, of=key) for key, title in titles.items()]
+    records = [
+        {
+            "name": " ".join(row[name] for name in _NAMES),
+            "points": int(row["points"]),
+            **{key: _number(row[key], factor) for key, (_, factor) in _CURVES.items()},
+            **{f"rms{k}": _number(_same(law, row), 1.0) for k, law in enumerate(laws)},
+        }
+        for row in laws[0]["curves"]
+    ]
+    caption = "The curves that were fitted; misfit of the load over its largest value."
+    yield Table.of("curves", caption, columns, records, _PRINTED)
+
+
+def _same(law: Content, row: Content) -> float | None:
+    """Misfit of a law on the same curve, None where it was not fitted."""
+    own = (each for each in law["curves"] if all(each[n] == row[n] for n in _NAMES))
+    return next((each["rms"] for each in own), None)
+
+
+def _number(value: float | None, factor: float) -> Cell:
+    return ABSENT if value is None else Cell(number(factor * value, 3), value)

@@ -1,0 +1,72 @@
+"""How every test moves the answer of a fit."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from workbench.content.formatting import percent
+from workbench.report.drawing.sheet import Drawing, Sheet, grid_shape, nothing
+from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Style, entry, new_figure
+
+_ROW, _EDGES = 0.17, 0.8  # inches: of a test, and of titles and axes
+_HIGHEST = 7.2  # inches: with its caption the figure fits on a page
+_LEAST = 0.5  # percent that an axis reaches to either side
+_DOTS: Style = {"linestyle": "none", "marker": "o", "markersize": 4.0}
+_KINDS = {False: ("as the others expect it", PALETTE[0]), True: ("an outlier", WARNING)}
+
+
+def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
+    """Rows of `influence_of` by the titles of their panels, the tests below each other."""
+    if not found:
+        return nothing("Too few tests: none can be left out.")
+    told = pd.concat([rows.assign(panel=title) for title, rows in found.items()])
+    told = told.assign(
+        change=told["without"].astype(float) / told["value"] - 1.0, name=_names(told)
+    )
+    size = told["change"].abs().groupby(told["name"], sort=False).max()
+    rows, columns = grid_shape(len(found), 2 if len(found) < 5 else 3)
+    most = int((_HIGHEST / rows - _EDGES) / _ROW)
+    shown = list(size.nlargest(most).index) if len(size) > most else list(size.index)
+    canvas = new_figure(rows * (_ROW * len(shown) + _EDGES))
+    axes = canvas.subplots(rows, columns, sharey=True, squeeze=False)
+    for spare in axes.flat[len(found) :]:
+        spare.remove()
+    sheet = Sheet(canvas, axes.flat[: len(found)], columns=columns)
+    if len(shown) < len(size):
+        sheet.said.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
+    for panel, title in zip(sheet.panels, found, strict=True):
+        own = told[told["panel"] == title]
+        _panel(panel, own[own["name"].isin(shown)], shown)
+        sheet.name(panel, title, "change without the test (%)", "")
+        worst = own.loc[own["change"].abs().fillna(0.0).to_numpy() == own["change"].abs().max()]
+        if len(worst):
+            test, change = worst.iloc[0]["name"], percent(float(worst.iloc[0]["change"]))
+            sheet.said.append(f"{title}: {test} moves it most, by {change} when it is left out.")
+    for far in sorted(set(told["outlier"].astype(bool))):
+        words, color = _KINDS[far]
+        sheet.legend(entry(words, color=color, **_DOTS))
+    sheet.record(told.drop(columns=["name", "change"]))
+    return sheet.finish("change of the answer when a test is left out")
+
+
+def _names(rows: pd.DataFrame) -> pd.Series:
+    """Specimens, with their campaigns where there are several."""
+    if len(set(rows["campaign"])) == 1:
+        return rows["specimen"]
+    return rows["campaign"].str.cat(rows["specimen"], sep=" ")
+
+
+def _panel(panel: Axes, rows: pd.DataFrame, shown: Sequence[str]) -> None:
+    places = rows["name"].map({name: place for place, name in enumerate(shown)}).to_numpy(float)
+    change = 100.0 * rows["change"].to_numpy(float)
+    panel.hlines(places, 0.0, change, color=MUTED, linewidth=0.7)
+    for far, (_, color) in _KINDS.items():
+        which = rows["outlier"].to_numpy(bool) == far
+        panel.plot(change[which], places[which], color=color, **_DOTS)
+    panel.axvline(0.0, color=INK, linewidth=0.8)
+    panel.set_yticks(range(len(shown)), shown, fontsize=6.5)
+    panel.set_ylim(len(shown) - 0.4, -0.6)
+    reach = 1.15 * max(float(np.nanmax(np.abs(change), initial=0.0)), _LEAST)
+    panel.set_xlim(-reach, reach)
