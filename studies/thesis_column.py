@@ -59,10 +59,12 @@ BEAMS = tuple(label for label in COMPUTED if label != SOLID)
 ON_5_9 = ("Heng 2017: 4-DOF", "Heng 2017: SDOF", "Heng 2017: energy")
 ON_5_4 = ("Heng 2017: 4-DOF (fig. 5.4)", "Heng 2017: TL beam (fig. 5.4)")
 CLAMPED = "clamped, 25 m/s"
+GENTLE = "5 m/s"  # slow enough for the web-yielding beam to stay inside its domain
 IMPACTS = ("10 m/s", "15 m/s", "20 m/s")
 PUSHED = "push to 0.4 m"  # as far as the solid is followed
 
 cases = (
+    Case(GENTLE, eccentric.at_velocity(5.0), models=COMPUTED),
     *(
         Case(name, eccentric.at_velocity(velocity), models=COMPUTED + ON_5_9)
         for name, velocity in zip(IMPACTS, (10.0, 15.0, 20.0), strict=True)
@@ -119,9 +121,9 @@ def against_shear(
         against,
         *metric,
         bound,
-        "What the real column would do: its web yields in shear below the hit point. The solid "
-        "knows itself within 4 %; the web-yielding beam is inside its domain up to a mean shear "
-        "of 0.15, 0.12 m here.",
+        "What the real column would do: its web yields in shear below the hit point. A solid knows "
+        "itself within 4 %; a beam whose web yields is inside its domain up to a mean shear of "
+        "0.15, 0.12 m here.",
         OWN_BOUND,
         cases,
     )
@@ -131,9 +133,9 @@ RESISTANCE, PEAK = ("force", "area_difference"), ("peak_displacement", "relative
 STRUCK = (PANELS, ENERGY_PANELS, WEB, REFERENCE, "4-DOF", "SDOF analytic", "energy estimate")
 
 gates = (
-    *(against_shear(label, SOLID, PEAK, 0.10, IMPACTS) for label in STRUCK),
+    *(against_shear(label, SOLID, PEAK, 0.10, (GENTLE, *IMPACTS)) for label in STRUCK),
     *(against_shear(label, SOLID, RESISTANCE, 0.05, (PUSHED,)) for label in (PANELS, WEB, "4-DOF")),
-    against_shear(PANELS, WEB, PEAK, 0.05, ("10 m/s",)),
+    *(against_shear(label, WEB, PEAK, 0.05, (GENTLE, "10 m/s")) for label in (PANELS, "4-DOF")),
     reproduction("4-DOF", "Heng 2017: 4-DOF"),
     reproduction("SDOF cubic", "Heng 2017: SDOF"),
     reproduction("energy estimate", "Heng 2017: energy"),
@@ -193,7 +195,7 @@ figures = (
         "What the column does: its web yields in shear",
         "Force against displacement of the hit point. The web below it slides at about half of "
         "the force that models without shear predict; flanges that stretch bring it back up, "
-        "which the web-yielding beam does not see.",
+        "which panels and a solid see and beams do not.",
         (SOLID, PANELS, WEB, "4-DOF", REFERENCE),
         {"cases": (PUSHED,)},
     ),
@@ -201,11 +203,11 @@ figures = (
         "shear-peaks",
         "peaks",
         "Peak displacements with and without yielding webs",
-        "Above: peaks. Below: deviations from the struck solid. The fiber beam, the 4-DOF and the "
-        "SDOF column of the thesis are without shear. From 10 m/s on the web-yielding beam slides "
-        "further than it holds for.",
+        "Above: peaks. Below: deviations from the best reference that was asked. The fiber beam, "
+        "the 4-DOF and the SDOF column of the thesis are without shear; beams whose web yields "
+        "slide further from 10 m/s on than they hold for.",
         (SOLID, PANELS, ENERGY_PANELS, WEB, "4-DOF", "SDOF analytic", REFERENCE),
-        {"cases": IMPACTS, "against": SOLID},
+        {"cases": (GENTLE, *IMPACTS), "against": SOLID},
     ),
     Figure(
         "figure-5-9a",
@@ -295,12 +297,17 @@ study = Study(
     models=models,
     reference=REFERENCE,
     references=(SOLID, WEB, REFERENCE),
-    groups={"hit low, web yields": IMPACTS, "clamped, hit at mid-height": (CLAMPED,)},
+    groups={
+        "hit low at 5 m/s, web yields": (GENTLE,),
+        "hit low at 10 to 20 m/s, web slides": IMPACTS,
+        "clamped, hit at mid-height": (CLAMPED,),
+    },
     decisive="shear-peaks",
     gates=gates,
     figures=figures,
     quick_models=(
         REFERENCE,
+        WEB,
         PANELS,
         ENERGY_PANELS,
         "4-DOF",
@@ -328,8 +335,8 @@ study = Study(
         "plastic shear resistance. Its web yields in shear before the bending mechanism forms. "
         "Models without shear, the fiber reference among them, are outside their domain: they "
         "reproduce the thesis and are compared with each other, not with a real column. What the "
-        "column does is shown by the solid, pushed and struck, and by the 4-DOF column with "
-        "panels, which follows it.",
+        "column does is shown by a solid, pushed and struck, and by the 4-DOF column with panels, "
+        "which follows it; by a beam whose web yields as long as it slides by less than 0.12 m.",
     ),
 )
 

@@ -12,6 +12,9 @@ from workbench.content.terminal import render_text
 from workbench.content.tree import Bullets, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
+from workbench.report.drawing.sheet import Request
+from workbench.report.drawing.style import looks
+from workbench.report.figures import draw
 from workbench.report.stored import Stored
 
 
@@ -34,6 +37,18 @@ def stored(tmp_path_factory) -> Stored:
         study, name="grouped", cases=cases, models=models, groups=groups, ladder=("reference",)
     )
     return store_of(study, tmp_path_factory.mktemp("grouped"))
+
+
+@pytest.fixture(scope="module")
+def ranked(stored: Stored, tmp_path_factory) -> Stored:
+    """The same cases against two references, both outside their domain where the hit is low."""
+    models = {
+        "close": Synthetic(gain=1.01, warns=False),
+        "web": Synthetic(gain=2.0, fails_above=12.0),
+        "reference": Synthetic(),
+    }
+    study = replace(stored.study, name="ranked", models=models, references=("web", "reference"))
+    return store_of(study, tmp_path_factory.mktemp("ranked"))
 
 
 def table_of(stored: Stored) -> Table:
@@ -61,6 +76,30 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
     assert isinstance(first, Bullets)
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     assert first.items[0].startswith("hit low: no model stays within 10")
+
+
+def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:
+    first = next(block for block in matrix(ranked.study, ranked))
+    assert isinstance(first, Bullets)
+    low = "hit low: nobody knows, as no reference is inside its domain."
+    assert first.items[0] == low
+    close = table_of(ranked).rows[2]
+    assert close[0].text == "close"
+    assert "all with the reference outside its own" in close[1].text
+    assert [close[1].tone, close[2].tone] == ["doubt", "bad"]
+
+
+def test_a_map_holds_every_case_against_the_reference_that_counts(ranked: Stored) -> None:
+    study = ranked.study
+    chosen = Request(study, study.figures[0], ranked, study.cases, ("close",), looks(study))
+    drawing = draw(chosen)
+    assert drawing.canvas is not None
+    assert "against the best reference" in drawing.statements[0]
+    data = drawing.data.set_index("case")
+    held = {name: data.loc[f"HEB 160, 0.5 L, {name} mps", "against"] for name in ("10", "20")}
+    assert held == {"10": "web", "20": "reference"}
+    written = {text.get_text() for panel in drawing.canvas.axes for text in panel.texts}
+    assert written == {"\u221250", "+1"}  # in whole percent, in the fields
 
 
 def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -49,15 +50,35 @@ def test_the_study_of_the_guide_is_one(tmp_path: Path, monkeypatch: pytest.Monke
     assert set(kinds) <= set(KINDS)
 
 
-def test_every_impact_of_the_flagship_has_published_numbers() -> None:
+def test_published_numbers_are_asked_their_own_impacts() -> None:
     study = load_study(str(STUDIES / "thesis_column.py")).study
+    asked = 0
     for case in study.cases:
-        if case.scenario.KIND != "column-impact":
-            continue
-        published = [study.models[m] for m in case.models if m.startswith("Heng")]
-        assert published
-        for model in published:
-            assert model.domain(case.scenario) == []
+        if case.scenario.KIND == "column-impact":
+            for model in (study.models[m] for m in case.models if m.startswith("Heng")):
+                asked += 1
+                assert model.domain(case.scenario) == []
+    assert asked == 3 * 3 + 2
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
+def test_captions_of_the_quick_form_name_nothing_that_it_leaves_out(path: Path) -> None:
+    study = load_study(str(path)).study
+    quick = study.quickened()
+    gone = {*study.models} - {*quick.models}
+    gone |= {case.name for case in study.cases} - {case.name for case in quick.cases}
+    said = [text for f in quick.figures for text in (f.title, f.caption)]
+    said += [gate.rationale for gate in quick.gates]
+    told = {
+        name for name in gone for text in said if re.search(rf"\bthe {re.escape(name)}\b", text)
+    }
+    assert not told
+
+
+def test_the_flagship_has_a_reference_inside_its_domain_in_its_quick_form() -> None:
+    quick = load_study(str(STUDIES / "thesis_column.py")).study.quickened()
+    assert quick.ranked == ("web-yielding beam", "fiber beam")
+    assert quick.decisive == "shear-peaks"
 
 
 def test_a_study_is_a_script_too() -> None:

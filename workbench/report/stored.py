@@ -14,6 +14,7 @@ from workbench.study.assess import COLLAPSE
 from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN, Store
 
+BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
@@ -157,12 +158,25 @@ class Stored:
         return stated
 
     def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Any]:
-        """Comparisons of one quantity by one metric against one label, by (case, label)."""
+        """Comparisons of one quantity by one metric, by (case, label).
+
+        `against`: one label, or `BEST`: in each case the reference that counts.
+        """
         return {
             (row["case"], row["model"]): row
             for row in self.rows["comparisons"]
-            if (row["quantity"], row["metric"], row["against"]) == (quantity, metric, against)
+            if (row["quantity"], row["metric"]) == (quantity, metric)
+            and row["against"] == self.held_against(row["case"], against)
         }
+
+    def held_against(self, case: str, against: str) -> str:
+        """The label that others are held against in a case; empty if no reference answered."""
+        return self._counting.get(case, "") if against == BEST else against
+
+    @cached_property
+    def _counting(self) -> dict[str, str]:
+        """The reference that counts in each case."""
+        return {row["case"]: row["label"] for row in self.rows["references"]}
 
     def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:
         """The row of the ladder table for a case and quantity."""

@@ -33,8 +33,8 @@ _CAPTION = (
     "95 % interval (of one case: its error with its numerical uncertainty), and of the residual "
     "displacement, against the best reference that is inside its own domain. Good: the whole "
     "interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain or of "
-    "unknown uncertainty; bad: beyond. Hatched: the model itself warns that it is outside its "
-    "domain. Time: the median of the cases, rounded to 1, 2, 5."
+    "unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model itself "
+    "warns that it is outside its domain. Time: the median of the cases, rounded to 1, 2, 5."
 )
 
 Row = dict[str, Any]
@@ -108,6 +108,9 @@ def _trusted(study: Study, rows: list[Row], group: str) -> str:
         and row[f"{PEAK}_within"] <= FAIR
         and not any(row[name] for name in ("outside", "against_outside", "falls", "stands"))
     }
+    judged = [row for row in rows if row["group"] == group and row[f"{PEAK}_count"]]
+    if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
+        return f"{group}: nobody knows, as no reference is inside its domain."
     order = sorted(found, key=lambda label: found[label])
     names = several([f"{label} ({_up(found[label])})" for label in order], 8)
     stay, their = ("stay", "their") if len(order) > 1 else ("stays", "its")
@@ -156,7 +159,7 @@ def _bias(row: Row, quantity: str) -> str:
 
 
 def _tone(row: Row) -> str:
-    """Good needs a known uncertainty and a reference inside its domain.
+    """Good needs a known uncertainty and a reference inside its domain, bad one that is anywhere.
 
     Nothing is worse than to survive or to collapse where the reference does not.
     """
@@ -164,9 +167,10 @@ def _tone(row: Row) -> str:
     known = [abs(end - 1.0) for end in ends if end is not None]
     far = max(known, default=abs(row[f"{PEAK}_bias"] - 1.0))
     sure = row[f"{PEAK}_within"] is not None and not row["against_outside"]
+    judged = row["against_outside"] < row[f"{PEAK}_count"]
     if far <= GOOD and sure and not row["falls"] and not row["stands"]:
         return "good"
-    return "bad" if far > FAIR or row["falls"] or row["stands"] else "doubt"
+    return "bad" if (far > FAIR and judged) or row["falls"] or row["stands"] else "doubt"
 
 
 def _counts(row: Row) -> Iterator[str]:

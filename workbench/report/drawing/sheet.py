@@ -57,8 +57,9 @@ class Request:
 
     @property
     def against(self) -> str:
-        """The option `against`, by default the reference."""
-        return str(self.option("against", self.study.reference))
+        """The option `against`, by default the reference; the best one if the form left it out."""
+        label = str(self.option("against", self.study.reference))
+        return label if label in self.study.models else self.study.ranked[0]
 
     def number(self, case: Case, label: str, name: str) -> float | None:
         """A scalar of a cell, None if it is not known."""
