@@ -18,7 +18,7 @@ from matplotlib.image import AxesImage
 from matplotlib.ticker import PercentFormatter
 
 from workbench.content.formatting import MINUS, metric_title, title_of
-from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import INK, TEXT_WIDTH, Look, Style, entry, new_figure
 from workbench.report.stored import BEST
 from workbench.study.definition import Case
@@ -80,9 +80,10 @@ def draw(request: Request) -> Drawing:
         for j, value in enumerate(columns):
             panel = axes[i, j]
             here = table[(table[by or "model"] == row) & (not facet or table[facet] == value)]
-            image = _map(panel, here, grid, limit)
+            field = _field(here, grid)
+            image = _map(panel, here, field, grid, limit)
             if legible:
-                _numbers(panel, image, limit)
+                _numbers(panel, field, limit)
             sheet.record(here)
             head = "" if i or not facet else _shown(value) if j else f"{facet}: {_shown(value)}"
             sheet.name(panel, head, x, "\n".join([_shown(row), *textwrap.wrap(y, room)]))
@@ -123,13 +124,18 @@ def _table(
     return pd.DataFrame(found)
 
 
-def _map(panel: Axes, table: pd.DataFrame, grid: Any, limit: float) -> AxesImage:
-    """One panel: the worst error of every field, and marks of its warnings and failures."""
+def _field(table: pd.DataFrame, grid: Any) -> Array:
+    """The worst error of every field of a panel, NaN where there is none."""
     (x, xs), (y, ys) = grid
-    across, up = table[x].map(xs.index), table[y].map(ys.index)
     finite = table[np.isfinite(table["error"])]
     worst = finite.pivot_table("error", y, x, lambda errors: max(errors, key=abs))
-    field = worst.reindex(index=ys, columns=xs).to_numpy(float)
+    return np.asarray(worst.reindex(index=ys, columns=xs), dtype=float)
+
+
+def _map(panel: Axes, table: pd.DataFrame, field: Array, grid: Any, limit: float) -> AxesImage:
+    """One panel: the error of every field, and marks of its warnings and failures."""
+    (x, xs), (y, ys) = grid
+    across, up = table[x].map(xs.index), table[y].map(ys.index)
     style: Style = {"origin": "lower", "aspect": "auto", "cmap": "PuOr_r"}
     image = panel.imshow(field, vmin=-limit, vmax=limit, **style)
     panel.set_facecolor("#e8e8e8")
@@ -147,9 +153,8 @@ def _map(panel: Axes, table: pd.DataFrame, grid: Any, limit: float) -> AxesImage
     return image
 
 
-def _numbers(panel: Axes, image: AxesImage, limit: float) -> None:
+def _numbers(panel: Axes, field: Array, limit: float) -> None:
     """The value of every field in whole percent."""
-    field = np.ma.filled(np.ma.masked_invalid(image.get_array()), np.nan)
     for (up, across), value in np.ndenumerate(field):
         if np.isfinite(value):
             text = "0" if abs(value) < 0.005 else f"{100.0 * value:+.0f}".replace("-", MINUS)
