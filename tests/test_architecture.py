@@ -14,7 +14,8 @@ ROOT = Path(workbench.__file__).parent
 FLOORS = (
     *("arrays", "errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios"),
     *("responses", "impact", "structures", "frames", "models", "references", "evidence", "studs"),
-    *("assessment", "registry", "testing", "study", "content", "report", "cli"),
+    *("impact_tests", "assessment", "registry", "testing", "study", "intake", "content"),
+    *("report", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))
 

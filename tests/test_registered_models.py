@@ -9,6 +9,7 @@ import pytest
 
 from workbench.content.bibliography import bibliography
 from workbench.evidence.published import Published
+from workbench.impact_tests import impact_tests
 from workbench.models.base import Model
 from workbench.registry import make_model, model_kind, model_names
 from workbench.scenarios import ColumnPushover, StudTests, frame_scenario
@@ -28,6 +29,7 @@ THEORY = {
     "fiber-shear": "fiber-shear.md",
     "solid-plane-stress": "solid-plane-stress.md",
     "published": "published.md",
+    "measured": "measured.md",
     "stud-measured": "studs.md",
     "stud-strength": "studs.md",
     "stud-series": "studs-statistics.md",
@@ -71,7 +73,9 @@ def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
         thesis_impact.at_velocity(10.0),
         ColumnPushover("push", thesis_impact.column, 0.05),
     ]
-    if name != "published":
+    if name == "measured":
+        scenarios = [impact_tests("synthetic-impacts")[0].scenario, *scenarios]
+    if name not in ("published", "measured"):
         pinned = replace(thesis_impact.column, base="pinned", axial_load=0.0)
         scenarios.append(replace(thesis_impact.at_velocity(5.0), column=pinned))
     studs = {"calibrate": ("provines2019",), "validate": ("lehigh279",)}

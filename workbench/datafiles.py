@@ -8,6 +8,7 @@ from pathlib import Path
 
 from workbench.errors import InputError, WorkbenchError
 
+OWN_DATA, OWN_DATA_VARIABLE = "lab_data", "WORKBENCH_DATA"
 LARGEST_FILE = 20_000_000  # bytes; a row of tests has some 500, so this holds some 40 000
 
 
@@ -22,6 +23,15 @@ def data_directory() -> Path:
         if directory.is_dir():
             return directory
     raise WorkbenchError(f"the data files of the workbench are missing beside {package}")
+
+
+def own_data_directory() -> Path:
+    """The directory of the user's own data, which need not exist.
+
+    What the variable `OWN_DATA_VARIABLE` of the environment names, else ``lab_data`` in the working
+    directory.
+    """
+    return Path(os.environ.get(OWN_DATA_VARIABLE) or OWN_DATA)
 
 
 def open_input(path: Path, field: str, largest: int = LARGEST_FILE) -> BufferedReader:

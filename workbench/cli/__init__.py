@@ -55,7 +55,7 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import data, doctor, fit, limit, models, simulate, studies
+    from workbench.cli import data, doctor, fit, limit, models, new, simulate, studies
 
     app = typer.Typer(
         add_completion=False,
@@ -82,6 +82,7 @@ def _application() -> Callable[..., Any]:
         app.command(found.__name__)(found)
     app.add_typer(fit.app, name="fit")
     app.add_typer(data.app, name="data")
+    app.add_typer(new.app, name="new")
     app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command

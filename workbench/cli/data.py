@@ -1,16 +1,26 @@
-"""`workbench data`: the catalogue of published numbers, tests and profiles."""
+"""`workbench data`: the catalogue of published numbers, tests and profiles, and one's own."""
 
 import dataclasses
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from workbench.cli.output import Answer, verb
-from workbench.content.tree import Block, Column, Definitions, Paragraph, Section, Table
+from workbench.content.tree import (
+    Block,
+    Bullets,
+    Callout,
+    Column,
+    Definitions,
+    Paragraph,
+    Section,
+    Table,
+)
 
 app = typer.Typer(
-    help="Show and check the data catalogue.", rich_markup_mode=None, no_args_is_help=False
+    help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
 )
 
 
@@ -46,6 +56,79 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
     yield Table.of("rows", "", (Column(name, of=name) for name in rows[0]), rows)
 
 
+@app.command("add")
+@verb
+def add(
+    table: Annotated[str, typer.Argument(metavar="TABLE.csv", help="Table of tests.")],
+    mapping: Annotated[
+        str | None,
+        typer.Option(metavar="MAPPING.toml", help="What its columns are, and where it is from."),
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND", help="impact-tests or stud-tests.  [default: told from the columns]"
+        ),
+    ] = None,
+    into: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER", help="Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]"
+        ),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Its name.  [default: that of the file]")
+    ] = None,
+    despite_doubts: Annotated[
+        bool, typer.Option("--despite-doubts", help="Take it although it looks wrong.")
+    ] = False,
+) -> Answer:
+    """Add a table of tests to your own data: impacts on steel members, or push-outs of studs.
+
+    Everything is checked before anything is written; numbers without source and licence are not
+    taken. Templates: `workbench new impact-tests`, `workbench new mapping`.
+    """
+    from workbench.intake import add_table
+
+    added = add_table(
+        Path(table),
+        mapping=None if mapping is None else Path(mapping),
+        kind=kind,
+        into=None if into is None else Path(into),
+        name=name,
+        despite_doubts=despite_doubts,
+    )
+    entry = dataclasses.asdict(added.entry)
+    told = ("already", "read", "rows")
+    content = {"dataset": entry, **{each: getattr(added, each) for each in told}}
+    lists = {"notes": list(added.notes), "doubts": list(added.doubts)}
+    return Answer({**content, **lists}, _added(added))
+
+
+def _added(added: Any) -> Iterator[Block]:
+    entry = added.entry
+    if added.already:
+        yield Paragraph(
+            f"The same rows are in the catalogue already, as {entry.name}: {entry.path}"
+        )
+        yield Paragraph("Nothing was written.")
+        return
+    label = "SYNTHETIC " if entry.role == "synthetic" else ""
+    yield Paragraph(
+        f"{added.rows} {label}rows of {entry.kind} are in {entry.path} as {entry.name}."
+    )
+    stated = ("title", "source", "licence", "year", "role")
+    yield Definitions(tuple((name, getattr(entry, name)) for name in stated))
+    if added.notes:
+        yield Bullets(added.notes)
+    for text in added.doubts:
+        yield Callout("doubt", f"taken despite: {text}")
+    if added.read:
+        yield Paragraph(f"Next: {added.then}")
+    else:
+        yield Callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
+
+
 @app.command("check")
 @verb
 def check(
@@ -53,17 +136,17 @@ def check(
         list[str] | None, typer.Argument(metavar="[FILE.csv]...", help="Check these files alone.")
     ] = None,
 ) -> Answer:
-    """Check the catalogue: files, columns and sources, and every row of the tables of studs.
+    """Check the catalogue: files, columns and sources, and every row of the tables of tests.
 
-    With files of your own, only those: tests on studs, or points of load-slip curves.
+    With files of your own, only those: tests on studs, points of load-slip curves, impact tests.
     """
     from workbench.evidence import check as problems_of
     from workbench.evidence import datasets
+    from workbench.intake import check_file, problems_of_own
     from workbench.studs import check_tables
-    from workbench.studs.suspicion import check_file
 
     if files:
-        found = {str(file): check_file(file) for file in files}
+        found = {str(file): check_file(Path(file)) for file in files}
         content: dict[str, Any] = {"files": {file: bad for file, (bad, _) in found.items()}}
         content["suspicions"] = {file: doubts for file, (_, doubts) in found.items()}
         texts = []
@@ -73,7 +156,7 @@ def check(
             texts.append(f"{file}: {len(bad)} problems{more}.")
         failed = any(content["files"].values())
     else:
-        problems = [*problems_of(), *check_tables()]
+        problems = [*problems_of(), *check_tables(), *problems_of_own()]
         content = {"datasets": len(datasets()), "problems": problems}
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)

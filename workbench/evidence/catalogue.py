@@ -2,17 +2,21 @@
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 import pandas as pd
 
-from workbench.datafiles import data_directory
+from workbench.datafiles import data_directory, own_data_directory
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Instance, Many, Text, checked, did_you_mean
 from workbench.scenarios.codec import read
 
+CATALOGUE = "catalogue.toml"
+SYNTHETIC = "synthetic"  # the role of made numbers, which show a form and validate nothing
+ROLES = ("calibrate", "validate", "verify", SYNTHETIC)
+OTHER, IMPACT_TESTS, STUD_TESTS = "other", "impact-tests", "stud-tests"  # kinds of tables
 TEXT, MAYBE = Text(2000), Text(2000, shortest=0)
 TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value))
 
@@ -21,7 +25,8 @@ TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value
 class Dataset(Declared, table="dataset", label="name"):
     """One table of the catalogue.
 
-    `file` is relative to the data directory; `role` says what the rows may be used for;
+    `file` is relative to the `folder` of its catalogue; `kind` says of which schema its rows are;
+    `role` says what they may be used for; `made`, how the file came about;
     `uncertainty` says how well they are known; `columns` names every column with its meaning;
     `scenario` and `axis` (optional) give the scenario file that published rows belong to and
     the key that a column of the table varies.
@@ -32,7 +37,7 @@ class Dataset(Declared, table="dataset", label="name"):
     file: str = checked(TEXT)
     source: str = checked(TEXT)
     licence: str = checked(TEXT)
-    role: str = checked(Choice(("calibrate", "validate", "verify")))
+    role: str = checked(Choice(ROLES))
     uncertainty: str = checked(TEXT)
     columns: dict[str, str] = checked(TABLE)
     units: str = checked(TEXT, "SI, as the column names say")
@@ -40,6 +45,10 @@ class Dataset(Declared, table="dataset", label="name"):
     scenario: str = checked(MAYBE, "")
     axis: str = checked(MAYBE, "")
     axis_column: str = checked(MAYBE, "")
+    kind: str = checked(Choice((OTHER, IMPACT_TESTS, STUD_TESTS)), OTHER)
+    year: str = checked(MAYBE, "")
+    made: str = checked(MAYBE, "")
+    folder: str = checked(MAYBE, "")
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -49,7 +58,7 @@ class Dataset(Declared, table="dataset", label="name"):
     @property
     def path(self) -> Path:
         """Where the table is."""
-        return data_directory() / self.file
+        return Path(self.folder) / self.file
 
 
 @dataclass(frozen=True)
@@ -60,18 +69,29 @@ class Catalogue(Declared):
 
 
 def datasets() -> tuple[Dataset, ...]:
-    """All datasets of the catalogue. Raises `InputError` if the catalogue itself is broken."""
-    path = data_directory() / "catalogue.toml"
+    """All datasets, those that come with the workbench and the user's own.
+
+    Raises `InputError` if a catalogue is broken.
+    """
+    own = own_data_directory() / CATALOGUE
+    shipped = datasets_in(data_directory() / CATALOGUE)
+    return (*shipped, *datasets_in(own)) if own.is_file() else shipped
+
+
+def datasets_in(path: Path) -> tuple[Dataset, ...]:
+    """The datasets of one catalogue. Raises `InputError`."""
     try:
-        return _datasets(path.read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        raise InputError("data catalogue", path.name, f"cannot be read: {error}") from error
+        return _datasets(path.read_text(encoding="utf-8"), str(path.parent))
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise InputError(f"{path}, {error.field}", error.value, error.allowed) from error
+        raise InputError("data catalogue", str(path), f"cannot be read: {error}") from error
 
 
-@lru_cache(maxsize=1)  # every answer from tests asks for it
-def _datasets(text: str) -> tuple[Dataset, ...]:
+@lru_cache(maxsize=4)  # every answer from tests asks for it
+def _datasets(text: str, folder: str) -> tuple[Dataset, ...]:
     catalogue: Catalogue = read(Catalogue, tomllib.loads(text))
-    return catalogue.datasets
+    return tuple(replace(entry, folder=folder) for entry in catalogue.datasets)
 
 
 def dataset(name: str) -> Dataset:
@@ -101,7 +121,7 @@ def _problems(entry: Dataset) -> Iterator[str]:
     if not entry.path.is_file():
         yield f"file {entry.file} is missing"
         return
-    table = pd.read_csv(entry.path)
+    table = pd.read_csv(entry.path, low_memory=False)
     given, described = set(table.columns), set(entry.columns)
     yield from (f"column {name} is not described" for name in sorted(given - described))
     yield from (f"column {name} is missing in the file" for name in sorted(described - given))

@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
+SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
 COLUMNS = ("subject", "severity", "sentence", "remedy", "number")  # of a finding in a table
 
 # Subjects of warnings about a run, input that a model takes otherwise, an estimate or data. Every
@@ -17,7 +18,7 @@ _NOT_OF_DOMAIN = frozenset(
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
         *("section", "plates", "exponents"),
         *("estimate", "ends"),  # a column cut out of its frame is always one
-        *("evidence", "series", "campaigns", "bounds", "grade", "measurement"),
+        *("evidence", "series", "campaigns", "bounds", "grade", "measurement", SYNTHETIC),
     )
 )
 

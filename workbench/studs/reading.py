@@ -1,6 +1,6 @@
 """Read tables of tests from CSV files; every bad row is named by file, line, column and reason.
 
-The one path by which a table enters: lines, header, cells by the schema, rows by `row_findings`,
+The one path by which a table enters: lines, header, cells by the schema, rows by its rules,
 and what must not repeat between rows.
 """
 
@@ -26,13 +26,12 @@ from workbench.studs.schema import (
     Row,
     RowFinding,
     Table,
-    row_findings,
 )
 
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
-LONGEST_NUMBER = 60  # characters
-_NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
+LONGESTNUMBER = 60  # characters
+NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
     r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
 _SHOWN = 5  # problems that one message lists by line
@@ -108,6 +107,33 @@ def examine(path: str | Path, table: Table) -> Examination:
         return _examine(_lines(stream, path.name), path.name, table)
 
 
+def raw_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """All lines of a CSV file that are not empty, with their numbers; the header is the first.
+
+    Raises `InputError` for what is no such file, and for a header that cannot be one.
+    """
+    with open_input(path, path.name) as stream:
+        rows = list(_rows(_lines(stream, path.name), path.name))
+    column_names(rows[0][1] if rows else None, path.name)
+    return rows
+
+
+def _rows(lines: Iterator[str], name: str) -> Iterator[tuple[int, list[str]]]:
+    """Cells of every line that is not empty, and its number."""
+    reader = csv.reader(lines, strict=True)
+    try:
+        for count, cells in enumerate(reader):
+            if count > MOST_ROWS:
+                reason = f"the table has more than {MOST_ROWS} rows"
+                raise InputError(f"{name}, line {reader.line_num}", "", reason)
+            if any(cell.strip() for cell in cells):
+                yield reader.line_num, [cell.strip() for cell in cells]
+    except csv.Error as error:
+        place, reason = f"{name}, line {reader.line_num}", f"is not valid CSV: {error}"
+        advice = "look for a quotation mark that is not closed"
+        raise InputError(place, "", reason, advice) from error
+
+
 def _lines(stream: BinaryIO, name: str) -> Iterator[str]:
     """Decoded lines; refuses early what is no text, has no line ends or does not stop."""
     total = 0
@@ -131,28 +157,17 @@ def _lines(stream: BinaryIO, name: str) -> Iterator[str]:
 
 
 def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
-    reader = csv.reader(lines, strict=True)
     rows: list[Row] = []
     problems: list[Problem] = []
     seen = _Seen(table)
-    try:
-        columns = _columns(next(reader, None), name, table)
-        for cells in reader:
-            line = reader.line_num
-            if len(rows) + len(problems) >= MOST_ROWS:
-                reason = f"the table has more than {MOST_ROWS} rows"
-                raise InputError(f"{name}, line {line}", "", reason)
-            if not any(cell.strip() for cell in cells):
-                continue  # an empty line
-            row, found = _row(cells, columns)
-            found = found or list(row_findings(row, table.name)) or list(seen.repeated(row, line))
-            problems.extend(Problem(name, line, *finding) for finding in found)
-            if not found:
-                rows.append(row)
-    except csv.Error as error:
-        place, reason = f"{name}, line {reader.line_num}", f"is not valid CSV: {error}"
-        advice = "look for a quotation mark that is not closed"
-        raise InputError(place, "", reason, advice) from error
+    found_rows = _rows(lines, name)
+    columns = _columns(next(found_rows, (1, None))[1], name, table)
+    for line, cells in found_rows:
+        row, found = _row(cells, columns)
+        found = found or list(table.rules(row)) or list(seen.repeated(row, line))
+        problems.extend(Problem(name, line, *finding) for finding in found)
+        if not found:
+            rows.append(row)
     if not rows and not problems:
         raise InputError(name, "only a header", "must hold one row or more")
     return Examination(_frame(rows, columns, table), tuple(problems))
@@ -181,8 +196,8 @@ class _Seen:
             yield "campaign", campaign, f"is spelled {spelled} in line {first}", advice
 
 
-def _columns(header: list[str] | None, name: str, table: Table) -> list[Column | str]:
-    """The column of the schema, or the name of the user's own, at every place of the header."""
+def column_names(header: list[str] | None, name: str) -> list[str]:
+    """The names in a header, each of which stands once. Raises `InputError`."""
     place = f"{name}, line 1"
     if header is None or not any(cell.strip() for cell in header):
         raise InputError(name, "", "is empty", "the first line names the columns")
@@ -198,6 +213,13 @@ def _columns(header: list[str] | None, name: str, table: Table) -> list[Column |
             raise InputError(place, column, f"column {position} has no name")
         if times[column] > 1:
             raise InputError(place, column, "the column stands twice")
+    return names
+
+
+def _columns(header: list[str] | None, name: str, table: Table) -> list[Column | str]:
+    """The column of the schema, or the name of the user's own, at every place of the header."""
+    names, place = column_names(header, name), f"{name}, line 1"
+    for column in names:
         if not column.startswith(EXTRA) and column not in table.names:
             near = difflib.get_close_matches(column, table.names, 1, 0.5)
             advice = f"did you mean {near[0]}? " if near else ""
@@ -209,13 +231,20 @@ def _columns(header: list[str] | None, name: str, table: Table) -> list[Column |
     return [name if name.startswith(EXTRA) else table.column(name) for name in names]
 
 
+def width_findings(cells: list[str], width: int) -> list[RowFinding]:
+    """What there is to say of a row that has not as many cells as the header."""
+    if len(cells) == width:
+        return []
+    reason = f"has {len(cells)} cells where the header has {width}"
+    advice = "put a text with commas in quotation marks, and write decimal points: 19.05"
+    return [("", ",".join(cells), reason, advice)]
+
+
 def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[RowFinding]]:
-    if len(cells) != len(columns):
-        reason = f"has {len(cells)} cells where the header has {len(columns)}"
-        advice = "put a text with commas in quotation marks, and write decimal points: 19.05"
-        return {}, [("", ",".join(cells), reason, advice)]
     row: Row = {}
-    found: list[RowFinding] = []
+    found = width_findings(cells, len(columns))
+    if found:
+        return row, found
     for cell, column in zip(cells, columns, strict=True):
         if isinstance(column, str):
             row[column] = cell.strip()
@@ -234,7 +263,7 @@ def _cell(text: str, column: Column) -> object:
         return column.blank
     if not isinstance(column.rule, Number):
         return column.rule.check(column.name, text)
-    if len(text) > LONGEST_NUMBER or not _NUMBER.fullmatch(text):
+    if len(text) > LONGESTNUMBER or not NUMBER.fullmatch(text):
         advice = "write the number alone: no unit, no words"
         parts = text.split(",")
         if len(parts) == 2 and all(part.lstrip("-").isdigit() for part in parts):

@@ -6,7 +6,7 @@ their columns. An empty cell means that the quantity was not reported; it never 
 """
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isnan, pi
 from pathlib import Path
@@ -16,6 +16,8 @@ from workbench.fields import Choice, Number, Text
 EXTRA = "x_"  # columns of the user's own begin with this and are kept as they are
 NO_PREDAMAGE = "none"
 HEADED = "headed stud"
+Row = dict[str, object]
+RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +43,15 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A kind of table: its columns, and the columns that together must not repeat (or none)."""
+    """A kind of table: its columns, and the columns that together must not repeat (or none).
+
+    `rules` gives the contradictions within a row whose single cells are in order.
+    """
 
     name: str
     columns: tuple[Column, ...]
     key: tuple[str, ...] = ()
+    rules: Callable[[Row], Iterator[RowFinding]] = lambda row: iter(())
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,8 +68,9 @@ class Table:
         return rule.words if isinstance(rule, Choice) else ()
 
 
-def _declared(table: str) -> tuple[Column, ...]:
-    with Path(__file__).with_name("columns.csv").open(encoding="utf-8", newline="") as stream:
+def declared(table: str, path: Path) -> tuple[Column, ...]:
+    """The columns of a table that a file such as ``columns.csv`` declares."""
+    with path.open(encoding="utf-8", newline="") as stream:
         rows = [row for row in csv.DictReader(stream) if row["table"] == table]
     return tuple(
         Column(row["name"], row["meaning"], _rule(row), row["needed"] == "yes", row["default"])
@@ -84,13 +91,6 @@ def _rule(row: dict[str, str]) -> Number | Choice | Text:
     return Number(low, high, row["unit"], low_included=not above, advice=row["advice"])
 
 
-TESTS = Table("tests", _declared("tests"), key=("campaign", "specimen"))
-POINTS = Table("points", _declared("points"))
-
-
-Row = dict[str, object]
-RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
-
 TOTAL_TOLERANCE = 0.02  # load per stud times studs against the total: both are rounded
 LEAST_STRESS, LARGEST_STRESS = 10.0, 2500.0  # MPa, load over shank area of any plausible test
 LARGEST_OVER_SHANK = 2.0  # load over the tensile strength of the shank; collar and friction help
@@ -101,16 +101,10 @@ _MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
 _LOADS = ("shear_kN", "tension_kN")  # both in a combined test
 
 
-def row_findings(row: Row, table: str) -> Iterator[RowFinding]:
-    """Contradictions within a row: column, value, reason and advice of each.
-
-    Arguments: `row`, cells by column name, single cells already checked; `table`, name of its
-    schema.
-    """
-    if table == "tests":
-        yield from _results(row)
-        yield from _sizes(row)
-        yield from _predamage(row)
+def _contradictions(row: Row) -> Iterator[RowFinding]:
+    yield from _results(row)
+    yield from _sizes(row)
+    yield from _predamage(row)
 
 
 def _value(row: Row, column: str) -> float | None:
@@ -190,3 +184,8 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
         yield "predamage_level", "", f"must be given with predamage {kind}", advice
     if not row.get("predamage_measure"):
         yield "predamage_measure", "", "must say what the level of damage measures", ""
+
+
+_COLUMNS = Path(__file__).with_name("columns.csv")
+TESTS = Table("tests", declared("tests", _COLUMNS), ("campaign", "specimen"), _contradictions)
+POINTS = Table("points", declared("points", _COLUMNS))

@@ -7,10 +7,11 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.evidence import dataset
+from workbench.evidence import Dataset, dataset, datasets
+from workbench.evidence.catalogue import STUD_TESTS
 from workbench.fields import Choice, did_you_mean
 from workbench.studs.reading import examine
-from workbench.studs.schema import POINTS, TESTS
+from workbench.studs.schema import POINTS, TESTS, Table
 
 SHIPPED = {
     "stud-push-out": TESTS,
@@ -22,9 +23,21 @@ SHIPPED = {
 
 
 def shipped(name: str) -> pd.DataFrame:
-    """A shipped table of the stud schemas by its catalogue name. Raises `InputError`."""
-    Choice(tuple(SHIPPED)).check("dataset", name)
-    return examine(dataset(name).path, SHIPPED[name]).accept()
+    """A table of the stud schemas by its catalogue name, added ones too. Raises `InputError`."""
+    schemas = table_schemas()
+    Choice(tuple(schemas)).check("dataset", name)
+    return examine(dataset(name).path, schemas[name]).accept()
+
+
+def added() -> tuple[Dataset, ...]:
+    """The tables of tests that the user has added to the catalogue."""
+    entries = datasets()
+    return tuple(e for e in entries if e.kind == STUD_TESTS and e.name not in SHIPPED)
+
+
+def table_schemas() -> dict[str, Table]:
+    """The schema of every table on studs in the catalogue, by its name."""
+    return {**SHIPPED, **{entry.name: TESTS for entry in added()}}
 
 
 def check_tables() -> list[str]:

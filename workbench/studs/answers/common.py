@@ -20,7 +20,7 @@ from workbench.studs.answers.typed import with_content
 from workbench.studs.fit_protocol import Judged, plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
-from workbench.studs.tables import SHIPPED, check_campaigns, joined, shipped, split_table
+from workbench.studs.tables import check_campaigns, joined, shipped, split_table, table_schemas
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,9 @@ def _joined(names: Sequence[str], schema: Table) -> pd.DataFrame:
         if name.endswith(CSV):
             tables.append(examine(name, schema).accept())
             continue
-        if SHIPPED.get(name) is not schema:
-            known = [known for known, each in SHIPPED.items() if each is schema]
+        schemas = table_schemas()
+        if schemas.get(name) is not schema:
+            known = [known for known, each in schemas.items() if each is schema]
             raise InputError("tests.tables", name, "must be a CSV file or " + ", ".join(known))
         tables.append(shipped(name))
     if not tables:
@@ -101,9 +102,9 @@ class StudModel(Declared, table="option"):
 
     @property
     def data_digest(self) -> str:
-        """Hash of the shipped tables, so that stored answers are renewed when they change."""
+        """Hash of the tables, so that stored answers are renewed when they change."""
         digest = hashlib.sha256()
-        for name in SHIPPED:
+        for name in table_schemas():
             digest.update(dataset(name).path.read_bytes())
         return digest.hexdigest()[:16]
 

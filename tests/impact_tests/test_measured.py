@@ -1,0 +1,77 @@
+"""Measured impacts answer the scenarios that were tested, and synthetic ones say that they are."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.evidence import dataset
+from workbench.impact_tests import impact_tests
+from workbench.impact_tests.measured import Measured
+from workbench.intake import add_table
+from workbench.responses import Outcome, findings_of, outcome_of
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("WORKBENCH_DATA", raising=False)
+    monkeypatch.chdir(tmp_path)
+
+
+def added(*changes: dict[str, str]) -> str:
+    """The first shipped synthetic row as tests of a laboratory, one with each of the changes."""
+    text = dataset("synthetic-impacts").path.read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
+    base = {**rows[0], "campaign": "lab", "role": "validate", "source": "R", "specimen": "A"}
+    with Path("lab.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(base))
+        writer.writeheader()
+        writer.writerows({**base, **change} for change in changes)
+    return add_table(Path("lab.csv"), despite_doubts=True).entry.name
+
+
+def test_shipped_rows_answer_their_scenario_and_say_that_they_are_made() -> None:
+    test = impact_tests("synthetic-impacts")[0]
+    assert (test.name, test.synthetic) == ("SYNTHETIC beams B1", True)
+    response = Measured().simulate(replace(test.scenario, duration=0.1, name="other"))
+    assert float(response["peak_displacement"]) == 0.0464
+    widths = json.loads(response.attrs["data_uncertainty"])
+    assert widths == {"peak_displacement": 0.0028, "residual_displacement": 0.0034}
+    assert json.loads(response.attrs["data"])["datasets"][0]["role"] == "synthetic"
+    (finding,) = findings_of(response)
+    assert finding.text.startswith("SYNTHETIC: made numbers, no test")
+    assert not finding.outside
+    refused = Measured().simulate(test.scenario.at_velocity(4.1))
+    assert outcome_of(refused) is Outcome.OUT_OF_DOMAIN
+    assert "workbench data add" in findings_of(refused)[0].remedy
+
+
+def test_tests_of_a_laboratory_stand_before_synthetic_rows() -> None:
+    before = Measured().data_digest
+    name = added({"peak_m": "0.05"})
+    scenario = impact_tests(name)[0].scenario
+    assert Measured().data_digest != before
+    response = Measured().simulate(scenario)
+    assert float(response["peak_displacement"]) == 0.05
+    assert findings_of(response) == []
+    assert float(Measured("synthetic-impacts").simulate(scenario)["peak_displacement"]) == 0.0464
+
+
+def test_equal_tests_are_one_answer_that_holds_them_all() -> None:
+    name = added({"peak_m": "0.04"}, {"specimen": "B", "peak_m": "0.05", "residual_m": ""})
+    (test,) = impact_tests(name)
+    assert test.name == "lab A and 1 equal"
+    assert test.measured["peak_displacement"] == pytest.approx((0.045, 0.005))
+    assert test.measured["residual_displacement"] == (0.0341, 0.0034)
+
+
+def test_only_tables_of_impacts_can_be_asked() -> None:
+    with pytest.raises(InputError, match="holds no impact tests; there are synthetic-impacts"):
+        Measured("stud-push-out")
+    with pytest.raises(InputError, match="did you mean synthetic-impacts"):
+        Measured("synthetic-impact")

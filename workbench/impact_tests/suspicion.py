@@ -1,0 +1,115 @@
+"""Impact tests that are possible one by one and absurd together: units, columns, copies.
+
+What is measured is held against the energy estimate: no judgement of the tests, which it may miss
+by a factor of two, but of units, which it misses by more.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from workbench.impact_tests.rows import records
+from workbench.impact_tests.schema import known, scenario_of
+from workbench.models.energy_estimate import EnergyEstimate
+from workbench.responses import Finding, Outcome, outcome_of
+from workbench.scenarios import ColumnImpact
+from workbench.studs.schema import Row
+
+USUAL = 4.0  # factor by which the estimate may miss the median of a campaign
+# what the numbers may have been in: unit, and factors on velocity and mass that put it right
+_READ_AS = {
+    "velocity in km/h instead of m/s": (1.0 / 3.6, 1.0),
+    "velocity in mph instead of m/s": (0.44704, 1.0),
+    "velocity in ft/s instead of m/s": (0.3048, 1.0),
+    "mass in lb instead of kg": (1.0, 0.45359237),
+    "mass in t instead of kg": (1.0, 1000.0),
+    "mass in g instead of kg": (1.0, 0.001),
+}
+_LIKELY, _NAMED = np.log(2.5), 3  # a reading brings the median this near; how many are named
+_LEAST_LOAD = 1e-3  # of the squash load, below which axial loads look like another unit
+_NUMBERS = ("span_m", "hit_at_m", "axial_load_N", "mass_kg", "velocity_m_per_s", "peak_m")
+
+
+def suspicions(rows: pd.DataFrame) -> list[Finding]:
+    """What looks wrong in a table of impact tests, one finding per suspicion."""
+    texts = [*_loads(rows)]
+    for first, second in same_contents(rows):
+        texts.append(f"{first} and {second} hold the same numbers: one test under two names?")
+    for campaign, own in rows.groupby("campaign", sort=False):
+        texts += _energies(str(campaign), list(records(own)))
+    return [Finding("data", text) for text in texts]
+
+
+def _loads(rows: pd.DataFrame) -> Iterator[str]:
+    for campaign, own in rows.groupby("campaign", sort=False):
+        shares = []
+        for row in records(own):
+            column = scenario_of(row).column
+            if column.axial_load:
+                shares.append(abs(column.axial_load) / column.properties.squash_load)
+        if shares and max(shares) < _LEAST_LOAD:
+            yield f"axial loads of {campaign} are at most {max(shares):.1g} of the squash load: kN?"
+
+
+def same_contents(rows: pd.DataFrame) -> list[tuple[str, str]]:
+    """Names of rows that hold the same numbers, a measured peak among them."""
+    found = []
+    seen: dict[tuple[float, ...], str] = {}
+    for row in records(rows):
+        numbers = tuple(known(row, name) or 0.0 for name in _NUMBERS)
+        own = f"{row['campaign']} {row['specimen']}"
+        first = seen.setdefault(numbers, own)
+        if first != own and known(row, "peak_m") is not None:
+            found.append((first, own))
+    return found
+
+
+def _energies(campaign: str, rows: list[Row]) -> Iterator[str]:
+    """Peaks against the energy estimate, and which other reading of the numbers would fit."""
+    peaks = {}
+    for number, row in enumerate(rows):
+        peak = known(row, "peak_m")
+        if peak is not None:
+            peaks[number] = peak
+    if not peaks:
+        return
+    hits = {number: scenario_of(rows[number]) for number in peaks}
+    ratio = _ratio(hits, peaks)
+    if ratio is not None and 1.0 / USUAL <= ratio <= USUAL:
+        return
+    readings = {
+        name: _ratio({n: _as(hit, *factors) for n, hit in hits.items()}, peaks)
+        for name, factors in _READ_AS.items()
+    }
+    fitting = {name: abs(np.log(found)) for name, found in readings.items() if found is not None}
+    if ratio is not None:
+        for unit, times in {"mm": 1000.0, "cm": 100.0, "inches": 1.0 / 0.0254}.items():
+            fitting[f"peaks in {unit} instead of m"] = abs(np.log(ratio / times))
+    likely = [name for name in sorted(fitting, key=fitting.__getitem__) if fitting[name] < _LIKELY]
+    guess = f": {' or '.join(likely[:_NAMED])}?" if likely else ": units or columns?"
+    if ratio is None:
+        yield f"{campaign} survived hits under which the energy estimate collapses{guess}"
+    else:
+        yield f"peaks of {campaign} are {ratio:.2g} times those of the energy estimate{guess}"
+
+
+def _ratio(hits: dict[int, ColumnImpact], peaks: dict[int, float]) -> float | None:
+    """Median of measured over estimated peak, None where more than half have no estimate."""
+    found = []
+    for number, hit in hits.items():
+        answer = EnergyEstimate().simulate(hit)
+        if outcome_of(answer) is Outcome.OK:
+            found.append(peaks[number] / float(answer["peak_displacement"]))
+    return float(np.median(found)) if 2 * len(found) > len(hits) else None
+
+
+def _as(hit: ColumnImpact, velocity: float, mass: float) -> ColumnImpact:
+    """The hit with velocity and mass times a factor, held within what a scenario may say."""
+    striker = replace(
+        hit.striker,
+        velocity=min(hit.striker.velocity * velocity, 300.0),
+        mass=min(hit.striker.mass * mass, 1e7),
+    )
+    return replace(hit, striker=striker)

@@ -1,0 +1,248 @@
+"""Adding a table to the user's own data: everything is checked before anything is written."""
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import tomli_w
+
+from workbench import __version__
+from workbench.datafiles import data_directory, own_data_directory
+from workbench.errors import InputError
+from workbench.evidence import Dataset, datasets
+from workbench.evidence.catalogue import CATALOGUE, SYNTHETIC, datasets_in
+from workbench.intake.conversion import Converted, convert, find, names_in
+from workbench.intake.kinds import KINDS, Kind, kind_of, rows_of
+from workbench.intake.mapping import Mapping, check_stated, read_mapping
+from workbench.studs.reading import read_text
+from workbench.studs.schema import Table
+from workbench.study.store import write_atomically
+
+_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
+_MARK = "SYNTHETIC"
+_PROVENANCE = ("licence", "year", "role")
+_SHOWN = 8  # doubts in a message
+
+
+@dataclass(frozen=True)
+class Added:
+    """What became of a table: its `entry` in the catalogue and how many `rows` it has.
+
+    `notes`, how columns were read; `doubts`, what was accepted all the same; `already`, whether
+    the same table was there, so that nothing was written; `read`, whether the catalogue reads the
+    folder.
+    """
+
+    entry: Dataset
+    rows: int
+    notes: tuple[str, ...]
+    doubts: tuple[str, ...]
+    already: bool
+    read: bool
+
+    @property
+    def then(self) -> str:
+        """What to do with the table next."""
+        kind = KINDS[self.entry.kind]
+        fitted = kind.fit.format(path=self.entry.path) if self.entry.role == "calibrate" else ""
+        return ", or ".join(part for part in (kind.then, fitted) if part)
+
+
+def add_table(
+    path: Path,
+    *,
+    mapping: Path | None = None,
+    kind: str | None = None,
+    into: Path | None = None,
+    name: str | None = None,
+    despite_doubts: bool = False,
+) -> Added:
+    """Add a table of tests to the data of the user.
+
+    Arguments: `path` of the CSV file and of its `mapping` file; `kind`, one of `KINDS`; `into`, the
+    folder (default: the one that the catalogue reads); `name` in the catalogue; `despite_doubts`,
+    take what looks absurd. Raises `InputError`, with nothing written.
+    """
+    told = Mapping() if mapping is None else read_mapping(mapping)
+    folder = own_data_directory() if into is None else into
+    if folder.resolve().is_relative_to(data_directory().resolve()):
+        text = "holds the data that come with the workbench, which are read only"
+        raise InputError("--into", str(folder), text, "name another folder")
+    names = [*names_in(path), *(told.columns or {}).values(), *(told.constants or {})]
+    which = kind_of(names, kind or told.kind, lambda n, table: find(n, table) is not None)
+    converted = convert(path, KINDS[which].table, told, _common(told, KINDS[which]))
+    rows = _examined(converted, path, KINDS[which].table)
+    entry = _entry(path, which, told, rows, converted)
+    entry = replace(entry, name=_name(name or told.name, path), folder=str(folder))
+    entry = replace(entry, file=f"{entry.name}.csv")
+    rows = _marked(rows, entry)
+    content = _csv(rows)
+    already = _same(entry, content, folder)
+    if already is not None:
+        return Added(already, len(rows), (), (), True, folder_is_read(folder))
+    doubts = tuple(finding.text for finding in KINDS[which].suspicions(rows))
+    doubts += tuple(_copies(entry, rows, folder))
+    if doubts and not despite_doubts:
+        more = f"; and {len(doubts) - _SHOWN} more" if len(doubts) > _SHOWN else ""
+        advice = "correct the table, or take it as it is with --despite-doubts"
+        raise InputError(
+            path.name, None, f"looks wrong: {'; '.join(doubts[:_SHOWN])}{more}", advice
+        )
+    if doubts:
+        accepted = "; ".join(doubts)[:800]
+        entry = replace(entry, uncertainty=f"{entry.uncertainty}; taken despite: {accepted}")
+    _write(entry, content, folder)
+    return Added(entry, len(rows), converted.notes, doubts, False, folder_is_read(folder))
+
+
+def folder_is_read(folder: Path) -> bool:
+    """Whether the catalogue reads this folder."""
+    return folder.resolve() == own_data_directory().resolve()
+
+
+def _common(told: Mapping, kind: Kind) -> dict[str, str]:
+    """What the mapping says of all rows, as cells of the columns of the schema."""
+    role = told.role
+    if role == SYNTHETIC and role not in kind.table.words("role"):
+        role = "verify"  # neither fitted nor validated by
+    given = {kind.source: told.source, "licence": told.licence, "role": role}
+    if "year" in kind.table.names and told.year is not None:
+        given["year"] = str(told.year)
+    if told.role == SYNTHETIC and "origin" in kind.table.names:
+        given["origin"] = SYNTHETIC
+    return {name: cell for name, cell in given.items() if cell is not None}
+
+
+def _examined(converted: Converted, path: Path, table: Table) -> pd.DataFrame:
+    """The rows; a bad cell is named by the column of the file that it came from."""
+    found = read_text(converted.text, table, path.name)
+    problems = tuple(
+        replace(problem, column=f"{problem.column} (from {converted.origin[problem.column]})")
+        if problem.column in converted.origin
+        else problem
+        for problem in found.problems
+    )
+    return replace(found, problems=problems).accept()
+
+
+def _entry(
+    path: Path, which: str, told: Mapping, rows: pd.DataFrame, converted: Converted
+) -> Dataset:
+    """The entry of the catalogue, still without a name. Raises `InputError`."""
+    kind = KINDS[which]
+    stated = {"source": kind.source} | {name: name for name in _PROVENANCE}
+    found: dict[str, Any] = {name: getattr(told, name) for name in stated}
+    for name, column in stated.items():
+        if found[name] is None:
+            values = list(dict.fromkeys(rows[column])) if column in rows else []
+            values = [value for value in values if value not in ("", None)]
+            if not values or (rows[column] == "").any():
+                advice = f"give it in the column {column} or in a mapping file"
+                raise InputError(f"{path.name}, {name}", None, "is missing", advice)
+            if name == "role" and len(values) > 1:
+                raise InputError(f"{path.name}, role", ", ".join(values), "must be one for a table")
+            whole = (f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+            found[name] = "; ".join(whole)
+    for column in {kind.source, "licence"} & set(rows):
+        for line, text in enumerate(rows[column], start=1):
+            check_stated(f"{path.name}, row {line}, column {column}", text)
+    campaigns = ", ".join(dict.fromkeys(rows["campaign"]))
+    words = " ".join(which.replace("-", " ").split())
+    meanings = {column.name: column.meaning for column in kind.table.columns}
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    made = f"{path.name} (sha256 {digest}) by workbench data add, {__version__}"
+    return Dataset(
+        name="unnamed",
+        title=told.title or f"{words.capitalize()} of {campaigns}"[:2000],
+        file="unnamed.csv",
+        source=found["source"][:2000],
+        licence=found["licence"][:2000],
+        role=found["role"],
+        uncertainty=told.uncertainty or kind.uncertainty,
+        columns={n: meanings.get(n, "column of the source") for n in _filled(rows)},
+        units="as the column names say; empty cells mean not reported",
+        key=told.key or "",
+        kind=which,
+        year=str(found["year"]),
+        made="; ".join([made, *converted.notes])[:2000],
+    )
+
+
+def _name(asked: str | None, path: Path) -> str:
+    slug = re.sub(r"[^a-z0-9]+", "-", path.stem.casefold()).strip("-")[:60]
+    name = asked or slug
+    if not _NAME.fullmatch(name):
+        text = "must be lower-case letters, digits and hyphens"
+        raise InputError("--name", name, text, "it names the table in the catalogue")
+    return name
+
+
+def _marked(rows: pd.DataFrame, entry: Dataset) -> pd.DataFrame:
+    """Synthetic rows say so in the name of their campaign, which every output shows."""
+    if entry.role != SYNTHETIC:
+        return rows
+    plain = rows["campaign"].str.removeprefix(_MARK).str.strip()
+    return rows.assign(campaign=_MARK + " " + plain)
+
+
+def _filled(rows: pd.DataFrame) -> list[str]:
+    return [str(name) for name in rows if not (rows[name].isna() | rows[name].eq("")).all()]
+
+
+def _csv(rows: pd.DataFrame) -> bytes:
+    text: str = rows[_filled(rows)].to_csv(index=False, float_format="%.12g", lineterminator="\n")
+    return text.encode()
+
+
+def _others(folder: Path) -> dict[str, Dataset]:
+    """The tables that a new one stands beside: those that are read, and those of the folder."""
+    there = folder / CATALOGUE
+    own = datasets_in(there) if there.is_file() else ()
+    return {entry.name: entry for entry in (*datasets(), *own)}
+
+
+def _same(entry: Dataset, content: bytes, folder: Path) -> Dataset | None:
+    """The table of the catalogue that holds the same rows; None if there is none.
+
+    Raises `InputError` if another table has the name.
+    """
+    others = _others(folder)
+    for other in others.values():
+        alike = other.kind == entry.kind and other.path.is_file()
+        if alike and other.path.read_bytes() == content:
+            return other
+    if entry.name in others:
+        text = "is the name of another table of the catalogue"
+        advice = "choose one with --name, or remove the old entry and its file"
+        raise InputError("--name", entry.name, text, advice)
+    return None
+
+
+def _copies(entry: Dataset, rows: pd.DataFrame, folder: Path) -> Iterator[str]:
+    """Rows that other tables of the kind hold as well."""
+    for other in _others(folder).values():
+        if other.kind == entry.kind:
+            old, mark = rows_of(other), f"{other.name}: "
+            both = pd.concat([old.assign(campaign=mark + old["campaign"]), rows])
+            for first, second in KINDS[entry.kind].copies(both):
+                if first.startswith(mark) and not second.startswith(mark):
+                    yield f"{second} holds the same numbers as {first}"
+
+
+def _write(entry: Dataset, content: bytes, folder: Path) -> None:
+    """The table first, then the catalogue that names it: a table without a name is never read."""
+    target, told = folder / entry.file, asdict(entry)
+    given = {name: told[name] for name in told if told[name] and name != "folder"}
+    block = tomli_w.dumps({"dataset": [given]})
+    path = folder / CATALOGUE
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        before = path.read_text(encoding="utf-8") if path.is_file() else ""
+        write_atomically(target, content)
+        write_atomically(path, f"{before.rstrip()}\n\n{block}".lstrip().encode())
+    except OSError as error:
+        raise InputError("--into", str(folder), f"cannot be written: {error.strerror}") from error

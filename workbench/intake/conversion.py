@@ -1,0 +1,276 @@
+"""A table of any header and units as text of a schema of the workbench, line by line.
+
+Columns are found by the mapping, by the name of the schema (``span_m``), or by that name without
+its unit or with another one (``span``, ``span_ft``). Every number that has a dimension must say its
+unit: in the name, in brackets after the name, in a row of units, or in the mapping.
+"""
+
+import csv
+import difflib
+import io
+import re
+from collections.abc import Mapping as Dictionary
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from workbench.errors import InputError
+from workbench.fields import Number
+from workbench.intake.mapping import Mapping
+from workbench.intake.units import factor, is_unit, spelled
+from workbench.studs.reading import NUMBER, Problem, column_names, raw_rows, width_findings
+from workbench.studs.schema import EXTRA, Column, Table
+
+_BRACKETS = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]+)[\])]")
+_PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimension
+
+
+class Place(NamedTuple):
+    """A column of a table: its `name` there, the `column` of the schema, its `unit` ("": open).
+
+    The column is None for one of the user's own.
+    """
+
+    name: str
+    column: Column | None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Converted:
+    """A table as `text` of a schema, on the lines that it had; `notes` say what was changed.
+
+    `origin` gives the name in the table, with its unit, of columns that were converted or renamed.
+    """
+
+    text: str
+    origin: dict[str, str]
+    notes: tuple[str, ...]
+
+
+def unit_of(column: Column) -> str:
+    """The unit of a column of a schema, empty for words and numbers without dimension."""
+    return column.rule.unit if isinstance(column.rule, Number) else ""
+
+
+def find(name: str, table: Table) -> Place | None:
+    """The column of a schema that a name means, with the unit that the name says."""
+    for column in table.columns:
+        unit = unit_of(column)
+        base = column.name.removesuffix(f"_{unit.replace('/', '_per_')}") if unit else column.name
+        if name == column.name:
+            return Place(name, column, unit)
+        if unit and name == base:
+            return Place(name, column)
+        said = name.removeprefix(f"{base}_").replace("_per_", "/")
+        if unit and name.startswith(f"{base}_") and is_unit(said):
+            return Place(name, column, said)
+    return None
+
+
+def names_in(path: Path) -> list[str]:
+    """The names in the header of a table. Raises `InputError`."""
+    return column_names(raw_rows(path)[0][1], path.name)
+
+
+def convert(
+    path: Path, table: Table, mapping: Mapping, constants: Dictionary[str, str]
+) -> Converted:
+    """The table of a file in the form of a schema.
+
+    Arguments: `constants`, cells of columns of the schema that the file lacks, beside those of the
+    mapping. Raises `InputError` for columns and units that are not known.
+    """
+    (_, header), *rows = raw_rows(path)
+    names = column_names(header, path.name)
+    field = f"{path.name}, line 1"
+    _check_mapping(mapping, names)
+    places = [place_of(name, table, mapping, field) for name in names]
+    _check_targets(places, field)
+    units = _unit_row(rows, places, mapping, path.name)
+    if units is not None:
+        rows = rows[1:]
+    factors = [
+        None if place is None or place.column is None else _factor(place, said, mapping, path.name)
+        for place, said in zip(places, units or [""] * len(places), strict=True)
+    ]
+    fixed = dict(_constants(mapping, table, places))
+    taken = {place.column.name for place in places if place and place.column} | set(fixed)
+    fixed |= {name: cell for name, cell in constants.items() if name not in taken}
+    lines: dict[int, list[str]] = {1: [_target(place) for place in places if place] + list(fixed)}
+    for line, cells in rows:
+        wrong = width_findings(cells, len(places))
+        if wrong:
+            raise Problem(path.name, line, *wrong[0]).error()
+        lines[max(line, 2)] = [
+            _cell(cell, each, mapping.missing)
+            for cell, place, each in zip(cells, places, factors, strict=True)
+            if place
+        ] + list(fixed.values())
+    return Converted(_text(lines), *_told(places, factors, units, mapping))
+
+
+def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | None:
+    """Where a column of a table belongs; None if it is to be ignored. Raises `InputError`."""
+    if name in mapping.ignore:
+        return None
+    bracketed = _BRACKETS.fullmatch(name)
+    bare, unit = name, ""
+    if bracketed and (is_unit(bracketed["unit"]) or bracketed["unit"] in _PURE):
+        bare, unit = bracketed["name"], spelled(bracketed["unit"])
+    columns = mapping.columns or {}
+    given = columns.get(name, columns.get(bare))
+    meant = find(given or bare, table)
+    if meant is not None:
+        if not given and meant.unit and unit and spelled(meant.unit) != unit:
+            raise InputError(field, name, f"says two units, {meant.unit} and {unit}")
+        if given == _target(meant):  # the column of the schema: the unit of the table is open
+            meant = meant._replace(unit="")
+        return meant._replace(name=name, unit=unit or meant.unit)
+    if (given or bare).startswith(EXTRA):
+        return Place(name, None)
+    known = table.names
+    near = difflib.get_close_matches(given or bare, known, 1, 0.65)
+    guess = f"did you mean {near[0]}? " if near else ""
+    if given:
+        raise InputError(f"mapping, columns.{name}", given, "is no column of the workbench", guess)
+    advice = f"{guess}name it in [columns] or in `ignore` of a mapping file"
+    raise InputError(field, name, "is no column of the workbench", advice)
+
+
+def _check_mapping(mapping: Mapping, names: list[str]) -> None:
+    """Refuse a mapping of columns that are not there."""
+    bare = {match["name"] for name in names if (match := _BRACKETS.fullmatch(name))}
+    for part in ("columns", "units", "ignore"):
+        for name in getattr(mapping, part) or ():
+            if name not in names and name not in bare:
+                text = "names a column that the table does not have"
+                advice = "it has " + ", ".join(names)
+                raise InputError(f"mapping, {part}", name, text, advice)
+
+
+def _check_targets(places: list[Place | None], field: str) -> None:
+    """Refuse two columns for one."""
+    seen: dict[str, str] = {}
+    for place in places:
+        if place and (first := seen.setdefault(_target(place), place.name)) != place.name:
+            raise InputError(field, place.name, f"is {_target(place)}, and so is {first}")
+
+
+def _unit_row(
+    rows: list[tuple[int, list[str]]],
+    places: list[Place | None],
+    mapping: Mapping,
+    name: str,
+) -> list[str] | None:
+    """The units in the first row after the header, None if it holds a test."""
+    if not rows or mapping.unit_row is False:
+        return None
+    line, cells = rows[0]
+    numbers = [
+        cell
+        for cell, place in zip(cells, places, strict=False)
+        if place and place.column and isinstance(place.column.rule, Number)
+    ]
+    found = any(map(is_unit, numbers)) and not any(map(NUMBER.fullmatch, numbers))
+    if mapping.unit_row and (not found or len(cells) != len(places)):
+        raise InputError(f"{name}, line {line}", ",".join(cells), "is no row of units")
+    if not found or len(cells) != len(places):
+        return None
+    return [spelled(cell) for cell in cells]
+
+
+def _factor(place: Place, said: str, mapping: Mapping, name: str) -> float | None:
+    """What numbers of a column are multiplied by; None for words."""
+    column = place.column
+    assert column is not None
+    if not isinstance(column.rule, Number):
+        return None
+    field = f"{name}, column {place.name}"
+    given = (mapping.units or {}).get(place.name, "")
+    told = list(dict.fromkeys(spelled(u) for u in (place.unit, said, given) if u not in ("", "-")))
+    if len(told) > 1:
+        advice = "its name, the row of units and the mapping must agree"
+        raise InputError(field, " and ".join(told), "says two units", advice)
+    own = unit_of(column)
+    if not own:
+        unit = told[0] if told else ""
+        if unit not in _PURE:
+            raise InputError(field, unit, "has no unit: " + column.meaning)
+        return _PURE[unit]
+    if not told:
+        text = f"says no unit: {column.meaning}"
+        advice = "give it in the name, in a row of units, or in [units] of the mapping"
+        raise InputError(field, None, text, advice)
+    return factor(told[0], own, field)
+
+
+def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> dict[str, str]:
+    """Cells that the mapping gives for all rows, by column of the schema."""
+    taken = {place.column.name: place.name for place in places if place and place.column}
+    found: dict[str, str] = {}
+    for name, cell in (mapping.constants or {}).items():
+        field = f"mapping, constants.{name}"
+        place = find(name, table)
+        if place is None or place.column is None:
+            near = difflib.get_close_matches(name, table.names, 1, 0.65)
+            advice = f"did you mean {near[0]}?" if near else ""
+            raise InputError(field, cell, "is no column of the workbench", advice)
+        column = place.column
+        if column.name in taken:
+            raise InputError(field, cell, f"stands in the table too, in {taken[column.name]}")
+        own = unit_of(column)
+        if own and not place.unit:
+            raise InputError(field, cell, "says no unit", f"write {column.name}")
+        found[column.name] = _cell(cell, factor(place.unit, own, field) if own else None, ())
+    return found
+
+
+def _cell(cell: str, by: float | None, missing: tuple[str, ...]) -> str:
+    """A cell in the unit of the schema; what is no number is left to the schema to refuse."""
+    text = " ".join(cell.split())
+    if by is None:
+        return text
+    if text in missing:
+        return ""
+    if by == 1.0 or not NUMBER.fullmatch(text):
+        return text
+    return repr(float(f"{float(text) * by:.12g}"))
+
+
+def _target(place: Place) -> str:
+    return place.column.name if place.column else place.name
+
+
+def _text(lines: dict[int, list[str]]) -> str:
+    """Rows as CSV, each on its line."""
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    for line in range(1, max(lines) + 1):
+        if line in lines:
+            writer.writerow(lines[line])
+        else:
+            target.write("\n")
+    return target.getvalue()
+
+
+def _told(
+    places: list[Place | None],
+    factors: list[float | None],
+    units: list[str] | None,
+    mapping: Mapping,
+) -> tuple[dict[str, str], tuple[str, ...]]:
+    """Where converted columns are from, and what was changed, one sentence per column."""
+    origin, notes = {}, []
+    said = units or [""] * len(places)
+    for place, by, unit in zip(places, factors, said, strict=True):
+        if place is None or place.column is None:
+            continue
+        own = (mapping.units or {}).get(place.name, "") or unit or place.unit
+        if place.name in (mapping.columns or {}) or by not in (None, 1.0):
+            origin[place.column.name] = place.name + (f" in {own}" if own and by else "")
+            times = f", times {by:.9g}" if by not in (None, 1.0) else ""
+            notes.append(f"{origin[place.column.name]} is {place.column.name}{times}")
+    notes += [f"{name} is left out" for name in mapping.ignore]
+    notes += [f"{name} = {cell} in all rows" for name, cell in (mapping.constants or {}).items()]
+    return origin, tuple(notes)

@@ -1,0 +1,112 @@
+"""The kinds of tables that can be added, each with its schema and what looks absurd in it."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from workbench import impact_tests
+from workbench.errors import InputError
+from workbench.evidence import Dataset, datasets
+from workbench.evidence.catalogue import IMPACT_TESTS, STUD_TESTS
+from workbench.fields import did_you_mean
+from workbench.impact_tests import suspicion as of_impacts
+from workbench.intake.conversion import convert, find, names_in
+from workbench.intake.mapping import Mapping
+from workbench.responses import Finding
+from workbench.studs import suspicion as of_studs
+from workbench.studs.reading import examine, read_text
+from workbench.studs.schema import TESTS, Table
+from workbench.studs.tables import SHIPPED, same_contents
+
+
+class Kind(NamedTuple):
+    """A kind of table: its `table` of columns, the column of its `source`, what looks wrong.
+
+    `copies` gives names of rows that hold the same; `uncertainty`, what the catalogue says of it
+    unless the mapping does; `then`, what to do next, and `fit`, what else with rows to fit.
+    """
+
+    table: Table
+    source: str
+    suspicions: Callable[[pd.DataFrame], list[Finding]]
+    copies: Callable[[pd.DataFrame], list[tuple[str, str]]]
+    uncertainty: str
+    then: str
+    fit: str = ""
+
+
+KINDS = {
+    IMPACT_TESTS: Kind(
+        impact_tests.IMPACTS,
+        "source",
+        of_impacts.suspicions,
+        of_impacts.same_contents,
+        "per test, half-widths of 95 % intervals in the columns peak_uncertainty_m and "
+        "residual_uncertainty_m",
+        "a side of any study, as model `measured`",
+    ),
+    STUD_TESTS: Kind(
+        TESTS,
+        "reference",
+        of_studs.suspicions,
+        same_contents,
+        "as tabulated; the source states none",
+        "workbench run studs",
+        "workbench fit stud-strength {path}",
+    ),
+}
+
+
+def kind_of(names: list[str], asked: str | None, known: Callable[[str, Table], bool]) -> str:
+    """The kind of a table by name, or by the columns that it has.
+
+    Arguments: `names` of its columns; `asked`, what the user says; `known`, whether a name is a
+    column of a schema. Raises `InputError`.
+    """
+    if asked is not None:
+        if asked not in KINDS:
+            allowed = "must be one of " + ", ".join(KINDS)
+            raise InputError("--kind", asked, allowed, did_you_mean(asked, KINDS))
+        return asked
+    counts = {name: sum(known(n, kind.table) for n in names) for name, kind in KINDS.items()}
+    best = max(counts, key=lambda name: counts[name])
+    if list(counts.values()).count(counts[best]) > 1:
+        text = "cannot be told from the columns"
+        raise InputError("--kind", None, text, "say one of " + ", ".join(KINDS))
+    return best
+
+
+def check_file(path: Path) -> tuple[list[str], list[str]]:
+    """Problems and suspicions of a CSV file of tests or of points, one sentence each.
+
+    Raises `InputError` for a file that cannot be read at all.
+    """
+    impacts = KINDS[IMPACT_TESTS]
+    names = names_in(path)
+    found = {each.column.name for n in names if (each := find(n, impacts.table)) and each.column}
+    if not {"span_m", "velocity_m_per_s"} <= found:
+        return of_studs.check_file(path)
+    text = convert(path, impacts.table, Mapping(), {}).text
+    examined = read_text(text, impacts.table, path.name)
+    problems = [str(problem.error()) for problem in examined.problems]
+    return problems, [each.text for each in impacts.suspicions(examined.rows)]
+
+
+def rows_of(entry: Dataset) -> pd.DataFrame:
+    """The rows of a table of the catalogue that has a schema. Raises `InputError`."""
+    return examine(entry.path, KINDS[entry.kind].table).accept()
+
+
+def problems_of_own() -> list[str]:
+    """Problems of tables that were added, and of shipped impact tests, one sentence each."""
+    problems = []
+    for entry in datasets():
+        if entry.kind not in KINDS or entry.name in SHIPPED:
+            continue
+        try:
+            rows_of(entry)
+        except InputError as error:
+            problems.append(f"dataset {entry.name}: {error}")
+    return problems
