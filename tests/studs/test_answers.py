@@ -75,10 +75,10 @@ def test_formulas_are_judged_by_what_they_have_not_seen() -> None:
     assert set(widths) == {"test_over_prediction"}  # a single test has no interval
 
 
-def test_the_mechanical_model_fails_one_unseen_test() -> None:
+def test_the_mechanical_model_is_judged_by_unseen_tests() -> None:
     response = StudMechanical().simulate(UNSEEN)
-    # measured 0.0012
-    assert number(response, "least_test_over_prediction") == pytest.approx(0.75, abs=2.4e-3)
+    # measured 0.0013
+    assert number(response, "least_test_over_prediction") == pytest.approx(0.91, abs=2.6e-3)
     content = content_of(response)
     assert content["judgement"]["worst"] == "lehigh279 P3"
     assert {curve["specimen"] for curve in content["curves"]} == {"P3", "P8"}

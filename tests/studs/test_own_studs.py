@@ -10,9 +10,10 @@ import pandas as pd
 import pytest
 
 from workbench.cli import run
+from workbench.errors import InputError
 from workbench.studs import TESTS
 from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve
-from workbench.studs.mechanical.calibration import USUAL, studs_of
+from workbench.studs.mechanical.calibration import USUAL, complete_rows, studs_of
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import identity_of
 
@@ -28,7 +29,7 @@ def table(*rows: tuple[float | None, ...]) -> pd.DataFrame:
 
 
 def test_studs_of_a_table_are_told_apart_and_averaged() -> None:
-    found = studs_of(
+    found, _ = studs_of(
         table((16, 90, 40, 480), (19, 100, 30, 450), (19, 100, 32, 460), (19.05, 100, 31, 440)),
         NOTHING,
     )
@@ -38,15 +39,26 @@ def test_studs_of_a_table_are_told_apart_and_averaged() -> None:
     assert not any(each.assumed for each in found)
 
 
+def test_a_stocky_stud_is_refused_and_takes_none_from_the_others() -> None:
+    stocky, usual = (19, 75, 30, 450), (19, 100, 30, 450)
+    found, refused = studs_of(table(stocky, stocky, usual), NOTHING)
+    assert [each.stud.height for each in found] == pytest.approx([0.1])
+    assert "stud.height = 0.075: must be 4 diameters or more; stockier studs may pry" in refused[0]
+    with pytest.raises(InputError, match="4 diameters"):
+        studs_of(table(stocky), NOTHING)
+    complete = complete_rows(table(stocky, usual))
+    assert complete["height_mm"].tolist() == [100.0]
+
+
 def test_what_is_not_told_is_assumed_and_named() -> None:
     rows = table((16, None, 40, None), (16, None, 41, None))
-    (one,) = studs_of(rows, NOTHING)
+    (one,), _ = studs_of(rows, NOTHING)
     assert one.assumed == "height_mm 100, fu_MPa 450"
     assert one.stud.diameter == pytest.approx(0.016)
     assert one.stud.concrete_strength == pytest.approx(40.5e6)
-    (given,) = studs_of(rows, {**NOTHING, "height_mm": 90.0, "fu_MPa": 480.0})
+    (given,), _ = studs_of(rows, {**NOTHING, "height_mm": 90.0, "fu_MPa": 480.0})
     assert (given.assumed, given.stud.height) == ("", pytest.approx(0.09))
-    (usual,) = studs_of(rows.iloc[:0], NOTHING)
+    (usual,), _ = studs_of(rows.iloc[:0], NOTHING)
     assert (usual.tests, usual.stud.title) == (0, "19 x 100 mm, f_c 30 MPa, f_u 450 MPa")
 
 
@@ -55,7 +67,7 @@ def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
 ) -> None:
     # assumed parameters, few levels and no band: which stud is computed is what matters here
     model = MechanicalFit(
-        Surroundings(), {}, table((19, 100, 30, 450)), {}, identity_of(table((19, 100, 30, 450)))
+        Surroundings(), {}, table((19, 100, 30, 450)), {}, 1, identity_of(table((19, 100, 30, 450)))
     )
     monkeypatch.setattr("workbench.studs.answers.evidence.calibrated", lambda scenario: model)
     short = partial(residual_curve, levels=(0.0, 0.5), spread={})

@@ -40,8 +40,8 @@ def draw(request: Request) -> Drawing:
     sheet.said += [
         f"{label}: {content['basis']}.",
         f"Of {judgement['tests']} unseen tests the worst, {judgement['worst']}, bore "
-        f"{number(judgement['least_test_over_prediction'], 2)} of the prediction: the model knows "
-        "no cracking or splitting of the slab.",
+        f"{number(judgement['least_test_over_prediction'], 2)} of the prediction: cracking "
+        "and splitting of the slab enter through the limit of EN 1994-1-1 (mean form) alone.",
     ]
     for i, (name, look) in enumerate(looks.items()):
         known = f"{name}, unseen" if i else f"{name}, calibration"

@@ -16,8 +16,8 @@ from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
 from workbench.studs.interaction import INTERACTIONS, combined_tests
 from workbench.studs.load_slip_curves import first_loading
-from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points, push_out
-from workbench.studs.mechanical.calibration import complete_rows, stud_of
+from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
+from workbench.studs.mechanical.calibration import complete_rows, predicted, stud_of
 from workbench.studs.quantities import Array, undamaged_headed_studs
 from workbench.studs.series import evaluate_groups
 from workbench.studs.tables import campaigns_of
@@ -145,7 +145,9 @@ class StudMechanical(StudModel):
     assumptions: ClassVar[tuple[str, ...]] = (
         "Co-rotational fiber beam of the shank on two-sided bearing concrete that crushes and "
         "leaves gaps; shear slide at the base that yields; friction under the flange.",
-        "No splitting or cracking of the slab: studs whose slab cracks are predicted too strong.",
+        "No splitting or cracking of the slab: strength is limited by the concrete term of the "
+        "mean form of EN 1994-1-1, and by the tensile strength of the shank.",
+        "No pry-out: studs of less than four diameters are refused.",
         "Friction, pressure under the head, cone and rupture strain are assumed, not calibrated.",
     )
 
@@ -186,7 +188,7 @@ def calibrated(scenario: StudTests) -> MechanicalFit:
 
 def _curve(row: pd.Series, fit: MechanicalFit) -> dict[str, Any]:
     """Predicted load-slip curve of the stud of a row (SI)."""
-    curve = push_out(stud_of(row), fit.around, steps=DRAWN)
+    curve = predicted(stud_of(row), fit.around, DRAWN)
     names = {name: row[name] for name in ("campaign", "specimen")}
     parts = ("slip", "load", "collar", "friction")
     return {**names, **{name: getattr(curve, name) for name in parts}}

@@ -159,8 +159,8 @@ class StudResidual(StudModel):
         "Damage is a share: 0 none, 1 the load, displacement or life at which an undamaged stud "
         "fails; kinds and measures of damage are never mixed.",
         "Mechanical prediction: pull-out to a level, unloading, push-out; its band runs over what "
-        "no test at hand tells (share of the bearing that a cone takes, end of the cone, friction) "
-        "and is no confidence interval.",
+        "no test at hand tells (share of the bearing that a cone takes, end of the cone, friction, "
+        "rupture strain), all at once, and is no confidence interval.",
     )
 
     def find(self, scenario: StudTests, split: Split) -> Found:
@@ -219,12 +219,12 @@ def answer_residual(
     said: list[Finding] = []
     curves: list[MechanicalCurve | None] = [None]
     if model is not None and kind in (None, "pull-out") and level in (None, *MEASURES):
-        studs = studs_of(rows, given)[:1] if len(rows) else studs_of(own_rows(table), given)
-        said += _of_studs(studs)
         try:
+            studs, refused = studs_of(rows if len(rows) else own_rows(table), given)
+            chosen = studs[: 1 if len(rows) else MOST_STUDS]
             fit = model()
             how: dict[str, Any] = {"measure": level or MEASURES[0], "basis": fit.basis}
-            chosen = studs[:MOST_STUDS]
+            said += _of_studs(chosen, [] if len(rows) else studs[MOST_STUDS:], refused)
             curves = [residual_curve(e.stud, fit.around, quantity, **how) for e in chosen]
         except InputError as error:
             if rows.empty:
@@ -245,11 +245,16 @@ def answer_residual(
     return [replace(each, findings=(*said, *each.findings)) for each in found]
 
 
-def _of_studs(studs: list[TableStud]) -> Iterator[Finding]:
+def _of_studs(
+    studs: list[TableStud], others: list[TableStud], refused: list[str]
+) -> Iterator[Finding]:
     """What was assumed of the studs that the mechanical model computes, and which it leaves out."""
+    for text in refused:
+        yield Finding("stud", f"a stud of the table is not answered for: {text}")
     if studs[0].assumed:
         text = f"stud of the mechanical model: not told, so assumed: {studs[0].assumed}"
         yield Finding("stud", text, remedy="fill these columns, or give the stud as options")
-    if others := [each.stud.title for each in studs[MOST_STUDS:]]:
-        text = f"{len(others)} further studs of the table are not answered for: {'; '.join(others)}"
+    if others:
+        titles = "; ".join(each.stud.title for each in others)
+        text = f"{len(others)} further studs of the table are not answered for: {titles}"
         yield Finding("stud", text, remedy="give one of them as options")

@@ -1,15 +1,16 @@
 """Calibration of the mechanical model on push-out tests, and its check on other campaigns."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError, SolverError
-from workbench.studs.mechanical.driving import push_out
-from workbench.studs.mechanical.parameters import Stud, Surroundings
+from workbench.studs.mechanical.driving import ShearCurve, push_out
+from workbench.studs.mechanical.parameters import LEAST_SLENDERNESS, Stud, Surroundings
 from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
 from workbench.studs.schema import HEADED
 from workbench.studs.tables import RowIdentity, identity_of
@@ -50,9 +51,12 @@ class TableStud(NamedTuple):
     assumed: str
 
 
-def studs_of(table: pd.DataFrame, given: Mapping[str, float | None]) -> list[TableStud]:
+def studs_of(
+    table: pd.DataFrame, given: Mapping[str, float | None]
+) -> tuple[list[TableStud], list[str]]:
     """The different headed studs of a table with their mean values, that of most tests first.
 
+    And why the model refuses others. Raises `InputError` where it refuses all.
     Arguments: `given`, values by column (those of `USUAL`, None: not given) that count instead of
     those of the table. What neither tells is taken from `USUAL`, and said to be assumed.
     """
@@ -70,28 +74,45 @@ def studs_of(table: pd.DataFrame, given: Mapping[str, float | None]) -> list[Tab
         group.append(values)
     groups.sort(key=len, reverse=True)
     means = [np.mean(group, axis=0) * (1e-3, 1e-3, 1e6, 1e6) for group in groups]
-    studs = [Stud.of_concrete(*mean.tolist()) for mean in means]
-    words = ", ".join(assumed)
-    counts = [len(group) if len(table) else 0 for group in groups]
-    return [TableStud(*each, words) for each in zip(studs, counts, strict=True)]
+    studs, refused = [], []
+    for mean, group in zip(means, groups, strict=True):
+        try:
+            stud = Stud.of_concrete(*mean.tolist())
+        except InputError as error:
+            refused.append(error)
+        else:
+            studs.append(TableStud(stud, len(group) if len(table) else 0, ", ".join(assumed)))
+    if not studs:
+        raise refused[0]
+    return studs, [str(error) for error in refused]
 
 
 def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
-    """Undamaged headed studs with all values that the model needs. Raises `InputError`."""
+    """Undamaged headed studs in the range of the model, with all values. Raises `InputError`."""
     rows = undamaged_headed_studs(table)
     test = specimens(rows)
     known = np.isfinite([getattr(test, name) for name in NEEDED]).all(axis=0)
+    known &= test.slenderness >= LEAST_SLENDERNESS
     if not known.any():
         raise InputError("table", len(table), "holds no test that the mechanical model can answer")
     return rows.iloc[np.flatnonzero(known)].reset_index(drop=True)
 
 
-def _predictions(rows: pd.DataFrame, around: Surroundings) -> Array:
+def predicted(stud: Stud, around: Surroundings, steps: int = STEPS) -> ShearCurve:
+    """The push-out of a stud, at most at its `largest_shear`."""
+    return push_out(stud, around, steps=steps).limited(stud.largest_shear)
+
+
+def _predictions(
+    rows: pd.DataFrame,
+    around: Surroundings,
+    curve_of: Callable[[Stud, Surroundings], ShearCurve] = predicted,
+) -> Array:
     """Strength, stiffness and slip at rupture (rows, 3); equal studs are solved once."""
     studs = [stud_of(row) for _, row in rows.iterrows()]
     solved: dict[Stud, tuple[float, float, float]] = {}
     for stud in dict.fromkeys(studs):
-        curve = push_out(stud, around, steps=STEPS)
+        curve = curve_of(stud, around)
         solved[stud] = (curve.strength, curve.secant(STIFFNESS_LEVEL), float(curve.slip[-1]))
     return np.array([solved[stud] for stud in studs])
 
@@ -121,20 +142,24 @@ class MechanicalFit:
 
     `around`, its parameters; `standard_errors` of the logarithms of those calibrated (within the
     campaigns used; a new campaign may differ by more); `rows`, test and prediction of the
-    calibration tests; `scatter`, standard deviation of the log ratio by quantity.
+    calibration tests, and `mechanism_ratio`, test over the strength of the mechanism without its
+    limits, which is what was calibrated; `scatter`, standard deviation of the log ratio by
+    quantity; `studs`, how many different ones the tests have.
     """
 
     around: Surroundings
     standard_errors: dict[str, float]
     rows: pd.DataFrame
     scatter: dict[str, float]
+    studs: int
     identity: RowIdentity
 
     @property
     def basis(self) -> str:
         """What the model was calibrated on, in one sentence."""
         campaigns = ", ".join(sorted(self.identity.campaigns))
-        return f"mechanical model calibrated on {len(self.rows)} undamaged push-outs of {campaigns}"
+        tests = f"{len(self.rows)} undamaged push-outs of {campaigns}"
+        return f"mechanical model calibrated on {tests}, which are {self.studs} different studs"
 
     def validate(self, table: pd.DataFrame) -> pd.DataFrame:
         """Test and prediction of tests that the calibration has not seen (see `_compare`).
@@ -153,6 +178,7 @@ class MechanicalFit:
             "standard_errors": self.standard_errors,
             "scatter": self.scatter,
             "tests": len(self.rows),
+            "studs": self.studs,
             "campaigns": sorted(self.identity.campaigns),
         }
 
@@ -161,7 +187,9 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
     """Calibrate the parameters `FREE` of the model on the undamaged push-outs of a table.
 
     Least squares of the logarithms of strength, secant stiffness and slip at the largest load,
-    each over its own scatter between equal specimens. Raises `InputError`, `SolverError`.
+    each over its own scatter between equal specimens. It is the mechanism that is calibrated,
+    without the limits of `Stud.largest_shear`: where one governs, the parameters would not show.
+    Raises `InputError`, `SolverError`.
     """
     from scipy.optimize import least_squares
 
@@ -173,11 +201,13 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
     if known.sum() <= len(FREE):
         raise InputError("table", len(rows), f"must give more than {len(FREE)} observations")
 
+    mechanism = partial(push_out, steps=STEPS)
+
     def around(theta: Array) -> Surroundings:
         return replace(begin, **dict(zip(FREE, np.exp(theta).tolist(), strict=True)))
 
     def residual(theta: Array) -> Array:
-        error = (np.log(_predictions(rows, around(theta))) - observed) / scatter
+        error = (np.log(_predictions(rows, around(theta), mechanism)) - observed) / scatter
         return np.asarray(error[known])
 
     theta = np.log([float(getattr(begin, name)) for name in FREE])
@@ -187,13 +217,16 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
     if not found.success:
         raise SolverError("calibration of the stud", float(found.cost), "20 evaluations")
     best = around(found.x)
+    strength = _predictions(rows, best, mechanism)[:, 0]
     compared = _compare(rows, _predictions(rows, best))
+    compared["mechanism_ratio"] = compared["strength_test"] / strength
     covariance = np.linalg.pinv(found.jac.T @ found.jac)
     covariance *= 2.0 * found.cost / max(int(known.sum()) - len(FREE), 1)
     errors = dict(zip(FREE, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     ratios = {name: np.log(compared[f"{name}_ratio"].dropna().to_numpy()) for name in OBSERVED}
     spread = {n: float(np.std(r, ddof=1)) if len(r) > 1 else np.nan for n, r in ratios.items()}
-    return MechanicalFit(best, errors, compared, spread, identity_of(rows))
+    studs = len({stud_of(row) for _, row in rows.iterrows()})
+    return MechanicalFit(best, errors, compared, spread, studs, identity_of(rows))
 
 
 def _replicate_scatter(rows: pd.DataFrame, observed: Array) -> Array:

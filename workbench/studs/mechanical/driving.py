@@ -1,6 +1,6 @@
 """Drive a stud: push-out, pull-out, and one after the other."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -33,6 +33,10 @@ class ShearCurve:
     def strength(self) -> float:
         """Largest load, in N."""
         return float(np.max(self.load))
+
+    def limited(self, load: float) -> "ShearCurve":
+        """The curve with a plateau at a load (N) that it would exceed."""
+        return replace(self, load=np.minimum(self.load, load))
 
     def strength_within(self, slip: float) -> float:
         """Largest load up to a slip (m), in N."""

@@ -7,12 +7,14 @@ from math import pi, sqrt
 
 from workbench.fields import Declared, Number, checked
 from workbench.studs.quantities import concrete_modulus
+from workbench.studs.shear import SHEAR_MODELS
 
 LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
 STEEL_MODULUS, SHEAR_MODULUS, DENSITY = 210e9, 81e9, 7850.0
 # usual proportions of a headed stud, ISO 13918, as shares of the diameter
 HEAD_DIAMETER, HEAD_HEIGHT, COLLAR_DIAMETER, COLLAR_HEIGHT = 1.65, 0.5, 1.25, 0.27
+LEAST_SLENDERNESS = 4.0 - 1e-9  # height over diameter: a stockier stud may pry out
 YIELD_SHARE = 0.8  # of the tensile strength, where the yield stress was not measured
 
 
@@ -48,6 +50,9 @@ class Stud(Declared, table="stud"):
             object.__setattr__(self, "yield_stress", YIELD_SHARE * self.ultimate_strength)
         if not self.head_diameter > self.diameter:  # type: ignore[operator]
             raise self.refusal("head_diameter", "must exceed the diameter")
+        if self.height < LEAST_SLENDERNESS * self.diameter:
+            reason = f"must be {LEAST_SLENDERNESS:g} diameters or more"
+            raise self.refusal("height", reason, "stockier studs may pry out: no model of that")
         if self.embedment < 2.0 * self.diameter:
             raise self.refusal("height", "must leave an embedment of two diameters or more")
 
@@ -90,6 +95,16 @@ class Stud(Declared, table="stud"):
     def shear_strength(self) -> float:
         """Plastic shear strength of the shank, A_s f_u / sqrt(3), in N (von Mises)."""
         return self.tensile_strength / sqrt(3.0)
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear of a push-out, in N, whatever the bearing of the shank gives.
+
+        The tensile strength of the shank, and the concrete term of the mean form of EN 1994-1-1
+        (splitting and crushing of the slab, which no part of the mechanism knows).
+        """
+        sizes = (self.diameter, self.height, self.concrete_strength, self.concrete_modulus)
+        return min(self.tensile_strength, float(SHEAR_MODELS["roik-mean"].concrete(*sizes)))
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,19 @@
 """What the mechanical model predicts to be left of a stud after a pull-out, with its band.
 
-The band runs over the parameters that no test at hand tells: what a cone takes from the bearing
-strength, where it ends, and the friction of the flange.
+The band runs over the parameters that no test at hand tells, all of them at once: what a cone takes
+from the bearing strength, where it ends, the friction of the flange, the strain at rupture. Ratios
+are those of the mechanism itself, without the limits of `Stud.largest_shear`: under a limit a loss
+would not show.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 
-from workbench.errors import InputError
+from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
 from workbench.studs.mechanical.driving import PullCurve, pull_out, pull_then_push, push_out
 from workbench.studs.mechanical.parameters import Stud, Surroundings
@@ -22,8 +25,14 @@ MEASURES = ("displacement ratio", "load ratio")  # of damage
 QUANTITIES = ("strength", "stiffness")
 LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
 STEPS = 120
-# ends of the unknown parameters, which span the band one after the other
-UNKNOWN = {"cone_loss": (0.0, 1.0), "cone_end": (0.03, 0.12), "friction": (0.0, 0.6)}
+TRIED = (40, STEPS, 2 * STEPS)  # steps at the corners of the band: 40 are within 0.01 of 120
+# ends of the unknown parameters, whose corners span the band
+UNKNOWN = {
+    "cone_loss": (0.0, 1.0),
+    "cone_end": (0.03, 0.12),
+    "friction": (0.0, 0.6),
+    "rupture_strain": (0.06, 0.20),
+}
 
 
 def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
@@ -47,27 +56,39 @@ def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
     return level * float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
 
 
-@lru_cache(maxsize=64)  # strength and stiffness come from the same runs
+@lru_cache(maxsize=128)  # strength and stiffness come from the same runs
 def residual_ratios(
-    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str, steps: int = STEPS
 ) -> tuple[Array, Array]:
     """Strength and stiffness (10 to 40 %) over those of the undamaged stud (levels,) each.
 
     Strength counts up to the slip at which the undamaged stud tears. A stud torn in the pull-out
     has nothing left.
     """
-    whole = push_out(stud, around, steps=STEPS)
+    whole = push_out(stud, around, steps=steps)
     end = float(whole.slip[-1])
-    pulled = pull_out(stud, around, steps=STEPS)
+    pulled = pull_out(stud, around, steps=steps)
     strength, stiffness = np.ones(len(levels)), np.ones(len(levels))
     for i, level in enumerate(levels):
         if level == 0.0:
             continue
         uplift = uplift_at(pulled, float(level), measure)
-        _, after = pull_then_push(stud, around, uplift, steps=STEPS)
+        _, after = pull_then_push(stud, around, uplift, steps=steps)
         strength[i] = 0.0 if after is None else after.strength_within(end) / whole.strength
         stiffness[i] = 0.0 if after is None else after.chord() / whole.chord()
     return strength, stiffness
+
+
+def _at_corner(
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str
+) -> tuple[Array, Array]:
+    """Ratios as in `residual_ratios`, with as few steps as find an equilibrium."""
+    for steps in TRIED[:-1]:
+        try:
+            return residual_ratios(stud, around, levels, measure, steps)
+        except SolverError:
+            continue
+    return residual_ratios(stud, around, levels, measure, TRIED[-1])
 
 
 def residual_curve(
@@ -88,11 +109,13 @@ def residual_curve(
     """
     Choice(QUANTITIES).check("quantity", quantity)
     which, at = QUANTITIES.index(quantity), np.array(levels, float)
-    ends = [replace(around, **{name: end}) for name, all_ in spread.items() for end in all_]
-    every = [residual_ratios(stud, each, levels, measure)[which] for each in (around, *ends)]
-    low, high = np.min(every, axis=0), np.max(every, axis=0)
-    bounds, kind = (low, high), ("pull-out", measure, quantity)
-    return MechanicalCurve(at, every[0], *bounds, *kind, basis, stud.title)
+    middle = residual_ratios(stud, around, levels, measure)[which]
+    corners = (dict(zip(spread, ends, strict=True)) for ends in product(*spread.values()))
+    every = [middle] + [
+        _at_corner(stud, replace(around, **corner), levels, measure)[which] for corner in corners
+    ]
+    bounds, kind = (np.min(every, axis=0), np.max(every, axis=0)), ("pull-out", measure, quantity)
+    return MechanicalCurve(at, middle, *bounds, *kind, basis, stud.title)
 
 
 def interaction_points(
