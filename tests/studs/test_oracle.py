@@ -1,4 +1,4 @@
-"""What a fit of strength prints, recomputed with statsmodels and plain numpy from the table alone."""
+"""What a fit of strength prints, recomputed with statsmodels and plain numpy from the table."""
 
 from __future__ import annotations
 
