@@ -326,17 +326,18 @@ study = Study(
         "a choice of this workbench; no published number exists for it.",
         "The published SDOF and energy values differ by 0.14 to 0.23 %; in this workbench they "
         "agree to 1e-6. That difference is not explained.",
-        "Figure 5.4 is a curve without numbers: its peak can only be read as 0.45 to 0.5 m, and "
-        "its striker mass is not printed (1500 kg, as in the other examples, is assumed). The "
-        "4-DOF model lies at the upper end of that reading. The fiber reference lies above the "
-        "TL beam of the figure, whose mesh is unknown: coarse meshes of this workbench's "
-        "reference move towards it.",
+        "Figure 5.4 of the thesis ([#figure-5-4]) is a curve without numbers: its peak can only be "
+        "read as 0.45 to 0.5 m, and its striker mass is not printed (1500 kg, as in the other "
+        "examples, is assumed). The 4-DOF model lies at the upper end of that reading. The fiber "
+        "reference lies above the TL beam of the figure, whose mesh is unknown: coarse meshes of "
+        "this workbench's reference move towards it.",
         "Model-form warning: the 0.8 m segment below the hit point needs about 1.8 times its "
         "plastic shear resistance. Its web yields in shear before the bending mechanism forms. "
         "Models without shear, the fiber reference among them, are outside their domain: they "
         "reproduce the thesis and are compared with each other, not with a real column. What the "
         "column does is shown by a solid, pushed and struck, and by the 4-DOF column with panels, "
-        "which follows it; by a beam whose web yields as long as it slides by less than 0.12 m.",
+        "which follows it; by a beam whose web yields as long as it slides by less than 0.12 m "
+        "([#shear-peaks]).",
     ),
 )
 

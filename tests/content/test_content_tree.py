@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.assessment import METRICS
 from workbench.content.bibliography import bibliography, reference_of
 from workbench.content.html import render_html
-from workbench.content.tree import Document, Paragraph, Run, Section, runs_of
+from workbench.content.markdown import render_markdown
+from workbench.content.terminal import render_text
+from workbench.content.tree import (
+    ELSEWHERE,
+    Column,
+    Document,
+    Paragraph,
+    Picture,
+    Run,
+    Section,
+    Table,
+    runs_of,
+)
 from workbench.content.typst import render_pdf
 from workbench.evidence.catalogue import datasets
 from workbench.registry import offers
@@ -26,8 +41,28 @@ def test_runs():
 
 @given(st.text(max_size=60))
 def test_runs_lose_nothing(text):
-    back = {"plain": "{}", "code": "`{}`", "cite": "[@{}]"}
+    back = {"plain": "{}", "code": "`{}`", "cite": "[@{}]", "see": "[#{}]"}
     assert "".join(back[run.kind].format(run.text) for run in runs_of(text)) == text
+
+
+def test_figures_and_tables_are_numbered_and_named_by_texts():
+    table = Table.of("values", "All values.", (Column("x", of=str),), "ab")
+    picture = Picture("plot", "A plot", "Seen.", "", "alt")
+    text = Paragraph("[#plot] and [#again] draw [#values], not [#nothing].")
+    inner = Section("inner", "Inner", (picture, replace(picture, key="again")))
+    whole = Document("Title", "", (), (Section("outer", "Outer", (table, inner, text)),))
+    assert whole.named == {"values": "Table 1", "plot": "Figure 1", "again": "Figure 2"}
+    page, html = render_markdown(whole), render_html(whole)
+    said = f"Figure 1 and Figure 2 draw Table 1, not {ELSEWHERE}."
+    assert said in page
+    assert said in re.sub("<[^>]*>", "", html)
+    for target, name in (("plot-again", "Figure 2"), ("table-values", "Table 1")):
+        assert f'href="#{target}">{name}</a>' in html
+        assert f'id="{target}"' in html
+        assert f"<b>{name}.</b>" in html
+    assert "**Figure 2.** Seen." in page
+    assert render_pdf(whole).startswith(b"%PDF")
+    assert "Table" not in render_text(table)  # no document, no number
 
 
 def document(text: str) -> Document:

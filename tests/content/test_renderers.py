@@ -93,7 +93,10 @@ def page() -> str:
 
 
 def test_markdown(page):
-    assert page.startswith("# Name\n\nasked &lt;b>\n\nValues (Heng, P. 2017).\n\n")
+    assert page.startswith("# Name\n\nasked &lt;b>\n\n**Table 1.** Values (Heng, P. 2017).\n\n")
     assert "\n| name | value | count |\n|---|---:|---:|\n| a \\| b | ❌ 1.50 | 3 |\n" in page
-    assert "\n> two lines\n\n## Part\n\n![alt](figures/p.png)\n\ncaption\n\n- said\n\n" in page
+    assert (
+        "\n> two lines\n\n## Part\n\n![alt](figures/p.png)\n\n**Figure 1.** caption\n\n- said\n\n"
+        in page
+    )
     assert "\n- term: text\n\nl\n\n```\nx = 1\n```\n\n---\n\nmade by `x`\n" in page

@@ -6,7 +6,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from workbench.content.tree import Document, runs_of
+from workbench.content.tree import ELSEWHERE, Document, runs_of
 
 _TEMPLATES = Path(__file__).with_name("templates")
 
@@ -50,6 +50,11 @@ def _rich(document: Document, text: str) -> Markup:
         elif kind == "cite":
             link = Markup('<a class="cite" href="#ref-{}">[{}]</a>')
             parts.append(link.format(anchor(content), document.number_of(content)))
+        elif kind == "see":
+            name = document.named.get(content)
+            link = Markup('<a class="see" href="#{}-{}">{}</a>')
+            place = "plot" if name and name.startswith("Figure") else "table"
+            parts.append(link.format(place, anchor(content), name) if name else escape(ELSEWHERE))
         else:
             parts.append(Markup("<br>").join(escape(line) for line in content.split("\n")))
     return Markup("").join(parts)

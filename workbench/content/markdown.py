@@ -1,10 +1,11 @@
 """A content tree as Markdown, as hosts of git repositories show it."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from workbench.content import tree
 from workbench.content.tree import Block, Cell, Document, Section, Table, spoken
 
+Said = Callable[[str], str]  # a text of the tree as Markdown
 _MARKS = {"good": "✅ ", "bad": "❌ ", "doubt": "❔ "}
 
 
@@ -13,53 +14,57 @@ def render_markdown(document: Document) -> str:
 
     Citations become author and year. Equal trees give equal text.
     """
-    lines = [f"# {escaped(document.title)}", ""]
+
+    def said(text: str) -> str:
+        return _escaped(spoken(text, document.named))
+
+    lines = [f"# {said(document.title)}", ""]
     for section in document.sections:
-        lines += _block(section, 2)
-    return "\n".join([*lines, "---", "", *map(escaped, document.facts)]) + "\n"
+        lines += _block(section, 2, said)
+    return "\n".join([*lines, "---", "", *map(said, document.facts)]) + "\n"
 
 
-def escaped(text: str) -> str:
-    """A text of the tree as Markdown: table bars and tags are escaped, line ends are blanks."""
-    return spoken(text).replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
+def _escaped(text: str) -> str:
+    """A text as Markdown: table bars and tags are escaped, line ends are blanks."""
+    return text.replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
 
 
-def _block(block: Block, level: int) -> Iterator[str]:
+def _block(block: Block, level: int, said: Said) -> Iterator[str]:
     """Lines of a block, an empty one at its end."""
     match block:
         case Section():
             if block.title:
-                yield from (f"{'#' * level} {escaped(block.title)}", "")
+                yield from (f"{'#' * level} {said(block.title)}", "")
             for inner in block.blocks:
-                yield from _block(inner, level + 1)
+                yield from _block(inner, level + 1, said)
             return
         case tree.Paragraph():
-            yield escaped(block.text)
+            yield said(block.text)
         case tree.Bullets():
-            yield from (f"- {escaped(item)}" for item in block.items)
+            yield from (f"- {said(item)}" for item in block.items)
         case tree.Callout():
-            yield f"> {escaped(block.text)}"
+            yield f"> {said(block.text)}"
         case tree.Definitions():
-            yield from (f"- {escaped(term)}: {escaped(text)}" for term, text in block.pairs)
+            yield from (f"- {said(term)}: {said(text)}" for term, text in block.pairs)
         case tree.Listing():
-            yield from (escaped(block.title), "", "```", block.text, "```")
+            yield from (said(block.title), "", "```", block.text, "```")
         case tree.Picture():
-            yield from (f"![{escaped(block.alt)}]({block.image})", "", escaped(block.caption))
+            yield from (f"![{said(block.alt)}]({block.image})", "")
+            yield f"**{block.name}.** {said(block.caption)}"
             if block.statements:
                 yield ""
-            yield from (f"- {escaped(statement)}" for statement in block.statements)
+            yield from (f"- {said(statement)}" for statement in block.statements)
         case Table():
-            if block.caption:
-                yield from (escaped(block.caption), "")
-            yield _row(escaped(column.title) for column in block.columns)
+            yield from (f"**{block.name}.** {said(block.caption)}".rstrip(), "")
+            yield _row(said(column.title) for column in block.columns)
             yield "|" + "|".join("---:" if c.numeric else "---" for c in block.columns) + "|"
-            yield from (_row(map(_cell, row)) for row in block.rows)
+            yield from (_row(_cell(cell, said) for cell in row) for row in block.rows)
     yield ""
 
 
-def _cell(cell: Cell) -> str:
+def _cell(cell: Cell, said: Said) -> str:
     hatch = "▨ " if cell.hatched else ""
-    return _MARKS.get(cell.tone, "") + hatch + escaped(cell.text)
+    return _MARKS.get(cell.tone, "") + hatch + said(cell.text)
 
 
 def _row(cells: Iterator[str]) -> str:

@@ -1,12 +1,14 @@
 """The content tree: what is said, in which order, without any layout.
 
-Texts carry a light markup that every renderer knows: ``[@key]`` cites the bibliography and
-backticks mark code. All else is plain text, which the renderers escape.
+Texts carry a light markup that every renderer knows: ``[@key]`` cites the bibliography, ``[#key]``
+names a figure or table of the document by its number, and backticks mark code. All else is plain
+text, which the renderers escape.
 """
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,18 +16,20 @@ from typing import Any, NamedTuple
 
 from workbench.content.bibliography import Reference, reference_of
 
-_MARKUP = re.compile(r"\[@(?P<cite>[A-Za-z0-9._-]+)\]|`(?P<code>[^`]+)`")
+_KEY = r"[A-Za-z0-9._-]+"
+_MARKUP = re.compile(rf"\[@(?P<cite>{_KEY})\]|\[#(?P<see>{_KEY})\]|`(?P<code>[^`]+)`")
+ELSEWHERE = "a figure or table of another form of this report"
 
 
 class Run(NamedTuple):
-    """A piece of text: `kind` is plain, code or cite; for cite, `text` is the key."""
+    """A piece of text: `kind` is plain, code, cite or see; for these two, `text` is the key."""
 
     kind: str
     text: str
 
 
 def runs_of(text: str) -> Iterator[Run]:
-    """Split a text into its plain, code and cite runs."""
+    """Split a text into its plain, code, cite and see runs."""
     done = 0
     for match in _MARKUP.finditer(text):
         if match.start() > done:
@@ -37,13 +41,18 @@ def runs_of(text: str) -> Iterator[Run]:
         yield Run("plain", text[done:])
 
 
-def spoken(text: str) -> str:
-    """A text for renderers without links: citations become author and year."""
-    shown = {"plain": "{}", "code": "`{}`", "cite": "({})"}
-    return "".join(
-        shown[kind].format(reference_of(content).short if kind == "cite" else content)
-        for kind, content in runs_of(text)
-    )
+def spoken(text: str, named: Mapping[str, str] | None = None) -> str:
+    """A text for renderers without links: citations become author and year.
+
+    `named` are the figures and tables of the document by key, see `Document.named`.
+    """
+    read: dict[str, Callable[[str], str]] = {
+        "plain": str,
+        "code": "`{}`".format,
+        "cite": lambda key: f"({reference_of(key).short})",
+        "see": lambda key: (named or {}).get(key, ELSEWHERE),
+    }
+    return "".join(read[kind](content) for kind, content in runs_of(text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,14 +127,23 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table with a caption; `print_limit` rows at most appear on paper (None: all)."""
+    """A table with a caption; `print_limit` rows at most appear on paper (None: all).
+
+    `number`, its place among the tables of a document, which gives it (0: outside of one).
+    """
 
     key: str
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     print_limit: int | None = None
+    number: int = 0
     kind: str = field(default="table", init=False)
+
+    @property
+    def name(self) -> str:
+        """How texts call it: ``Table 3``; empty outside of a document."""
+        return f"Table {self.number}" if self.number else ""
 
     @classmethod
     def of(
@@ -149,7 +167,8 @@ class Picture:
 
     `width` is its share of the text width; `files` are the names of data files beside it;
     `moving` is HTML that a screen shows instead of the SVG (empty: the SVG); `image` is the path
-    of an image file for renderers that hold no SVG.
+    of an image file for renderers that hold no SVG; `number`, its place among the figures of a
+    document, which gives it (0: outside of one).
     """
 
     key: str
@@ -162,7 +181,13 @@ class Picture:
     files: tuple[str, ...] = ()
     moving: str = ""
     image: str = ""
+    number: int = 0
     kind: str = field(default="picture", init=False)
+
+    @property
+    def name(self) -> str:
+        """How texts call it: ``Figure 3``; empty outside of a document."""
+        return f"Figure {self.number}" if self.number else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,12 +223,37 @@ Block = Paragraph | Bullets | Callout | Table | Picture | Listing | Definitions 
 
 @dataclass(frozen=True)
 class Document:
-    """A whole report: `facts` are short lines on what it holds and what it is made of."""
+    """A whole report: `facts` are short lines on what it holds and what it is made of.
+
+    Its figures and tables get their numbers here, in the order in which they are read.
+    """
 
     title: str
     subtitle: str
     facts: tuple[str, ...]
     sections: tuple[Section, ...]
+
+    def __post_init__(self) -> None:
+        counts = Counter[str]()
+
+        def numbered(block: Any) -> Any:
+            if isinstance(block, Section):
+                return replace(block, blocks=tuple(map(numbered, block.blocks)))
+            if isinstance(block, Table | Picture):
+                counts[block.kind] += 1
+                return replace(block, number=counts[block.kind])
+            return block
+
+        object.__setattr__(self, "sections", tuple(map(numbered, self.sections)))
+
+    @cached_property
+    def named(self) -> Mapping[str, str]:
+        """``Figure 2`` or ``Table 3`` by key; of several with one key the first."""
+        found: dict[str, str] = {}
+        for block in walk(self.sections):
+            if isinstance(block, Table | Picture):
+                found.setdefault(block.key, block.name)
+        return found
 
     @cached_property
     def references(self) -> tuple[Reference, ...]:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from workbench.content.tree import Document
+from workbench.content.tree import ELSEWHERE, Document
 from workbench.errors import WorkbenchError
 
 _TEMPLATE = Path(__file__).with_name("templates") / "report.typ"
@@ -26,6 +26,8 @@ def render_pdf(document: Document) -> bytes:
         {"key": work.key, "who": work.who, "title": work.title, "place": work.place}
         for work in document.references
     ]
+    tree["named"] = dict(document.named)
+    tree["elsewhere"] = ELSEWHERE
     try:
         pdf: bytes = typst.compile(
             str(_TEMPLATE),

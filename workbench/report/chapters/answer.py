@@ -42,10 +42,10 @@ Row = dict[str, Any]
 
 def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
     """The question, the matrix with what places models outside their domain, and `pictures`."""
-    shown = (Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures)
-    blocks = (Paragraph(study.question), *matrix(study, stored), *shown)
-    title = "The answer" if len(blocks) > 1 else "What was asked"
-    return Section("answer", title, blocks)
+    shown = [Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures]
+    found = tuple(matrix(study, stored))
+    title = "The answer" if found or shown else "What was asked"
+    return Section("answer", title, (Paragraph(study.question), *found, *shown))
 
 
 def decisive(study: Study) -> str:

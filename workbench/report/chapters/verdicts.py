@@ -36,6 +36,7 @@ _RULE = (
     "collapse it passes without a number. A gate fails if one of its cases fails, and passes only "
     "if every case that was asked passes: one without an answer may be the worst."
 )
+_EVERY = " [#gate-cases] has them one by one."
 _VERDICT = Column(
     "verdict", width=1.25, of=lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
 )
@@ -48,9 +49,9 @@ def verdicts(stored: Stored) -> Section:
     if rows:
         blocks.append(summary_table(rows))
         blocks.extend(reasons(rows))
-        if len(cases) > len(rows):
-            blocks.append(_every_case(cases))
-        blocks.append(Paragraph(_RULE))
+        every = len(cases) > len(rows)
+        blocks.append(Paragraph(f"{_RULE}{_EVERY if every else ''}"))
+        blocks.extend([_every_case(cases)] if every else [])
     return Section("verdicts", "Verdicts", tuple(blocks))
 
 
