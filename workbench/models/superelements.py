@@ -200,7 +200,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",
@@ -246,7 +246,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -54,7 +54,7 @@ class FiberCorotational(FiberReference):
     shear_flexible: bool = checked(Flag(), True)
 
     name: ClassVar[str] = "fiber-corotational"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflection between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",

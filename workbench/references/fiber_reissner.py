@@ -147,7 +147,7 @@ class FiberReissner(ExactBeams):
     rate_exponent: float = checked(Number(1.0, 50.0), MILD_STEEL.exponent)
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount.",
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",

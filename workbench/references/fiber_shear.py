@@ -27,7 +27,7 @@ class FiberShear(ExactBeams):
     """
 
     name: ClassVar[str] = "fiber-shear"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     shear_yields: ClassVar[bool] = True
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount; one shear strain per "

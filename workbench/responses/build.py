@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
+from xarray.indexes import PandasIndex
 
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
 from workbench.responses.histories import NO_PEAK, implied
@@ -61,12 +62,14 @@ def build_response(
         along["point"] = np.linspace(0.0, 1.0, sizes["point"])
     if "snapshot" in sizes:
         along["snapshot"] = np.arange(sizes["snapshot"])
-    coordinates = {
-        name: (name, along[name], meaning.attributes)
-        for name, meaning in COORDINATES.items()
-        if name in along
-    }
-    response = xr.Dataset(data, coordinates)
+    coordinates: dict[str, xr.Variable] = {}
+    indexes = {}
+    for name, meaning in COORDINATES.items():
+        if name in along:  # xarray takes twice as long to find out what is an index
+            indexes[name] = index = PandasIndex(along[name], name)
+            variable = xr.Variable(name, along[name], meaning.attributes)
+            coordinates |= index.create_variables({name: variable})
+    response = xr.Dataset(data, xr.Coordinates(coordinates, indexes))
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
     set_findings(response, [*findings, *warnings])

@@ -96,6 +96,7 @@ class _Stepper:
         self.striker, self.weight, self.tolerance = striker, weight, tolerance
         self._origin = sign * float(assembly.displacement[dof])
         self._before: Array | None = None
+        self._rate: Array | None = None  # mean velocities of the last step
         self._direction: Array | None = None  # M^-1 w
         if integrator == MOREAU:
             _refuse_own_velocities(assembly, weight)
@@ -165,6 +166,7 @@ class _Stepper:
             self.tolerance,
             pull=pull,
             before=self._before,
+            ahead=None if self._rate is None else dt * self._rate,
         )
         end = self._along(trial.velocity)
         if closed:
@@ -185,6 +187,7 @@ class _Stepper:
         """Commit a solved step and account for its energies."""
         assembly, striker = self.assembly, self.striker
         approach = self.gap_velocity
+        self._rate = (found.trial.solution.x - assembly.displacement) / dt
         step = settle(assembly, dt, found.trial.solution.x, found.velocity, self.weight)
         if self._before is not None:
             self._before = found.trial.force

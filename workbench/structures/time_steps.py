@@ -98,13 +98,15 @@ def solve_step(
     damping: float = 0.0,
     pull: Pull | None = None,
     before: Array | None = None,
+    ahead: Array | None = None,
 ) -> Trial:
     """Solve one step from the committed state; the trial state stays in the groups.
 
     Arguments: `dt` in s; `weight` of the end stresses in energy-exact forces; `load` (dofs,) of
     the step in N; `tolerance` of the residual over the largest force; mass-proportional `damping`
     in 1/s; `pull` of a closed contact; `before`, internal forces (dofs,) at the start if the mean
-    of both ends is to act instead of the energy-exact forces.
+    of both ends is to act instead of the energy-exact forces; `ahead`, displacements (dofs,) by
+    which the step is expected to go.
     """
     x0, v0, held = assembly.displacement, assembly.velocity, assembly.held
     start_momentum = assembly.mass_times(v0) * (2.0 / dt)
@@ -129,7 +131,7 @@ def solve_step(
 
     assembly.begin_step(dt)
     allow = partial(assembly.allowed_residual, tolerance, x0)
-    found = newton(evaluate, allow, assembly.solve, x0, ITERATIONS)
+    found = newton(evaluate, allow, assembly.solve, x0 if ahead is None else x0 + ahead, ITERATIONS)
     velocity = 2.0 * (found.x - x0) / dt - v0
     velocity[held] = 0.0
     return Trial(found, velocity, internal)
