@@ -67,8 +67,8 @@ def build_response(
     for name, meaning in COORDINATES.items():
         if name in along:  # xarray takes twice as long to find out what is an index
             indexes[name] = index = PandasIndex(along[name], name)
-            variable = xr.Variable(name, along[name], meaning.attributes)
-            coordinates |= index.create_variables({name: variable})
+            axis = xr.Variable(name, along[name], meaning.attributes)
+            coordinates |= index.create_variables({name: axis})
     response = xr.Dataset(data, xr.Coordinates(coordinates, indexes))
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
