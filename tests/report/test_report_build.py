@@ -56,10 +56,15 @@ def test_equal_stores_give_equal_bytes(built, small, tmp_path):
     assert first["report.pdf"].startswith(b"%PDF")
 
 
-def test_only_the_formats_asked_for_are_written(sweep, tmp_path):
-    written = build_report(sweep.directory, sweep.study, formats=("html",), out=tmp_path)
-    assert set(written) == {"figures", "html"}
-    assert not (tmp_path / "report.pdf").exists()
+@pytest.fixture(scope="module")
+def sweep_html(sweep, tmp_path_factory) -> dict[str, Path]:
+    out = tmp_path_factory.mktemp("sweep")
+    return build_report(sweep.directory, sweep.study, formats=("html",), out=out)
+
+
+def test_only_the_formats_asked_for_are_written(sweep, sweep_html, tmp_path):
+    assert set(sweep_html) == {"figures", "html", "explorer"}
+    assert not (sweep_html["html"].parent / "report.pdf").exists()
     with pytest.raises(InputError, match="--format"):
         build_report(sweep.directory, sweep.study, formats=("docx",), out=tmp_path)
 
@@ -70,7 +75,7 @@ def test_nothing_is_loaded_from_outside(html, page):
         for name in ("src", "srcset", "data", "poster"):
             assert name not in attributes
         for name in ("href", "xlink:href"):
-            assert (attributes.get(name) or "#").startswith("#")
+            assert (attributes.get(name) or "#").startswith(("#", "explorer.html"))
     assert "@import" not in html
     assert not re.search(r"url\((?!#)", html)
     assert "http://" not in html
@@ -82,8 +87,14 @@ def test_ids_are_unique_and_links_lead_somewhere(page):
     assert [key for key, times in ids.items() if times > 1] == []
     for _, attributes in page.tags:
         target = attributes.get("href")
-        if target:
+        if target and target != "explorer.html":
             assert target[1:] in ids, target
+
+
+def test_the_explorer_stands_beside_the_report(page, built):
+    assert [a["href"] for _, a in page.tags if a.get("href") == "explorer.html"]
+    beside = (built["html"].parent / "explorer.html").read_text(encoding="utf-8")
+    assert '<a href="report.html">' in beside
 
 
 def test_names_are_escaped(html, page):
@@ -204,9 +215,8 @@ def test_findings_come_back_from_the_table(small):
     assert found[0].text.endswith("V/Vpl = 1.80; no shear model")
 
 
-def test_long_tables_are_cut_on_paper_only(sweep, tmp_path):
-    written = build_report(sweep.directory, sweep.study, formats=("html",), out=tmp_path)
-    text = written["html"].read_text(encoding="utf-8")
+def test_long_tables_are_cut_on_paper_only(sweep_html):
+    text = sweep_html["html"].read_text(encoding="utf-8")
     assert text.count('<tr class="screen-only">') > 10
     assert "more rows are in the electronic report" in text
     assert "is not refined in this study" in text

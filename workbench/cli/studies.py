@@ -187,7 +187,10 @@ def report(
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    return Answer(content, (*_answer(chosen, result), Definitions(tuple(content["files"].items()))))
+    shown = [*_answer(chosen, result), Definitions(tuple(content["files"].items()))]
+    if "html" in files and "explorer" not in files:
+        shown.append(Paragraph("No explorer: no answer of this study moves in time."))
+    return Answer(content, tuple(shown))
 
 
 @verb

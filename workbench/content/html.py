@@ -9,6 +9,7 @@ from markupsafe import Markup, escape
 from workbench.content.tree import ELSEWHERE, Document, runs_of
 
 _TEMPLATES = Path(__file__).with_name("templates")
+STYLE = _TEMPLATES / "style.css"
 
 
 def render_html(document: Document) -> str:
@@ -20,7 +21,7 @@ def render_html(document: Document) -> str:
     environment.filters["trusted"] = Markup  # HTML made by a figure, which escapes what it holds
     return environment.get_template("report.html.jinja").render(
         document=document,
-        style=Markup((_TEMPLATES / "style.css").read_text(encoding="utf-8")),
+        style=Markup(STYLE.read_text(encoding="utf-8")),
         script=Markup((_TEMPLATES / "script.js").read_text(encoding="utf-8")),
     )
 

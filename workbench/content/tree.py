@@ -226,12 +226,14 @@ class Document:
     """A whole report: `facts` are short lines on what it holds and what it is made of.
 
     Its figures and tables get their numbers here, in the order in which they are read.
+    `beside` are files in its folder that a screen links to, each with what it is.
     """
 
     title: str
     subtitle: str
     facts: tuple[str, ...]
     sections: tuple[Section, ...]
+    beside: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         counts = Counter[str]()

@@ -21,6 +21,7 @@ from workbench.report.chapters import (
     stud_evidence,
     verdicts,
 )
+from workbench.report.explorer.page import FILE, explorer
 from workbench.report.gallery import Plate, draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
@@ -31,6 +32,7 @@ _FORMAT = Choice(("html", "pdf"))
 _ELSEWHERE = ("convergence", "cost")
 _VARYING = ("cost",)  # kinds whose picture differs from machine to machine
 _MOST_PICTURES = 8
+_EXPLORE = "Explore the stored answers: sliders, histories, deformed shapes"
 
 
 def build_report(
@@ -40,7 +42,8 @@ def build_report(
 
     Arguments: `directory`, the store of the study; `study`, in the form that was run; `formats`,
     any of html and pdf; `out`, where to write (default: ``report`` in the store). Returns the
-    path of each format, and of the ``figures`` with their numbers. Equal stores give equal bytes.
+    path of each format, of the ``figures`` with their numbers, and beside html of the ``explorer``
+    of a study in which something moves in time. Equal stores give equal bytes.
     Raises `InputError` for an unknown format, a study without results, a figure of unknown kind
     or a directory that cannot be written.
     """
@@ -53,8 +56,13 @@ def build_report(
     pictures = {plate.figure.key: plate.picture() for plate in plates}
     kinds = {plate.figure.key: plate.figure.kind for plate in plates}
     content = document(study, stored, [(kinds[key], pictures[key]) for key in kinds])
+    page = explorer(study, stored) if "html" in formats else None
     try:
         save_all(plates, written["figures"], pictures)
+        if page is not None:
+            content = replace(content, beside=((FILE, _EXPLORE),))
+            written["explorer"] = target / FILE
+            write_atomically(written["explorer"], page.encode())
         if "html" in formats:
             written["html"] = target / "report.html"
             write_atomically(written["html"], render_html(content).encode())

@@ -140,14 +140,17 @@ class Stored:
         """A scalar by (case, label), of all cells that know it, in the order of the study."""
         return {key: cell.numbers[name] for key, cell in self.cells.items() if name in cell.numbers}
 
-    def response(self, case: str, label: str) -> Response | None:
-        """The response of a cell that answered, else None."""
+    def response(self, case: str, label: str, *, keep: bool = True) -> Response | None:
+        """The response of a cell that answered, else None; `keep`, for those who ask again."""
         cell = self.cells.get((case, label))
         if cell is None or not cell.ok:
             return None
-        if cell.key not in self._read:
-            self._read[cell.key] = Store(self.directory).response(cell.key)
-        return self._read[cell.key]
+        found = self._read.get(cell.key)
+        if found is None:
+            found = Store(self.directory).response(cell.key)
+            if keep:
+                self._read[cell.key] = found
+        return found
 
     def data_uncertainty(self, case: str, label: str, quantity: str) -> float | None:
         """Half-width within which published or measured data are known, None if not stated."""

@@ -50,7 +50,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """A row for every group of cases and label that is no published series, references first."""
     cells = {(row["case"], row["label"]): row for row in tables["cells"]}
     standings = {row["case"]: row for row in tables["references"] if row.get("label")}
-    pairs = _against_best(tables, standings)
+    pairs = against_best(tables, standings)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
     models = {label: model for label, model in models.items() if model.name != "published"}
@@ -78,7 +78,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
             }
 
 
-def _against_best(tables: Tables, standings: Mapping[str, Row]) -> dict[tuple[str, str, str], Row]:
+def against_best(tables: Tables, standings: Mapping[str, Row]) -> dict[tuple[str, str, str], Row]:
     """Comparisons with the reference that counts, by case, label and quantity."""
     return {
         (row["case"], row["model"], row["quantity"]): row

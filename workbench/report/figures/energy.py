@@ -36,7 +36,7 @@ def draw(request: Request) -> Drawing:
     stacked: set[str] = set()
     for (label, response), panel in zip(ledgers.items(), sheet.panels, strict=True):
         history = "time" if "time" in response.dims else "step"
-        at, parts, brought = _stack(response, history, struck)
+        at, parts, brought = ledger(response, history, struck)
         x = at * unit_of(history).factor
         stacked |= set(parts)
         colors = [color for name, _, color in PARTS if name in parts]
@@ -58,8 +58,11 @@ def draw(request: Request) -> Drawing:
     return sheet.finish(f"energy ledgers of {', '.join(ledgers)} for {case.name}")
 
 
-def _stack(response: Response, history: str, struck: bool) -> tuple[Array, dict[str, Array], Array]:
-    """Times or steps, energies by part, and the energy that has come in."""
+def ledger(response: Response, history: str, struck: bool) -> tuple[Array, dict[str, Array], Array]:
+    """Times or steps, energies by part in J, and the energy that has come in.
+
+    Arguments: `history`, time or step; `struck`, whether a striker brings energy.
+    """
     index = evenly(response.sizes[history], _MOST_POINTS)
     known = response.isel({history: index}).astype(float)
     at: Array = known[history].values.astype(float)

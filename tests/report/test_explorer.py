@@ -1,0 +1,417 @@
+"""The explorer: what it holds is what was stored, and every control works in a browser."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from html import unescape
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from builders import made_once
+from hypothesis import given
+from hypothesis import strategies as st
+from synthetic_study import Synthetic, columns, shared_store_of
+from toy_models import Troubled
+
+from workbench.models.base import respond
+from workbench.references.refine import refined
+from workbench.report.explorer.packing import FINE, packed, unpacked
+from workbench.report.explorer.page import LARGEST, explorer
+from workbench.report.stored import Stored
+from workbench.responses import Finding
+from workbench.responses.uncertainty import uncertainty_of
+from workbench.scenarios import ColumnImpact, ColumnPushover, Striker
+from workbench.sections import find
+from workbench.study import Case, Study
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+WICKED = "</script><script>noted.push('run')</script> <b>&quot;model"
+ENDS = ("hard", "soft & <i>slow</i>")
+
+
+@dataclass(frozen=True)
+class Refining(Synthetic):
+    """The closed form on three meshes, with an error of first order."""
+
+    refinement: int = 2
+    levels: int = 3
+
+    name: ClassVar[str] = "synthetic-refining"
+
+    def domain(self, scenario):
+        text = "the striker is <fast>"
+        return [Finding("speed", text, remedy="a <slower> one")] if self.gain > 1.1 else []
+
+    def simulate(self, scenario):
+        return respond(self, scenario, lambda asked: refined(self, asked, self.mesh))
+
+    def mesh(self, scenario):
+        response = replace(self, size=0.5**self.refinement)._solve(scenario)
+        response.attrs["yield_ratio"] = 0.999
+        return response
+
+
+def a_study() -> Study:
+    """Two sections at two velocities, answers of every kind, and a push that has no time."""
+    base = columns()["thesis"]
+    cases = [
+        Case(
+            f"{section}, {v:g} m/s",
+            ColumnImpact(
+                f"{section} {v}", replace(base, section=find(section)), Striker(1500.0, v)
+            ),
+            parameters={"section": section, "velocity in m/s": v, "energy in kJ": 0.75 * v**2},
+        )
+        for section in ("HEB 220", "HEA 240")
+        for v in (10.0, 20.0)
+    ]
+    names = [case.name for case in cases]
+    return Study(
+        "explored",
+        "Answers of <every> kind",
+        "What does a reader see?",
+        (*cases, Case("push", ColumnPushover("push", base, 0.3), models=("reference",))),
+        {
+            "reference": Refining(),
+            "fast": Refining(gain=1.2, levels=1),
+            WICKED: Synthetic(gain=0.97),
+            "estimate": Synthetic(gain=1.03, extent="scalars", warns=False),
+            "breaks": Synthetic(fails_above=12.0),
+            "falls": Troubled("collapse", above=12.0),
+            "refuses": Troubled("refuse"),
+        },
+        "reference",
+        groups={ENDS[0]: tuple(names[:2]), ENDS[1]: tuple(names[2:])},
+    )
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory) -> Stored:
+    return shared_store_of(a_study(), tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def page(stored) -> str:
+    text = explorer(stored.study, stored)
+    assert text is not None
+    return text
+
+
+@pytest.fixture(scope="module")
+def frame_page(frames) -> str:
+    text = explorer(frames.study, frames)
+    assert text is not None
+    return text
+
+
+def data_of(page: str) -> dict[str, Any]:
+    (inside,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+    return json.loads(inside)
+
+
+def cell_of(data: dict[str, Any], case: str, label: str) -> dict[str, Any]:
+    (found,) = (each for each in data["cases"] if each["name"] == case)
+    return next(cell for cell in found["cells"] if cell["model"] == label)
+
+
+@given(
+    st.lists(st.floats(-1e9, 1e9, allow_subnormal=False), min_size=1, max_size=12),
+    st.sampled_from([1, 2, 3]),
+)
+def test_packed_numbers_come_back(values, width):
+    table = np.array(values[: len(values) // width * width] or [0.0] * width).reshape(-1, width)
+    kept = packed(table)
+    assert all(isinstance(number, int) for number in kept["n"])
+    back = unpacked(kept, width)
+    largest = np.abs(table).max()
+    assert np.abs(back - table).max() <= 0.51 * max(kept["step"], 1e-300) or largest < 1e-290
+    assert kept["step"] <= 1.01 * largest / FINE or largest < 1e-290
+
+
+def test_curves_are_those_that_were_stored(stored, page):
+    data, case = data_of(page), "HEB 220, 10 m/s"
+    response, cell = stored.response(case, "reference"), cell_of(data, case, "reference")
+    time, moved = unpacked(cell["t"])[:, 0], unpacked(cell["d"])[:, 0]
+    assert len(time) <= 502
+    real = np.interp(time, response["time"].values, response["displacement"].values)
+    assert np.abs(moved - real).max() < 2e-3 * real.max()
+    assert moved.max() == pytest.approx(response["displacement"].values.max(), rel=1e-4)
+    band = {name: unpacked(kept)[:, 0] for name, kept in cell["band"].items()}
+    top = int(np.argmin(np.abs(band["t"] - float(response["time_of_peak"]))))
+    assert band["w"][top] == pytest.approx(uncertainty_of(response, "peak_displacement"), rel=0.05)
+    spent = unpacked(cell["energy"]["parts"]["dissipated"])[-1, 0]
+    assert spent == pytest.approx(response["dissipated"].values[-1], rel=1e-4)
+    shape = cell["shape"]
+    assert shape["points"] == [2, 2]
+    assert shape["chords"]
+    moved_there = unpacked(shape["n"], 8)[:, 2]  # of the hit point, along the strike
+    assert moved_there.max() == pytest.approx(moved.max(), rel=2e-3)
+    assert "band" not in cell_of(data, case, "fast")
+    assert "t" not in cell_of(data, case, "estimate")
+
+
+def test_frames_bend_and_yield_as_stored(frames, frame_page):
+    data = data_of(frame_page)
+    assert [case["name"] for case in data["cases"]] == ["storeys", "from above", "shaken"]
+    response, cell = frames.response("storeys", "rigid"), cell_of(data, "storeys", "rigid")
+    points, members = cell["shape"]["points"], [str(name) for name in response["member"].values]
+    assert set(points) == {2, 9}  # those that stay straight are sent by their ends
+    first = 2 * sum(points[: members.index("C0-C1/1")])
+    kept = unpacked(cell["shape"]["n"], 2 * sum(points))
+    moved = response["shape_x"].sel(member="C0-C1/1").values[-1]
+    assert kept[:, first + 2 * points[members.index("C0-C1/1")] - 2] == pytest.approx(
+        moved - moved[0], abs=2e-4
+    )
+    yields = (response["utilisation"].values.T >= 0.995).sum(axis=1)
+    assert [len(found) for found in cell["shape"]["yields"]] == yields.tolist()
+    assert data["cases"][0]["hit"] == [6.0, 0.8, 1.0, 0.0]
+
+
+def test_pages_are_bounded_and_say_what_they_leave_out(stored, page):
+    assert len(page.encode()) < LARGEST
+    small = explorer(stored.study, stored, largest=3 * len(page.encode()) // 4)
+    assert len(small.encode()) <= 3 * len(page.encode()) // 4
+    told = "histories hold about {} of up to 1501 stored points"
+    assert told.format(500) in page
+    assert told.format(500) not in small
+    peaks = [
+        unpacked(cell_of(data_of(text), "HEB 220, 10 m/s", "reference")["d"]).max()
+        for text in (page, small)
+    ]
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-4)
+    assert "1 of the study's cases, which are pushed" in unescape(page)
+
+
+def test_nothing_is_loaded_and_names_stay_names(page):
+    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg\")", page)
+    assert not re.search(r"<(link|img|iframe|object|embed)\b|\bsrc=|@import|url\(|\beval\(", page)
+    assert "default-src 'none'" in page
+    assert page.count("</script>") == 2
+    assert WICKED not in page
+    assert WICKED in [model["label"] for model in data_of(page)["models"]]
+
+
+def test_a_study_without_motion_has_no_page(stored):
+    study = replace(stored.study, cases=stored.study.cases[-1:], groups={})
+    assert explorer(study, Stored(stored.directory, study)) is None
+
+
+# What follows needs a browser: the pages drive themselves in frames of two widths.
+
+
+def browser() -> str:
+    wanted = os.environ.get("WORKBENCH_BROWSER", "")
+    found = next(filter(None, map(shutil.which, [wanted] if wanted else BROWSERS)), None)
+    if found is None:
+        pytest.skip("no chromium or chrome: set WORKBENCH_BROWSER to one")
+    return found
+
+
+FIRST = """<script>window.noted = [];
+addEventListener("error", (event) => noted.push(String(event.message)));
+addEventListener("unhandledrejection", (event) => noted.push(String(event.reason)));
+addEventListener("securitypolicyviolation", (event) => noted.push(event.blockedURI));
+console.error = console.warn = (...said) => noted.push(said.join(" "));
+</script>"""
+AROUND = """<!DOCTYPE html><pre>[]</pre>{frames}<script>
+const found = [];
+addEventListener("message", (event) => {{
+  const which = [...document.querySelectorAll("iframe")].findIndex(
+    (frame) => frame.contentWindow === event.source);
+  found[which] = JSON.parse(event.data);
+  document.querySelector("pre").textContent = JSON.stringify(found);
+}});</script>"""
+
+
+@pytest.fixture(scope="module")
+def driven(page, frame_page, tmp_path_factory) -> list[dict[str, Any]]:
+    """What the driver found on the columns at 1400 and at 390 px, and on the frames."""
+    program = browser()
+
+    def drive(directory: Path) -> None:
+        directory.mkdir(parents=True)
+        script = Path(__file__).with_name("explorer_driver.js").read_text(encoding="utf-8")
+        pages = {"columns": page, "frames": frame_page}
+        for name, text in pages.items():
+            text = text.replace("<style>", f"{FIRST}<style>", 1)
+            text = text.replace("</body>", f"<script>{script}</script></body>")
+            (directory / f"{name}.html").write_text(text, encoding="utf-8")
+        shown = "".join(
+            f'<iframe src="{name}.html" width="{width}" height="900"></iframe>'
+            for name, width in (("columns", 1400), ("columns", 390), ("frames", 1400))
+        )
+        (directory / "around.html").write_text(AROUND.format(frames=shown), encoding="utf-8")
+        command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+        command += ["--virtual-time-budget=30000", "--window-size=1500,1000"]
+        command += [f"--user-data-dir={directory / 'profile'}"]
+        command.append((directory / "around.html").as_uri())
+        ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        (directory / "found.html").write_text(ran.stdout, encoding="utf-8")
+
+    directory = made_once(tmp_path_factory, "explorer", drive)
+    dumped = (directory / "found.html").read_text(encoding="utf-8")
+    found = json.loads(unescape(re.search(r"<pre>(.*?)</pre>", dumped, re.S).group(1)))
+    assert len(found) == 3
+    for each in found:
+        assert each["errors"] == []
+    return found
+
+
+@pytest.fixture(params=[0, 1], ids=["1400 px", "390 px"])
+def seen(request, driven) -> dict[str, Any]:
+    return driven[request.param]
+
+
+def test_a_page_fits_its_screen_and_names_its_controls(driven):
+    for found, width in zip(driven, (1400, 390, 1400), strict=True):
+        assert found["width"] == width
+        assert found["overflow"] <= 0
+        assert found["after"] <= 0
+        assert found["unnamed"] == []
+
+
+def test_it_opens_with_a_case_and_its_models(seen):
+    start = seen["start"]
+    assert start["case"] == "HEB 220, 10 m/s"
+    assert set(start["curves"]) <= set(start["checked"])
+    assert {"reference", "fast", WICKED, "estimate"} <= set(start["curves"])
+    assert start["band"] == 1
+    assert "estimate knows its peak only" in start["legend"]
+
+
+def test_sliders_choose_the_nearest_stored_case(seen):
+    moves = seen["sliders"]
+    assert len(moves) == 2 + 2 + 2
+    for axis, stop, case, which, said in moves:
+        assert which.startswith(f"Nearest stored case: {case} (")
+        if axis == "velocity in m/s":
+            assert case.endswith(f", {(10, 20)[int(stop)]} m/s")
+        elif axis == "section":
+            assert case.startswith(stop)
+        assert said
+
+
+def test_cases_can_be_walked(seen):
+    names = [case.name for case in a_study().cases[:-1]]
+    assert seen["cases"] == names
+    assert [which for which, _ in seen["chosen"]] == [
+        f"Stored case: {name} ({number} of 4)." for number, name in enumerate(names, 1)
+    ]
+    assert all("Errors against reference." in against for _, against in seen["chosen"])
+    assert seen["ends"] == [False, True]
+    assert seen["walked"] == names[-2::-1] + names[1:]
+
+
+def test_boxes_show_and_hide_models(seen):
+    """In the last case, where one fails, one collapses and one refuses."""
+    assert [box[0] for box in seen["boxes"]] == list(a_study().models)
+    for label, off, on, value in seen["boxes"]:
+        drawn = label not in ("breaks", "refuses")
+        assert off == [False, False] or on == [False, False], label
+        assert [True, drawn] in (off, on), label
+        assert re.search(r"\d mm$|not converged|collapses|refused", value), (label, value)
+    count, curves, words = seen["all"]
+    assert count == len(a_study().models)
+    assert "falls" in curves
+    assert "× falls collapses" in words
+    assert "breaks: not converged, no curve" in words
+    assert seen["none"] == ["reference"]
+
+
+def test_outcomes_and_warnings_stand_in_words(seen):
+    rows = {row[0]: row for row in seen["rows"]}
+    assert "collapse at 0.02 s and 0.5 m" in rows["falls"][1]
+    assert rows["refuses"][1].startswith("refused: ")
+    assert "residual 0.00032" in rows["breaks"][1]
+    assert rows["reference"][3] == "the reference"
+    assert "±" in rows["reference"][2]
+    assert rows["fast"][3].startswith("+")
+    assert rows["fast"][1] == "answered, outside its domain"
+    assert "fast: the striker is <fast>. Instead: a <slower> one." in seen["says"]
+
+
+def test_energies_are_told(seen):
+    found = {label: (paths, words) for label, paths, words in seen["energies"]}
+    assert found["reference"][0] == 5
+    assert "dissipated (plastic, algorithmic)" in found["reference"][1]
+    assert found["estimate"] == (0, "estimate keeps no energies of this case (answered).")
+    assert "collapses" in found["falls"][1]
+
+
+def test_cells_of_the_matrix_lead_to_their_worst_case(seen, stored):
+    assert len(seen["matrix"]) == 2 * len(a_study().models)
+    for each in seen["matrix"]:
+        assert each["pressed"] == [True]
+        assert each["group"] in ENDS
+        assert each["focus"] == each["model"]
+        assert each["told"].startswith(f"{each['model']}, {each['group']}: ")
+        assert tuple(each["open"]) == stored.study.groups[each["group"]]
+        assert each["case"] in each["open"]
+        if each["model"] == "falls":
+            assert each["case"].endswith(" 20 m/s")
+
+
+def test_time_moves_shapes_and_energies(driven):
+    for found in driven:
+        clocks = [each[0] for each in found["times"]]
+        assert clocks[0] == "0 ms"
+        assert len(set(clocks)) == 3
+        for kind in (1, 2, 3):
+            assert len({each[kind] for each in found["times"]}) == 3
+        drags = found["drag"]
+        assert drags == sorted(set(drags))
+        scales = {value: words for value, _, words in found["drawn"]}
+        assert "Displacements drawn × 10" in scales["10"]
+        assert "True to scale" in scales["1"]
+        assert len({path for _, path, _ in found["drawn"]}) >= 5
+
+
+def test_it_plays_and_pauses(driven):
+    for found in driven:
+        idle, running, during, paused, stopped, still, ended, last = found["play"]
+        assert (idle, running, paused, ended) == ("Play", "Pause", "Play", "Play")
+        assert 0.0 < during <= stopped == still < last
+
+
+def test_points_of_the_sweep_lead_to_their_case(seen):
+    kinds = {(x, y): (circles, crosses) for x, y, circles, crosses in seen["sweeps"]}
+    assert len(kinds) == 4 * 2
+    assert all(circles >= 12 for circles, _ in kinds.values())
+    assert all(crosses == 2 for _, crosses in kinds.values())
+    assert seen["clicked"] == "HEA 240, 20 m/s"
+
+
+def test_histories_are_downloaded(seen, stored):
+    table = list(csv.DictReader(io.StringIO(seen["csv"])))
+    assert list(table[0]) == ["case", "label", "time_s", "displacement_m"]
+    case = table[0]["case"]
+    assert {row["case"] for row in table} == {case}
+    assert {row["label"] for row in table} == {"reference", "fast", WICKED}
+    top = max(float(row["displacement_m"]) for row in table if row["label"] == "reference")
+    peak = stored.number(case, "reference", "peak_displacement")
+    assert top == pytest.approx(peak, rel=1e-3)
+    assert seen["download"] == "explored-HEA-240-20-m-s.csv"
+    assert seen["told"] == f"{len(table)} points of 3 histories."
+
+
+def test_a_link_restores_the_view(driven):
+    for found in driven:
+        before, between, after = found["restored"]
+        assert before == after
+        assert before != between
+        assert found["link"]
+        assert found["nonsense"].startswith("Stored case: ")
+
+
+def test_hinges_of_frames_are_marked(driven):
+    assert driven[2]["circles"][0] > 0  # rigid
+    assert driven[2]["circles"][2] == 0  # bare: without hinges

@@ -1,0 +1,1 @@
+"""The explorer: one HTML page over the stored answers of a study, beside its report."""

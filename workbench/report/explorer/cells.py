@@ -1,0 +1,166 @@
+"""What the page holds of one answer: its histories, its shapes, its numbers, what it says."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.content.formatting import duration, in_unit, interval
+from workbench.report.chapters.answer import FAIR, GOOD
+from workbench.report.drawing.multiples import YIELDS
+from workbench.report.drawing.shapes import Points, Shapes, shapes_of
+from workbench.report.drawing.sheet import evenly, thinned
+from workbench.report.explorer.packing import DETAILS, Detail, packed
+from workbench.report.figures.energy import ledger
+from workbench.report.stored import CellState
+from workbench.responses import Response
+from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
+from workbench.scenarios import ColumnImpact, FrameImpact
+from workbench.study.definition import Case
+from workbench.study.matrix import RESIDUAL
+from workbench.study.standing import PEAK
+
+_BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
+SHOWN = (PEAK, RESIDUAL, "time_of_peak")
+
+
+@dataclass(frozen=True)
+class Record:
+    """The curves of one answer as fine as any page keeps them.
+
+    `time` (s) and `moved` (m), the history; `band`, times and half-widths of its numerical
+    uncertainty; `energies`, times, energies by part and what came in (J); `shapes`, the deformed
+    ones.
+    """
+
+    time: Array
+    moved: Array
+    band: tuple[Array, Array] | None
+    energies: tuple[Array, dict[str, Array], Array] | None
+    shapes: Shapes | None
+
+    def kept(self, detail: Detail) -> dict[str, Any]:
+        """The curves as the page holds them."""
+        time, moved = thinned(self.time, self.moved, detail.points)
+        found: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
+        if self.band is not None:
+            found["band"] = dict(zip(("t", "w"), map(packed, self.band), strict=True))
+        if self.energies is not None:
+            at, parts, brought = self.energies
+            few = evenly(len(at), detail.coarse)
+            curves = {name: packed(part[few]) for name, part in parts.items()}
+            found["energy"] = {"t": packed(at[few]), "parts": curves, "in": packed(brought[few])}
+        if self.shapes is not None:
+            found["shape"] = _shape(self.shapes, detail)
+        return found
+
+
+def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
+    """The curves of a response over time, None if it has none; the `band` if that is asked for."""
+    if "time" not in response.coords or "displacement" not in response:
+        return None
+    time, moved = (response[name].values.astype(float) for name in ("time", "displacement"))
+    energies = None
+    if {"dissipated", "elastic", "kinetic", "input_energy"} <= set(response.data_vars):
+        struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
+        energies = ledger(response, "time", struck)
+    known = _band(time, response) if band else None
+    return Record(time, moved, known, energies, shapes_of(case, response))
+
+
+def _band(time: Array, response: Response) -> tuple[Array, Array] | None:
+    """Half-widths of the displacement at some instants, by the rule that holds for every number."""
+    directions = directions_of(response)
+    if not directions:
+        return None
+    few = evenly(len(time), DETAILS[0].coarse)
+    curves = {name: run["displacement"].values[few] for name, run in variants(response)}
+    widths = [
+        estimate(directions, {name: float(curve[i]) for name, curve in curves.items()}).width
+        for i in range(len(few))
+    ]
+    if any(width is None for width in widths):
+        return None
+    return time[few], np.array(widths, dtype=float)
+
+
+def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
+    """Displacements of the members at some snapshots, the peak among them.
+
+    Numbers of a snapshot: x and y of each point, member after member.
+    """
+    few = np.unique([*evenly(len(shapes.at), detail.snapshots), shapes.peak])
+    moved = (shapes.curves - shapes.rest[..., None])[..., few]
+    tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]
+    pairs = np.concatenate([np.stack([z.real, z.imag], axis=-1) for z in tracks], axis=1)
+    found: dict[str, Any] = {
+        "t": packed(shapes.at[few]),
+        "points": [track.shape[1] for track in tracks],
+        "n": packed(pairs.reshape(len(few), -1), 2000),
+        "chords": shapes.chords,
+    }
+    if shapes.hinges:
+        yields = shapes.used[:, few].T >= YIELDS
+        found["yields"] = [np.flatnonzero(row).tolist() for row in yields]
+    return found
+
+
+def _track(moved: Points, bow: float) -> Points:
+    """Displacements (snapshots, points) of a member, of its ends alone if it stays straight."""
+    track: Points = moved.T
+    share = np.linspace(0.0, 1.0, track.shape[1])
+    off = track - track[:, :1] - share * (track[:, -1:] - track[:, :1])
+    return track[:, [0, -1]] if np.abs(off).max() < bow else track
+
+
+def numbers_of(
+    cell: CellState, response: Response | None, errors: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any]:
+    """What the page says of a cell: outcome, numbers and their `errors` by quantity."""
+    found: dict[str, Any] = {"outcome": cell.outcome, "text": dict(_texts(cell, response, errors))}
+    if not cell.ok:
+        found["message"] = cell.message.removeprefix(f"{cell.case}: ")
+    if cell.collapse is not None:
+        found["collapse"] = [cell.collapse.time, cell.collapse.displacement]
+    if cell.outside:
+        found["outside"] = 1
+    for name, quantity in (("peak", PEAK), ("top", "time_of_peak")):
+        if quantity in cell.numbers:
+            found[name] = _short(cell.numbers[quantity])
+    if PEAK in errors:
+        error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
+        found |= {"error": _short(error), "tone": _tone(error, width)}
+    return found
+
+
+def _texts(
+    cell: CellState, response: Response | None, errors: Mapping[str, Mapping[str, Any]]
+) -> Iterator[tuple[str, str]]:
+    """The numbers of a cell as the reader sees them; those that it does not know are absent."""
+    refined = response is not None and bool(directions_of(response))
+    for quantity in SHOWN:
+        if quantity not in cell.numbers:
+            continue
+        width = uncertainty_of(response, quantity) if response is not None and refined else 0.0
+        yield quantity, in_unit(cell.numbers[quantity], quantity, 4, width)
+        if quantity in errors:
+            row = errors[quantity]
+            told = interval("relative_error", quantity, row["error"], row["uncertainty"])
+            yield f"{quantity} error", told
+    took = cell.numbers.get("solve_time", cell.numbers.get("wall_time"))
+    if took is not None:
+        yield "cost", "may hold compiling" if cell.numbers.get("cold") else duration(took)
+
+
+def _tone(error: float, width: float | None) -> str:
+    """Of one error; an unknown uncertainty leaves it doubtful at best."""
+    far = abs(error) + (width or 0.0)
+    if far <= GOOD and width is not None:
+        return "good"
+    return "doubt" if far <= FAIR else "bad"
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.5g}")

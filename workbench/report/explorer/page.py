@@ -1,0 +1,259 @@
+"""The page itself: what a study stored over all its impacts, as small as its bound asks for."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from workbench.content.formatting import brief, count
+from workbench.content.html import STYLE, templates
+from workbench.content.tree import Cell, Table
+from workbench.report.chapters import answer
+from workbench.report.drawing.frame import DIRECTIONS
+from workbench.report.drawing.layout import frame_scenario_of
+from workbench.report.drawing.multiples import REST, YIELDING
+from workbench.report.drawing.style import INTERVAL, Look, looks
+from workbench.report.explorer.cells import Record, numbers_of, record_of
+from workbench.report.explorer.packing import DETAILS, FINE, Detail
+from workbench.report.figures.energy import PARTS
+from workbench.report.stored import CellState, Stored
+from workbench.scenarios import FrameImpact
+from workbench.study.definition import Case, Study
+from workbench.study.matrix import ALL, against_best
+
+FILE = "explorer.html"
+LARGEST = 5_000_000  # bytes of a page
+_HERE = Path(__file__).parent
+_DASHES = {"-": "", "--": "6 3", "-.": "7 2 1.5 2"}
+_DOTTED = "1.5 2.5"
+_MOST = 6  # models shown at first besides the references
+_STOPS, _WIDE = 25, 30.0  # places of a slider; ratio of its ends beyond which it is logarithmic
+
+
+def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None:
+    """HTML of the explorer from stored results, None for a study in which nothing moves in time.
+
+    `largest`, bytes that the page may take: curves are thinned until they fit, or are as rough as
+    they may be. Equal stores give equal text.
+    """
+    cases = tuple(_cases(study, stored))
+    if not any(cell.record for case in cases for cell in case.cells):
+        return None
+    shown = {"study": study, "file": f"{study.name}.csv", **_seen(study, stored, cases)}
+    text = ""
+    for detail in DETAILS:
+        texts: dict[str, int] = {"": 0}
+        kept = [case.kept(detail, texts) for case in cases]
+        data = {**_fixed(study, stored), "cases": kept, "texts": list(texts)}
+        text = _page(data, {**shown, "thinned": _thinned(cases, detail)})
+        if len(text.encode()) <= largest:
+            break
+    return text
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """One answer: how it ended, its numbers, and its curves if it has any."""
+
+    state: CellState
+    numbers: Mapping[str, Any]
+    record: Record | None
+
+    def kept(self, detail: Detail, texts: dict[str, int]) -> dict[str, Any]:
+        """The answer as the page holds it; sentences stand once, in `texts`."""
+        curves = {} if self.record is None else self.record.kept(detail)
+        says = [
+            [texts.setdefault(words, len(texts)) for words in (finding.text, finding.remedy)]
+            for finding in self.state.findings
+        ]
+        return {"model": self.state.label, **self.numbers, "says": says, **curves}
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A case, the reference that counts in it, and its answers."""
+
+    case: Case
+    standing: Mapping[str, Any]
+    cells: tuple[_Answer, ...]
+
+    def kept(self, detail: Detail, texts: dict[str, int]) -> dict[str, Any]:
+        """The case as the page holds it."""
+        return {
+            "name": self.case.name,
+            "at": {name: _plain(value) for name, value in self.case.parameters.items()},
+            "reference": self.standing.get("label", ""),
+            "inside": bool(self.standing.get("inside")),
+            "why": self.standing.get("reason", ""),
+            **_structure(self.case),
+            "cells": [cell.kept(detail, texts) for cell in self.cells],
+        }
+
+
+def _cases(study: Study, stored: Stored) -> Iterator[_Asked]:
+    standings = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
+    errors: dict[tuple[str, str], dict[str, Any]] = {}
+    for (name, label, quantity), row in against_best(stored.rows, standings).items():
+        errors.setdefault((name, label), {})[quantity] = row
+    for case in study.cases:
+        if case.scenario.STATIC is not False:
+            continue
+        standing = standings.get(case.name, {})
+        cells = []
+        for label in study.models:
+            state = stored.cells.get((case.name, label))
+            if state is None:
+                continue
+            response = stored.response(case.name, label, keep=False)
+            own = errors.get((case.name, label), {})
+            best = label == standing.get("label")
+            record = None if response is None else record_of(case, response, band=best)
+            cells.append(_Answer(state, numbers_of(state, response, own), record))
+        yield _Asked(case, standing, tuple(cells))
+
+
+def _structure(case: Case) -> dict[str, Any]:
+    """Members at rest, supports and the place of the strike, in m."""
+    scenario = frame_scenario_of(case)
+    if scenario is None:
+        return {}
+    frame = scenario.frame
+    ends = [(frame.node(m.start), frame.node(m.end)) for m in frame.members]
+    found: dict[str, Any] = {
+        "rest": [[a.x, a.y, b.x, b.y] for a, b in ends],
+        "held": [[n.x, n.y, n.support] for n in frame.nodes if n.support != "free"],
+    }
+    if isinstance(scenario, FrameImpact):
+        node, along = frame.node(scenario.striker.node), DIRECTIONS[scenario.striker.direction]
+        found["hit"] = [node.x, node.y, along.real, along.imag]
+    return found
+
+
+def _fixed(study: Study, stored: Stored) -> dict[str, Any]:
+    """What the script needs to know besides the cases."""
+    groups = dict(study.groups) or {ALL: tuple(case.name for case in study.cases)}
+    return {
+        "study": study.name,
+        "models": _models(study),
+        "groups": {name: list(cases) for name, cases in groups.items()},
+        "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
+                   for row in _matrix(stored, study)],
+        "parts": [list(part) for part in PARTS],
+        "bounds": [answer.GOOD, answer.FAIR],
+        "colors": {"band": INTERVAL["color"], "rest": REST, "yields": YIELDING},
+    }  # fmt: skip
+
+
+def _models(study: Study) -> list[dict[str, Any]]:
+    """Labels with their looks, and whether they are shown at first."""
+    figures = [f.models for f in study.figures if f.key == answer.decisive(study)]
+    wanted = (*figures, ())[0] or tuple(study.models)
+    first = {*study.ranked, *[label for label in wanted if label not in study.ranked][:_MOST]}
+    return [
+        {
+            "label": label,
+            "color": look.color,
+            "dash": _dash(look),
+            "width": look.width,
+            "rank": study.ranked.index(label) + 1 if label in study.ranked else 0,
+            "shown": label in first,
+        }
+        for label, look in looks(study).items()
+    ]
+
+
+def _dash(look: Look) -> str:
+    return _DASHES.get(look.line, _DOTTED) if isinstance(look.line, str) else _DOTTED
+
+
+def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:
+    """The matrix of the first page by rows: `label`, `cells` by group, `time` and `words`."""
+    tables = (block for block in answer.matrix(study, stored) if isinstance(block, Table))
+    labels = dict.fromkeys(row["label"] for row in stored.rows["matrix"])
+    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
+    return [
+        {
+            "label": label,
+            "cells": [_shown(group, cell) for group, cell in zip(groups, row[1:], strict=False)],
+            "time": row[-2].text,
+            "words": row[-1].text,
+        }
+        for table in tables
+        for label, row in zip(labels, table.rows, strict=True)
+    ]
+
+
+def _shown(group: str, cell: Cell) -> dict[str, Any]:
+    lines = cell.text.split("\n")
+    return {"group": group, "lines": lines, "tone": cell.tone, "hatched": cell.hatched}
+
+
+def _seen(study: Study, stored: Stored, cases: Sequence[_Asked]) -> dict[str, Any]:
+    """What the template writes itself."""
+    matrix = _matrix(stored, study)
+    names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
+    return {
+        "matrix": matrix,
+        "groups": list(study.groups),
+        "heads": [cell["group"] for cell in matrix[0]["cells"]] if matrix else [],
+        "models": _models(study),
+        "cases": [case.case.name for case in cases],
+        "axes": [axis for name in names for axis in _axis(name, cases)],
+        "left": len(study.cases) - len(cases),
+        "counted": count(len(cases), "case"),
+    }
+
+
+def _axis(name: str, cases: Sequence[_Asked]) -> Iterator[dict[str, Any]]:
+    """A control over a parameter that varies: its stops, evenly spread if there are many values."""
+    given = [c.case.parameters[name] for c in cases if name in c.case.parameters]
+    values: list[Any] = list(dict.fromkeys(map(_plain, given)))
+    if len(values) < 2:
+        return
+    if any(isinstance(value, str) for value in values):
+        yield {"name": name, "texts": [str(value) for value in values], "stops": values}
+        return
+    low, high = min(values), max(values)
+    log = bool(low > 0.0 and high > _WIDE * low)
+    values.sort()
+    if len(values) > _STOPS:
+        spaced = np.geomspace if log else np.linspace
+        values = [float(f"{value:.4g}") for value in spaced(low, high, _STOPS)]
+    yield {"name": name, "texts": list(map(brief, values)), "stops": values, "log": log}
+
+
+def _plain(value: Any) -> float | str:
+    """A parameter as JSON holds it: a number of five digits, else its text."""
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    return float(f"{float(value):.5g}") if number else str(value)
+
+
+def _thinned(cases: Sequence[_Asked], detail: Detail) -> str:
+    """What the page leaves out."""
+    records = [cell.record for case in cases for cell in case.cells if cell.record]
+    points = max(len(record.time) for record in records)
+    taken = max((len(r.shapes.at) for r in records if r.shapes), default=0)
+    shapes = f", deformed shapes at most {detail.snapshots + 1} of up to {taken} stored snapshots"
+    return (
+        f"Thinned for this page: histories hold about {detail.points} of up to {points} stored "
+        f"points, their extremes among them{shapes if taken else ''}; energies and bands, "
+        f"{detail.coarse} instants; numbers are rounded to 1/{FINE} of the largest of a curve "
+        "(shapes: 1/2000). The full records are in the folder cells of the store."
+    )
+
+
+def _page(data: Mapping[str, Any], shown: Mapping[str, Any]) -> str:
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    style, scripts = (STYLE, _HERE / "explorer.css"), (_HERE / "plot.js", _HERE / "explorer.js")
+    template = templates(_HERE).get_template("explorer.html.jinja")
+    return template.render(
+        **shown,
+        # the only thing that could end the element which holds it, or hide its end
+        data=Markup(text.replace("<", "\\u003c")),
+        style=Markup("\n".join(path.read_text(encoding="utf-8") for path in style)),
+        script=Markup("\n".join(path.read_text(encoding="utf-8") for path in scripts)),
+    )
