@@ -53,7 +53,7 @@ def relation_coverage(name: str, runs: int) -> dict[str, float]:
         level = generator.uniform(0.0, 1.0, len(groups))
         estimate = fit(
             problem(relation(level, truth) + error, groups,
-                    lambda p, d=level: relation(d, p), relation.parameters, relation.start,
+                    lambda p, d=level: relation(d, p), relation.parameters, relation.starts[0],
                     lower=np.array(relation.lower), upper=np.array(relation.upper))
         )  # fmt: skip
         for parameter, value in zip(relation.parameters, truth, strict=True):

@@ -123,7 +123,7 @@ MALFORMED: dict[str, tuple[list[str], str, str]] = {
     "level in per cent": (
         [GOOD + ",fatigue,life fraction,40"],
         HEADER + ",predamage,predamage_measure,predamage_level",
-        r"column predamage_level = 40\.0: must be a number from 0 to 1; .*40 % is 0\.4",
+        r"column predamage_level = 40\.0: must be a number from 0 to 3; .*40 % is 0\.4",
     ),
     "level without pre-damage": (
         [GOOD + ",0.4"], HEADER + ",predamage_level", r"needs a predamage other than none",

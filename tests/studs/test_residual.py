@@ -147,12 +147,13 @@ def test_the_reference_may_come_from_companions() -> None:
 
 def test_relations_start_whole_and_refuse_other_levels() -> None:
     for relation in RELATIONS.values():
-        theta = relation.start
+        theta = relation.starts[0]
         assert relation(0.0, theta) == pytest.approx(1.0)
         values = relation(np.linspace(0.0, 1.0, 20), theta)
         assert np.all(np.diff(values) <= 0.0)
-        with pytest.raises(InputError, match="from 0 to 1"):
-            relation(1.2, theta)
+        assert 0.0 <= relation(3.0, theta) <= values[-1]  # driven beyond what it bears
+        with pytest.raises(InputError, match="damage is 0 or more"):
+            relation(-0.2, theta)
 
 
 def test_a_mechanical_curve_must_be_a_curve() -> None:

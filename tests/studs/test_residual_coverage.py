@@ -14,7 +14,6 @@ import pytest
 
 from workbench.studs import fit_residual
 from workbench.studs.reading import from_frame
-from workbench.studs.residual_fit import LEVELS
 from workbench.studs.schema import TESTS
 
 TRUTHS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -22,7 +21,9 @@ TRUTHS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "square": lambda d: 1.0 - 0.4 * d**2,
     "root": lambda d: 1.0 - 0.4 * np.sqrt(d),
     "linear": lambda d: 1.0 - 0.4 * d,
+    "threshold": lambda d: 1.0 - 0.4 * np.maximum(d - 0.3, 0.0) / 0.7,
 }
+LEVELS = np.linspace(0.0, 1.0, 41)
 WITHIN, BETWEEN = 0.08, 0.06
 Generator = np.random.Generator
 

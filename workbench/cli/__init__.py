@@ -81,6 +81,7 @@ def _application() -> Callable[..., Any]:
     for found in (studies.run, studies.status, studies.report, studies.validate):
         app.command(found.__name__)(found)
     app.add_typer(fit.app, name="fit")
+    app.add_typer(new.app, name="new")
     app.add_typer(data.app, name="data")
     app.add_typer(new.app, name="new")
     app.command("doctor")(doctor.doctor)

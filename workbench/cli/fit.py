@@ -7,12 +7,19 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
+from workbench.cli.fit_options import (
+    Common,
+    LoadSlipOptions,
+    ResidualOptions,
+    StrengthOptions,
+    variations_of,
+)
 from workbench.cli.output import Answer, verb, writable
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Number
@@ -23,82 +30,13 @@ if TYPE_CHECKING:
     from workbench.studs.fit_protocol import Fit
     from workbench.studs.schema import Table
 
-Names = list[str] | None
 Content = dict[str, Any]
-_CAMPAIGN = "CAMPAIGN"
 USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 app = typer.Typer(
     help="Fit laws of studs to a table of tests.",
     rich_markup_mode=None,
     no_args_is_help=False,
 )
-
-
-def _option(text: str, default: Any = None, metavar: str | None = None, flag: str = "") -> Any:
-    """A field of options: its help, default, and how its value and flag are called."""
-    flags = (flag,) if flag else ()
-    return field(default=default, metadata={"": typer.Option(*flags, metavar=metavar, help=text)})
-
-
-def _file(metavar: str, rows: str) -> Any:
-    text = f"Your table of {rows}.  [default: shipped tables]"
-    return field(default=None, metadata={"": typer.Argument(metavar=metavar, help=text)})
-
-
-@dataclass(frozen=True)
-class Common:
-    """What every fit is asked: the tables, the campaigns, the confidence."""
-
-    file: str | None = _file("[FILE.csv]", "tests")
-    calibrate: Names = _option("A campaign to fit.  [default: all not validating]", None, _CAMPAIGN)
-    validate: Names = _option("A campaign to judge the fit by, kept out of it.", None, _CAMPAIGN)
-    with_shipped: bool = _option("Add the shipped tables to FILE.", False, None, "--with-shipped")
-    keep_good: bool = _option("Leave bad rows of FILE out.", False, None, "--keep-good")
-    confidence: float = _option("Confidence of intervals and bands.", 0.9)
-    report: Names = _option("Write a report, its curves as CSV beside it.", None, "FILE.html|pdf")
-
-
-@dataclass(frozen=True)
-class StrengthOptions(Common):
-    """Options of `workbench fit stud-strength`."""
-
-    model: Names = _option("A formula.  [default: all]", None, "NAME")
-    trend: Names = _option("Fit the exponent that a formula misses in it.", None, "VARIABLE")
-    factor: Names = _option("Fit this factor of the formula itself.", None, "steel|concrete")
-    loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
-    variation: Names = _option("Scatter of a variable in structures, for D.8.", None, "NAME=V")
-    points: str | None = _option("Load-slip curves, for slip capacities.", None, "POINTS.csv")
-    specified: float | None = _option(
-        "Specified stud strength.  [default: 450 in Annex B, as tested in D.8]",
-        None,
-        "MPA",
-        "--specified-fu",
-    )
-
-
-@dataclass(frozen=True)
-class LoadSlipOptions(Common):
-    """Options of `workbench fit load-slip`."""
-
-    file: str | None = _file("[POINTS.csv]", "points")
-    law: Names = _option("ollgaard, bilinear or rational.  [default: all]", None, "NAME")
-    loss: str = _option("linear, huber or soft_l1.", "linear", "NAME")
-    least_points: int = _option("Points that a curve needs to count.", 3)
-
-
-@dataclass(frozen=True)
-class ResidualOptions(Common):
-    """Options of `workbench fit residual`."""
-
-    quantity: str = _option("strength, stiffness or both.", "both", "NAME")
-    predamage: str | None = _option("Tests after this damage only.", None, "KIND")
-    measure: str | None = _option("Tests with this measure of damage only.", None, "NAME")
-    loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
-    mechanical: bool = _option("Let the mechanical model predict, or compete.", True)
-    diameter_mm: float | None = _option("Stud to predict for.  [default: those of FILE, else 19]")
-    height_mm: float | None = _option("Height of that stud.  [default: as in FILE, else 100]")
-    fcm_mpa: float | None = _option("Mean strength of its slab.  [default: as in FILE, else 30]")
-    fu_mpa: float | None = _option("Its tensile strength.  [default: as in FILE, else 450]")
 
 
 def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
@@ -187,11 +125,13 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.studs import TESTS
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
     from workbench.studs.answers.fits import answer_residual
-    from workbench.studs.damaged import QUANTITIES, damaged_rows
+    from workbench.studs.damaged import QUANTITIES, damaged_rows, predicted_references
     from workbench.studs.mechanical.calibration import USUAL
 
     Choice((*QUANTITIES, "both")).check("--quantity", options.quantity)
     fitted, held, head = _tables(options, "residual", TESTS, "stud-push-out")
+    if options.predicted_reference:
+        fitted = predicted_references(fitted)
     given = {column: getattr(options, column.lower()) for column in USUAL}
     for column, value in given.items():
         if value is not None:
@@ -306,7 +246,7 @@ def _formula(
         trends=tuple(options.trend or ()),
         loss=options.loss,
         confidence=options.confidence,
-        variations=_variations(options.variation),
+        variations=variations_of(options.variation),
         specified_strength=None if options.specified is None else 1e6 * options.specified,
     )
     more: Content = {"corrected": None, "factors": None}
@@ -315,21 +255,3 @@ def _formula(
     if options.factor:
         more["factors"] = fit_factors(fitted, name, options.factor, loss=options.loss).to_dict()
     return {**_judged(fit, held, options.confidence), **plain(more)}
-
-
-def _variations(texts: Names) -> dict[str, float] | None:
-    from workbench.studs.strength_fit import VARIATIONS
-
-    if not texts:
-        return None
-    result = dict(VARIATIONS)
-    for text in texts:
-        name, _, value = text.partition("=")
-        if name not in VARIATIONS:
-            raise InputError("--variation", text, "must name one of " + ", ".join(VARIATIONS))
-        try:
-            number = float(value)
-        except ValueError:
-            raise InputError("--variation", text, "must look like concrete_strength=0.15") from None
-        result[name] = float(Number(0.0, 1.0).check(f"--variation {name}", number))
-    return result

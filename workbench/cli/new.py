@@ -1,6 +1,7 @@
 """`workbench new`: templates of tables and files, to be redirected into a file and filled."""
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -78,3 +79,17 @@ def impact_tests(as_json: Json = False) -> Answer:
 def mapping(as_json: Json = False) -> Answer:
     """A mapping file for a published table, for `workbench data add --mapping`."""
     return _printed(_MAPPING, as_json)
+
+
+@app.command("studs")
+@verb
+def studs(
+    kind: Annotated[
+        str, typer.Option(metavar="NAME", help="strength, load-slip, residual or fatigue.")
+    ] = "strength",
+    as_json: Json = False,
+) -> Answer:
+    """A table of tests on studs, commented, with an example: for `workbench fit`."""
+    from workbench.studs.templates import template
+
+    return _printed(template(kind), as_json)

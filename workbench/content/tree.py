@@ -269,22 +269,6 @@ class Document:
         return 1 + [reference.key for reference in self.references].index(key)
 
 
-def numbered(sections: Iterable[Section]) -> tuple[Section, ...]:
-    """Sections whose figures and tables carry numbers, each kind from one, in their captions."""
-    counts = {"table": 0, "picture": 0}
-
-    def told(block: Block) -> Block:
-        if isinstance(block, Section):
-            return replace(block, blocks=tuple(map(told, block.blocks)))
-        if not isinstance(block, Table | Picture):
-            return block
-        counts[block.kind] += 1
-        name = "Table" if block.kind == "table" else "Figure"
-        return replace(block, caption=f"{name} {counts[block.kind]}. {block.caption}")
-
-    return tuple(replace(each, blocks=tuple(map(told, each.blocks))) for each in sections)
-
-
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:
     """All blocks of a tree, parents before children."""
     for block in blocks:

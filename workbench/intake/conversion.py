@@ -70,7 +70,7 @@ def find(name: str, table: Table) -> Place | None:
 
 def names_in(path: Path) -> list[str]:
     """The names in the header of a table. Raises `InputError`."""
-    return column_names(raw_rows(path)[0][1], path.name)
+    return column_names(*raw_rows(path)[0], path.name)
 
 
 def convert(
@@ -81,9 +81,9 @@ def convert(
     Arguments: `constants`, cells of columns of the schema that the file lacks, beside those of the
     mapping. Raises `InputError` for columns and units that are not known.
     """
-    (_, header), *rows = raw_rows(path)
-    names = column_names(header, path.name)
-    field = f"{path.name}, line 1"
+    (line, header), *rows = raw_rows(path)
+    names = column_names(line, header, path.name)
+    field = f"{path.name}, line {line}"
     _check_mapping(mapping, names)
     places = [place_of(name, table, mapping, field) for name in names]
     _check_targets(places, field)

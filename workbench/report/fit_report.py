@@ -20,7 +20,6 @@ from workbench.content.tree import (
     Document,
     Picture,
     Section,
-    numbered,
 )
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
@@ -105,7 +104,7 @@ def document(
         Section("tests", "The tests", tuple(rows_of)),
         Section("software", "Software", (_software(),)),
     )
-    sections = numbered(part for part in parts if part.blocks)
+    sections = tuple(part for part in parts if part.blocks)
     record = provenance()
     made = [f"{name} {record[name]}" for name in ("workbench", "commit") if name in record]
     facts = (fit_answer.size(result), f"table: {stud_answer.sources_of(result)}", ", ".join(made))

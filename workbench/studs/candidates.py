@@ -42,7 +42,8 @@ def candidates(
 
 def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
     """The regression of ratios (n,) at damage levels (n,) on a relation."""
-    predict, names, start = partial(relation, level), relation.parameters, relation.start
+    predict, names = partial(relation, level), relation.parameters
+    start = relation.start_for(level, y)
     bounds = {"lower": relation.lower, "upper": relation.upper}
     return problem(y, campaigns, predict, names, start, **bounds)
 

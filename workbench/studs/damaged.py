@@ -1,17 +1,24 @@
 """Tests after pre-damage: what is left of a stud over that of an undamaged one."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.studs.quantities import LIKE_CONCRETE
-from workbench.studs.schema import LARGEST_GAIN, NO_PREDAMAGE
+from workbench.responses import Finding
+from workbench.studs.damage import damage_of
+from workbench.studs.quantities import LIKE_CONCRETE, specimens
+from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, PREDICTED
+from workbench.studs.shear import shear_model
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
     "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
 }
+FORMULA = "roik-mean"  # that predicts undamaged strengths
+LEAST_UNDAMAGED = 3
 
 
 def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
@@ -42,11 +49,11 @@ def damaged_rows(
     """
     Choice(tuple(QUANTITIES)).check("quantity", quantity)
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
+    damage, ratio = damage_of(table), ratios(table, quantity)
+    rows = table.assign(level=damage["level"], predamage_measure=damage["measure"], ratio=ratio)
     for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
         if wanted is not None:
-            damaged &= table[name] == wanted
-    ratio = ratios(table, quantity)
-    rows = table.assign(level=table["predamage_level"].astype(float), ratio=ratio)
+            damaged &= rows[name] == wanted
     rows = rows[damaged & np.isfinite(ratio)]
     for name, advice in (("predamage", "predamage="), ("predamage_measure", "measure=")):
         words = sorted(set(rows[name]))
@@ -58,6 +65,45 @@ def damaged_rows(
         advice = "are columns swapped, or the units different?"
         raise InputError(name, f"{row['ratio']:.3g} {reason}", "no damage adds so much", advice)
     return pd.DataFrame(rows).reset_index(drop=True)
+
+
+def predicted_references(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with undamaged strengths of a formula where damaged studs have no companion.
+
+    The mean form of EN 1994-1-1 times the median of test over formula of the undamaged headed studs
+    of the table. Rows that get one say so in `undamaged_basis`. Raises `InputError` with fewer than
+    `LEAST_UNDAMAGED` of them: nothing then tells how far the formula is off.
+    """
+    tests = specimens(table)
+    formula = pd.Series(shear_model(FORMULA).of(tests), index=table.index)
+    whole = (table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
+    whole &= (table["connector"] == HEADED) & (table["test"] == "push-out")
+    bias = (1e3 * table["shear_kN"].astype(float) / formula)[whole].dropna()
+    if len(bias) < LEAST_UNDAMAGED:
+        reason = f"undamaged tests: must be {LEAST_UNDAMAGED} or more to predict references"
+        advice = "test companions, or add the shipped tests with --with-shipped"
+        raise InputError("table", f"{len(bias)} rows", reason, advice)
+    open_ = (table["predamage"] != NO_PREDAMAGE) & ratios(table, "strength").isna()
+    open_ &= formula.notna() & table["shear_kN"].notna()
+    reference = table["undamaged_shear_kN"].mask(open_, 1e-3 * float(bias.median()) * formula)
+    basis = table["undamaged_basis"].mask(open_, PREDICTED)
+    return table.assign(undamaged_shear_kN=reference, undamaged_basis=basis)
+
+
+def reference_findings(table: pd.DataFrame, rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
+    """Damaged tests of a table without an undamaged reference, and rows with a predicted one."""
+    damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
+    damaged &= table[QUANTITIES[quantity][0]].notna() & ratios(table, quantity).isna()
+    if damaged.any():
+        text = f"{damaged.sum()} damaged tests left out: no undamaged reference of their {quantity}"
+        yield Finding("stud", text, remedy="--predicted-reference" * (quantity == "strength"))
+    predicted = (rows["undamaged_basis"] == PREDICTED).sum() if quantity == "strength" else 0
+    if predicted:
+        text = (
+            f"{predicted} of {len(rows)} tests are compared with a predicted undamaged strength: "
+            "what the formula misses counts as damage"
+        )
+        yield Finding("evidence", text, remedy="test an undamaged companion of each")
 
 
 def studs_in_words(rows: pd.DataFrame) -> str:

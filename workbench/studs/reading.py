@@ -34,6 +34,7 @@ LONGESTNUMBER = 60  # characters
 NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
     r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
+COMMENT = "#"  # begins a line above the header that is not read
 _SHOWN = 5  # problems that one message lists by line
 
 
@@ -114,19 +115,21 @@ def raw_rows(path: Path) -> list[tuple[int, list[str]]]:
     """
     with open_input(path, path.name) as stream:
         rows = list(_rows(_lines(stream, path.name), path.name))
-    column_names(rows[0][1] if rows else None, path.name)
+    line, header = rows[0] if rows else (1, None)
+    column_names(line, header, path.name)
     return rows
 
 
 def _rows(lines: Iterator[str], name: str) -> Iterator[tuple[int, list[str]]]:
-    """Cells of every line that is not empty, and its number."""
-    reader = csv.reader(lines, strict=True)
+    """Cells of every line that is neither empty nor, above the header, a comment; its number."""
+    reader, above = csv.reader(lines, strict=True), True
     try:
         for count, cells in enumerate(reader):
             if count > MOST_ROWS:
                 reason = f"the table has more than {MOST_ROWS} rows"
                 raise InputError(f"{name}, line {reader.line_num}", "", reason)
-            if any(cell.strip() for cell in cells):
+            above = above and (not cells or cells[0].lstrip().startswith(COMMENT))
+            if not above and any(cell.strip() for cell in cells):
                 yield reader.line_num, [cell.strip() for cell in cells]
     except csv.Error as error:
         place, reason = f"{name}, line {reader.line_num}", f"is not valid CSV: {error}"
@@ -161,7 +164,8 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
     problems: list[Problem] = []
     seen = _Seen(table)
     found_rows = _rows(lines, name)
-    columns = _columns(next(found_rows, (1, None))[1], name, table)
+    line, header = next(found_rows, (1, None))
+    columns = _columns(line, header, name, table)
     for line, cells in found_rows:
         row, found = _row(cells, columns)
         found = found or list(table.rules(row)) or list(seen.repeated(row, line))
@@ -196,9 +200,9 @@ class _Seen:
             yield "campaign", campaign, f"is spelled {spelled} in line {first}", advice
 
 
-def column_names(header: list[str] | None, name: str) -> list[str]:
+def column_names(line: int, header: list[str] | None, name: str) -> list[str]:
     """The names in a header, each of which stands once. Raises `InputError`."""
-    place = f"{name}, line 1"
+    place = f"{name}, line {line}"
     if header is None or not any(cell.strip() for cell in header):
         raise InputError(name, "", "is empty", "the first line names the columns")
     for separator, word in ((";", "semicolons"), ("\t", "tabulators")):
@@ -216,9 +220,9 @@ def column_names(header: list[str] | None, name: str) -> list[str]:
     return names
 
 
-def _columns(header: list[str] | None, name: str, table: Table) -> list[Column | str]:
+def _columns(line: int, header: list[str] | None, name: str, table: Table) -> list[Column | str]:
     """The column of the schema, or the name of the user's own, at every place of the header."""
-    names, place = column_names(header, name), f"{name}, line 1"
+    names, place = column_names(line, header, name), f"{name}, line {line}"
     for column in names:
         if not column.startswith(EXTRA) and column not in table.names:
             near = difflib.get_close_matches(column, table.names, 1, 0.5)

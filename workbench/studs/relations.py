@@ -1,4 +1,7 @@
-"""Relations between damage and what is left: R(D), damage D from 0 to 1, R = 1 undamaged."""
+"""Relations between damage and what is left: R(D), damage D from 0 on, R = 1 undamaged, R >= 0.
+
+D = 1 is what an undamaged stud bears; a stud that was driven beyond has more.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,23 +16,30 @@ from workbench.studs.quantities import Array
 
 @dataclass(frozen=True)
 class Relation:
-    """A form of R(D): `parameters` with `lower`, `upper` bounds and `start`; `formula` in words."""
+    """A form of R(D): `parameters` with `lower`, `upper` bounds and `starts`; `formula` in words.
+
+    A fit begins at the start that is nearest: with a kink it would stop at the first valley.
+    """
 
     name: str
     formula: str
     parameters: tuple[str, ...]
     lower: tuple[float, ...]
     upper: tuple[float, ...]
-    start: tuple[float, ...]
+    starts: tuple[tuple[float, ...], ...]
     value: Callable[[Array, Array], Array]
     source: str
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
         """What is left (n,) at damage levels (n,) for parameters (p,)."""
         d = np.asarray(level, float)
-        if np.any((d < 0.0) | (d > 1.0)):
-            raise InputError("level", float(np.max(np.abs(d))), "damage lies from 0 to 1")
-        return self.value(d, np.asarray(theta, float))
+        if np.any(d < 0.0):
+            raise InputError("level", float(np.min(d)), "damage is 0 or more")
+        return np.maximum(self.value(d, np.asarray(theta, float)), 0.0)
+
+    def start_for(self, level: Array, left: Array) -> tuple[float, ...]:
+        """The one of `starts` that is nearest to what is left (n,) at damage levels (n,)."""
+        return min(self.starts, key=lambda theta: float(np.sum((self(level, theta) - left) ** 2)))
 
 
 @dataclass(frozen=True)
@@ -58,21 +68,26 @@ class MechanicalCurve:
 
     def relation(self) -> Relation:
         """The prediction as a relation without parameters: linear, NaN beyond the last level."""
-        none, words = ((), (), (), ()), "prediction of the mechanical model"
+        none, words = ((), (), (), ((),)), "prediction of the mechanical model"
         left = partial(np.interp, xp=self.level, fp=self.ratio, right=np.nan)
         return Relation("mechanical", words, *none, lambda d, p: np.asarray(left(d)), self.basis)
 
 
+LATEST = 0.9  # damage up to which nothing need be lost
+_THRESHOLDS = tuple((c, t) for c in (0.1, 0.3, 0.6, 0.9) for t in (0.05, 0.2, 0.35, 0.5, 0.65, 0.8))
 RELATIONS: dict[str, Relation] = {
     relation.name: relation
     for relation in (
-        Relation("none", "R = 1: no loss", (), (), (), (),
+        Relation("none", "R = 1: no loss", (), (), (), ((),),
                  lambda d, p: np.ones_like(d), "the null hypothesis"),
-        Relation("linear", "R = 1 - c D", ("c",), (0.0,), (1.0,), (0.3,),
+        Relation("linear", "R = 1 - c D", ("c",), (0.0,), (1.0,), ((0.3,),),
                  lambda d, p: 1.0 - p[0] * d, "after Oehlers 1990 (abstract only)"),
-        Relation("power", "R = 1 - c D^p", ("c", "p"), (0.0, 0.1), (1.0, 10.0), (0.4, 1.2),
+        Relation("power", "R = 1 - c D^p", ("c", "p"), (0.0, 0.1), (1.0, 10.0), ((0.4, 1.2),),
                  lambda d, p: 1.0 - p[0] * d ** p[1], "empirical"),
-        Relation("exponential", "R = exp(-c D)", ("c",), (0.0,), (20.0,), (0.4,),
+        Relation("exponential", "R = exp(-c D)", ("c",), (0.0,), (20.0,), ((0.4,),),
                  lambda d, p: np.exp(-p[0] * d), "empirical"),
+        Relation("threshold", "R = 1 - c (D - t) / (1 - t) from D = t on, 1 before", ("c", "t"),
+                 (0.0, 0.0), (1.0, LATEST), _THRESHOLDS,
+                 lambda d, p: 1.0 - p[0] * np.maximum(d - p[1], 0.0) / (1.0 - p[1]), "empirical"),
     )
 }  # fmt: skip

@@ -15,7 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from workbench.errors import InputError
 from workbench.responses import Finding
 from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
-from workbench.studs.damaged import QUANTITIES, damaged_rows, studs_in_words
+from workbench.studs.damage import damage_findings
+from workbench.studs.damaged import (
+    QUANTITIES,
+    damaged_rows,
+    reference_findings,
+    studs_in_words,
+)
 from workbench.studs.fit_protocol import (
     Content,
     Fit,
@@ -27,7 +33,7 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve, Relation
-from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.schema import NO_PREDAMAGE, PREDICTED
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
 from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, Score
@@ -36,7 +42,7 @@ from workbench.studs.tables import identity_of
 from workbench.studs.trust import influence_of
 
 ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
-LEVELS = np.linspace(0.0, 1.0, 41)  # of damage, at which the curve is given
+STEP = 0.025  # of damage, at which the curve is given
 
 
 class Grade(StrEnum):
@@ -46,6 +52,7 @@ class Grade(StrEnum):
     SYNTHETIC = "exercise on synthetic rows: shows the method, is no evidence"
     NARROW = "fitted to tests whose damage hardly varies: supports no relation"
     ONE_CAMPAIGN = "fitted to tests after pre-damage of one campaign, not validated on others"
+    PREDICTED = "fitted to tests after pre-damage over predicted, not measured, undamaged strengths"
     TWO_CAMPAIGNS = "fitted to tests after pre-damage of two campaigns, too few to validate it"
     CROSS_VALIDATED = "fitted to tests after pre-damage, cross-validated over campaigns"
 
@@ -178,18 +185,19 @@ class ResidualFit(Fit):
 
     def parts(self, confidence: float) -> Content:
         """Its tests, and what is left over the damage."""
-        low, high = self.band(LEVELS, confidence) or (None, None)
+        levels = np.arange(0.0, max(self.levels[1], 1.0) + 0.5 * STEP, STEP)
+        low, high = self.band(levels, confidence) or (None, None)
         curve = self.mechanical
         names = ("level", "ratio", "low", "high", "basis")
         columns = ["campaign", "specimen", "level", "ratio", "origin"]
         return {
             "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
             "curve": {
-                "level": LEVELS,
-                "left": self.left(LEVELS),
+                "level": levels,
+                "left": self.left(levels),
                 "low": low,
                 "high": high,
-                "extrapolated": self.extrapolates(LEVELS),
+                "extrapolated": self.extrapolates(levels),
             },
             "tests": self.rows.reindex(columns=columns),
             "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
@@ -232,13 +240,15 @@ def fit_residual(
         fitted=found,
         scores=tuple(scores),
         averaged=tuple(averaged),
-        grade=_grade(rows),
+        grade=_grade(rows, quantity),
         levels=(float(level.min()), float(level.max())),
         rows=rows,
         findings=(
             *suspicions(table),
             # an outlier hides from a relation that fits badly: the most flexible one finds it
             *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
+            *damage_findings(rows, quantity),
+            *reference_findings(table, rows, quantity),
             *_findings(rows, found, chosen),
         ),
         identity=identity_of(rows),
@@ -269,6 +279,8 @@ def _predicted(
         why = (
             f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
             f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
+            + ", or --predicted-reference"
+            * (quantity == "strength")
         )
     kind = (quantity, mechanical.predamage, mechanical.measure)
     relation = mechanical.relation()
@@ -279,12 +291,14 @@ def _predicted(
     return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
 
 
-def _grade(rows: pd.DataFrame) -> Grade:
+def _grade(rows: pd.DataFrame, quantity: str) -> Grade:
     if (rows["origin"] == "synthetic").any():
         return Grade.SYNTHETIC
     campaigns, levels = rows["campaign"].nunique(), rows["level"]
     if levels.max() < LEAST_RANGE or levels.nunique() < 2:
         return Grade.NARROW
+    if quantity == "strength" and (rows["undamaged_basis"] == PREDICTED).any():
+        return Grade.PREDICTED
     few = {1: Grade.ONE_CAMPAIGN, 2: Grade.TWO_CAMPAIGNS}
     return few.get(campaigns, Grade.CROSS_VALIDATED)
 

@@ -97,6 +97,14 @@ LARGEST_OVER_SHANK = 2.0  # load over the tensile strength of the shank; collar 
 LARGEST_GAIN = 2.0  # damaged over undamaged
 LEAST_SLIP = 0.02  # mm, at the largest load
 LEAST_SLENDERNESS, LARGEST_SLENDERNESS = 1.5, 25.0  # height over diameter
+PREDICTED = "predicted"  # an undamaged strength that no test gave
+FATIGUE, LIFE, SN_LIFE = "fatigue", "life fraction", "S-N life fraction"
+LARGEST_LEVEL = {"section loss": 1.0, "load ratio": 1.3}  # studs scatter about their mean strength
+LIKE_LEVEL = 0.02  # by which a given share of life may miss that of the cycles
+_CYCLES = (
+    *("predamage_peak_kN", "predamage_range_kN", "predamage_cycles", "predamage_life_cycles"),
+    "diameter_mm",
+)
 _MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
 _LOADS = ("shear_kN", "tension_kN")  # both in a combined test
 
@@ -179,11 +187,26 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
         if level:
             yield "predamage_level", level, "needs a predamage other than none", ""
         return
+    peak, span, cycles, life, diameter = (_value(row, name) for name in _CYCLES)
+    if peak and span and span > 2.0 * peak:
+        reason = f"is more than from {-peak:g} to {peak:g} kN"
+        yield "predamage_range_kN", span, reason, "it is the largest load of a cycle less the least"
     if level is None:
+        if kind == FATIGUE and cycles is not None and (life or (span and diameter)):
+            return  # the share of the life is computed
         advice = "0 for none, 1 for what an undamaged stud bears"
+        if kind == FATIGUE:
+            advice += "; or predamage_cycles with predamage_life_cycles or predamage_range_kN"
         yield "predamage_level", "", f"must be given with predamage {kind}", advice
-    if not row.get("predamage_measure"):
+        return
+    measure = str(row.get("predamage_measure") or "")
+    if not measure:
         yield "predamage_measure", "", "must say what the level of damage measures", ""
+    if level > LARGEST_LEVEL.get(measure, level):
+        yield "predamage_level", level, f"is no {measure}", f"at most {LARGEST_LEVEL[measure]:g}"
+    if measure == LIFE and cycles and life and abs(cycles / life - level) > LIKE_LEVEL:
+        reason = f"is not predamage_cycles over predamage_life_cycles, {cycles / life:.3g}"
+        yield "predamage_level", level, reason, "leave it empty to have it computed"
 
 
 _COLUMNS = Path(__file__).with_name("columns.csv")

@@ -11,9 +11,10 @@ import pandas as pd
 
 from workbench.datafiles import open_input
 from workbench.responses import Finding
+from workbench.studs.damage import damage_of
 from workbench.studs.damaged import QUANTITIES, ratios
 from workbench.studs.quantities import specimens
-from workbench.studs.reading import LONGEST_LINE, examine
+from workbench.studs.reading import COMMENT, examine
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, POINTS, TESTS
 from workbench.studs.shear import SHEAR_MODELS
 from workbench.studs.tables import same_contents
@@ -35,8 +36,10 @@ def check_file(path: str | Path) -> tuple[list[str], list[str]]:
     """
     path = Path(path)
     with open_input(path, path.name) as stream:
-        first = stream.readline(LONGEST_LINE)
-    names = {name.strip() for name in first.decode("utf-8-sig", "replace").split(",")}
+        lines = (line.decode("utf-8-sig", "replace") for line in stream)
+        told = (line.lstrip('" ') for line in lines if line.strip())
+        header = next((line for line in told if not line.startswith(COMMENT)), "")
+    names = {name.strip() for name in header.split(",")}
     table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
     found = examine(path, table)
     doubts = (suspicions if table is TESTS else suspicions_of_points)(found.rows)
@@ -85,7 +88,7 @@ def _slips(table: pd.DataFrame) -> Iterator[str]:
 
 def _columns(table: pd.DataFrame) -> Iterator[str]:
     """Columns that hold the same, swapped references, and rows that stand twice under two names."""
-    damaged = table[(table["predamage"] != NO_PREDAMAGE) & (table["predamage_level"] > 0.0)]
+    damaged = table[(table["predamage"] != NO_PREDAMAGE) & (damage_of(table)["level"] > 0.0)]
     for quantity, (column, reference) in QUANTITIES.items():
         ratio = ratios(table, quantity)[damaged.index].dropna()
         middle, count = float(ratio.median()), len(ratio)

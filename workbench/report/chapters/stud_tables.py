@@ -280,9 +280,12 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
         lines = wrap(words, _GRADE_WIDTH, break_on_hyphens=False)
         return Cell("\n".join(lines), tone="" if content["validated"] else "bad")
 
+    contents = list(contents)
+    top = max((content["curve"]["level"][-1] for content in contents), default=1.0)
+    levels = (*_LEVELS, top) if top > _LEVELS[-1] else _LEVELS
     columns = (
         Column("what is left", width=2.4, of=damage),
-        *(Column(f"level {level:g}", True, 1.1, left(level)) for level in _LEVELS),
+        *(Column(f"level {level:g}", True, 1.1, left(level)) for level in levels),
         Column("relation", width=1.1, of=lambda content: str(content["fit"]["relation"])),
         Column("grade", width=2.6, of=grade),
     )
@@ -291,7 +294,7 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
         "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
         "bears. Beyond the tested damage no test tells which relation goes on: no band is given."
     )
-    return _table("design-residual", caption, columns, list(contents))
+    return _table("design-residual", caption, columns, contents)
 
 
 def relations(contents: Iterable[Content]) -> Iterator[Block]:

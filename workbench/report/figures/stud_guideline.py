@@ -21,6 +21,7 @@ AXES = {
     "displacement ratio": "uplift over the uplift at failure",
     "load ratio": "tension over the pull-out resistance",
     "life fraction": "share of the fatigue life",
+    "S-N life fraction": "share of the fatigue life by EN 1994-1-1",
     "section loss": "share of the section lost",
 }
 
@@ -74,7 +75,7 @@ def _panel(panel: Axes, content: studs.Content) -> dict[str, Any]:
         panel.plot(beyond["level"], beyond["left"], color=color, linestyle=":")
         panel.axvline(float(tested["level"].max()), color=INK, linewidth=0.5, linestyle="--")
     panel.axhline(1.0, color=INK, linewidth=0.6, zorder=2)
-    panel.set(xlim=(0.0, 1.0), ylim=(0.0, 1.25))
+    panel.set(xlim=(0.0, float(curve["level"].max())), ylim=(0.0, 1.25))
     grade = "\n".join(textwrap.wrap(content["fit"]["grade"], 44, break_on_hyphens=False))
     framed(panel, 0.03, 0.05, grade, color, fontsize=7.0, fontweight="bold")
     return {name: curve[name] for name in ("level", "left", "low", "high") if name in curve}

@@ -1,0 +1,42 @@
+"""`workbench new`: templates that the fits accept once they are filled."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from workbench.cli import run
+from workbench.studs.templates import TEMPLATES
+
+
+@pytest.mark.parametrize("kind", TEMPLATES)
+def test_a_filled_template_is_fitted(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["new", "studs", "--kind", kind]) == 0
+    text = capsys.readouterr().out
+    told = TEMPLATES[kind]
+    file = tmp_path / "table.csv"
+    file.write_text(text)
+    assert run(["fit", told.verb, str(file)]) == 2  # not filled
+    assert "must hold one row or more" in capsys.readouterr().err
+    example = [line[1:].strip() for line in text.splitlines() if line.startswith("#     our lab")]
+    assert example == list(told.rows)
+    file.write_text(text + "\n".join(example) + "\n")
+    assert run(["data", "check", str(file)]) == 0
+    assert "0 problems." in capsys.readouterr().out
+    one = ["--quantity", "strength"] if told.verb == "residual" else []
+    assert run(["fit", told.verb, str(file), *one, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["rows_left_out"] == []
+    for name in (*told.columns, *told.more):
+        told.schema.column(name)  # every one exists
+
+
+def test_a_template_for_something_else_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["new", "studs", "--kind", "welds"]) == 2
+    assert "--kind = 'welds': must be one of strength" in capsys.readouterr().err
+    assert run(["new", "studs", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["template"].endswith("slip_at_max_mm\n")
