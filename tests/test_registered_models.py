@@ -21,6 +21,7 @@ THEORY = {
     "four-dof-shear": "shear-panel.md",
     "single-dof": "single-dof.md",
     "energy-estimate": "single-dof.md",
+    "soft-impact": "soft-impact.md",
     "rigid-superelement": "superelements.md",
     "flexible-superelement": "superelements.md",
     "column-of-frame": "column-of-frame.md",

@@ -1,0 +1,103 @@
+"""Soft impact: closed forms of two masses, limits of the rigid and of the soft striker, ledger."""
+
+from dataclasses import replace
+from math import inf, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from workbench.errors import InputError
+from workbench.models.single_dof import SingleDof
+from workbench.models.soft_impact import SoftImpact, kernels
+from workbench.responses import Outcome, energy_error, outcome_of, warnings_of
+from workbench.scenarios import ColumnImpact
+
+
+@pytest.fixture(scope="module")
+def weak(thesis_impact: ColumnImpact) -> ColumnImpact:
+    """A hit that leaves the column elastic: its spring is linear, it is free to shorten."""
+    column = replace(thesis_impact.column, axial_load=0.0, restraint_stiffness=0.0)
+    striker = replace(thesis_impact.striker, velocity=0.1)
+    return replace(thesis_impact, column=column, striker=striker, duration=0.02)
+
+
+def test_elastic_masses_move_in_their_two_modes(weak: ColumnImpact) -> None:
+    model = SoftImpact(striker_stiffness=2e7)
+    response = model.simulate(weak)
+    own = model.curve(weak).initial_stiffness
+    masses = weak.striker.mass, weak.column.properties.impact_mass
+    stiffness = np.array([[2e7, -2e7], [-2e7, 2e7 + own]])
+    squares, modes = eigh(stiffness, np.diag(masses))
+    omega, part = np.sqrt(squares), modes[0] * masses[0] * weak.striker.velocity
+    time = response["time"].values
+    exact = (modes * (part / omega)) @ np.sin(np.outer(omega, time))
+    together = np.cumsum(exact[0] - exact[1] < 0.0) == 0  # until the spring would pull
+    assert together.sum() > 400
+    found = response["displacement"].values[together]
+    error = np.abs(found - exact[1][together]).max() / exact[1][together].max()
+    assert error < 4e-4  # measured 1.8e-4
+    assert float(response["residual_displacement"]) == 0.0
+
+
+def test_a_stiff_striker_is_a_rigid_one_that_bounces(thesis_impact: ColumnImpact) -> None:
+    bouncing = replace(thesis_impact, striker=replace(thesis_impact.striker, restitution=1.0))
+    rigid = float(SingleDof().simulate(bouncing)["peak_displacement"])
+    stiff = SoftImpact(striker_stiffness=1e10).simulate(thesis_impact)
+    assert float(stiff["peak_displacement"]) == pytest.approx(rigid, rel=2e-4)  # measured 1e-4
+
+
+def test_a_soft_striker_pushes_as_the_code_says(thesis_impact: ColumnImpact) -> None:
+    stiffness, striker = 3e5, thesis_impact.striker
+    response = SoftImpact().simulate(replace(thesis_impact, duration=0.3))
+    force = striker.velocity * sqrt(stiffness * striker.mass)  # EN 1991-1-7, C.3
+    assert float(response["peak_force"]) == pytest.approx(force, rel=2e-3)  # measured 7e-4
+    assert float(response["impulse"]) == pytest.approx(2.0 * striker.mass * striker.velocity)
+    contact = response["time"].values[response["percussion"].values > 0.0]
+    assert contact[-1] == pytest.approx(pi * sqrt(striker.mass / stiffness), rel=2e-3)
+
+
+def test_what_crushes_limits_the_force_and_takes_the_energy(thesis_impact: ColumnImpact) -> None:
+    model = SoftImpact(striker_stiffness=1e7, crush_force=1e6)
+    response = model.simulate(thesis_impact)
+    step = float(np.diff(response["time"])[0])
+    assert float(response["percussion"].max()) / step <= 1e6 * (1.0 + 1e-12)
+    assert float(response["contact_loss"][-1]) > 5e3
+    assert energy_error(response) < 4e-6  # measured 1.6e-6
+    elastic = replace(model, crush_force=None).simulate(thesis_impact)
+    assert float(response["peak_displacement"]) < float(elastic["peak_displacement"])
+
+
+def test_the_spring_of_the_striker_flows_unloads_and_never_pulls() -> None:
+    meeting = kernels.Meeting(1.0, 1.0, 1.0, 2.0, 3.0)
+    assert kernels.crush(1.0, 0.0, meeting) == (2.0, 0.0)
+    assert kernels.crush(2.0, 0.0, meeting) == (3.0, 0.5)
+    assert kernels.crush(1.5, 0.5, meeting) == (2.0, 0.5)
+    assert kernels.crush(0.4, 0.5, meeting) == (0.0, 0.5)
+    assert kernels.crush(9.0, 0.0, meeting._replace(crush_force=inf)) == (18.0, 0.0)
+
+
+def test_steps_are_of_second_order(weak: ColumnImpact) -> None:
+    curve = SoftImpact().curve(weak)
+    meeting = kernels.Meeting(weak.column.properties.impact_mass, 1500.0, 0.1, 2e7, inf)
+    ends = []
+    for steps in (40, 80, 160, 1280):
+        records = np.zeros(steps + 1, kernels.RECORD)
+        dt = 0.004 / steps
+        kernels.impact(dt, meeting, curve.elastic_limit, 1.0, curve.pieces, records)
+        ends.append(float(records["displacement"][-1]))
+    errors = np.abs(np.array(ends[:3]) - ends[3])
+    order = np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(errors), 1)[0]
+    assert order == pytest.approx(2.0, abs=0.15)
+
+
+def test_what_has_no_meaning_is_said_or_refused(thesis_impact: ColumnImpact) -> None:
+    bouncing = replace(thesis_impact, striker=replace(thesis_impact.striker, restitution=0.5))
+    found = warnings_of(SoftImpact().simulate(bouncing))
+    assert "restitution" in {finding.subject for finding in found}
+    for options in ({"striker_stiffness": 0.0}, {"crush_force": -1.0}, {"resistance": "cubical"}):
+        with pytest.raises(InputError):
+            SoftImpact(**options)
+    fast = replace(thesis_impact, striker=replace(thesis_impact.striker, mass=9e3, velocity=40.0))
+    response = SoftImpact(striker_stiffness=1e8).simulate(fast)
+    assert outcome_of(response) is Outcome.COLLAPSE
