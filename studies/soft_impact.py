@@ -84,7 +84,8 @@ study = Study(
     decisive=figures[2].key,
     notes=(
         "The rigid striker is no truth here but the other model: differences are what its "
-        "rigidity does, not errors. Both share the resistance of the column, whose web yields in shear, and its mass.",
+        "rigidity does, not errors. Both share the resistance of the column, whose web yields in "
+        "shear, and its mass.",
         "300 kN/m is what EN 1991-1-7, Annex C, gives for cars; frames and loads of lorries do "
         "not crush like that.",
     ),
