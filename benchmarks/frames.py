@@ -16,6 +16,7 @@ from statistics import median
 from time import perf_counter
 
 import numpy as np
+from opensees import peak_of
 
 from workbench.datafiles import data_directory
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
@@ -31,14 +32,6 @@ MODELS = {
     "fiber-reissner, converged mesh": FiberReissner(levels=1),
     "fiber-reissner, 12.5 mm to 0.1 m": CHEAPER,
 }
-ATTEMPTS = (
-    (1, "Newton"),
-    (4, "Newton"),
-    (16, "KrylovNewton"),
-    (64, "Newton"),
-    (256, "KrylovNewton"),
-    (1024, "Newton"),
-)
 
 
 def opensees(scenario: FrameImpact, steps: int, hardening: float) -> float:
@@ -71,23 +64,7 @@ def opensees(scenario: FrameImpact, steps: int, hardening: float) -> float:
     hit = number[striker.node]
     ops.mass(hit, striker.mass, 0.0, 0.0)
     ops.setNodeVel(hit, 1, striker.mass * striker.velocity / (striker.mass + attached), "-commit")
-    ops.constraints("Plain")
-    ops.numberer("RCM")
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-7, 25)
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
-    peak = 0.0
-    for step in range(1, steps + 1):
-        for parts, algorithm in ATTEMPTS:  # from where the last attempt has stopped
-            ops.algorithm(algorithm)
-            rest = step * scenario.duration / steps - ops.getTime()
-            if ops.analyze(parts, rest / parts) == 0:
-                break
-        else:
-            raise RuntimeError(f"OpenSees does not converge at step {step} of {steps}")
-        peak = max(peak, float(ops.nodeDisp(hit, 1)))
-    return peak
+    return peak_of(hit, scenario.duration, steps)
 
 
 def main() -> None:

@@ -1,0 +1,97 @@
+"""OpenSeesPy for the benchmarks: its time steps, and the column of a scenario.
+
+The column is clamped below and guided above: two force-based co-rotational elements with fiber
+sections, in hinges as long as the section is deep around an elastic inside ("hinges"), or at five
+Lobatto points each ("fibers"). The striker sticks to the node that it hits.
+"""
+
+from __future__ import annotations
+
+from workbench.scenarios import ColumnImpact
+
+ATTEMPTS = (
+    (1, "Newton"),
+    (4, "Newton"),
+    (16, "KrylovNewton"),
+    (64, "Newton"),
+    (256, "KrylovNewton"),
+    (1024, "Newton"),
+)
+
+
+def peak_of(hit: int, duration: float, steps: int) -> float:
+    """Largest displacement of the node `hit` along x; equal steps, cut where they fail.
+
+    Raises `RuntimeError` where no cut helps.
+    """
+    import openseespy.opensees as ops
+
+    ops.constraints("Plain")
+    ops.numberer("RCM")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-7, 25)
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+    begin, peak = ops.getTime(), 0.0
+    for step in range(1, steps + 1):
+        for parts, algorithm in ATTEMPTS:  # from where the last attempt has stopped
+            ops.algorithm(algorithm)
+            rest = begin + step * duration / steps - ops.getTime()
+            if ops.analyze(parts, rest / parts) == 0:
+                break
+        else:
+            raise RuntimeError(f"OpenSees does not converge at step {step} of {steps}")
+        peak = max(peak, float(ops.nodeDisp(hit, 1)))
+    return peak
+
+
+def column(scenario: ColumnImpact, kind: str, steps: int, layers: int = 16) -> float:
+    """Peak displacement (m) of the hit point; `kind` is "hinges" or "fibers"."""
+    import openseespy.opensees as ops
+
+    own, striker, steel = scenario.column, scenario.striker, scenario.column.steel
+    properties = own.properties
+    ops.wipe()
+    ops.model("basic", "-ndm", 2, "-ndf", 3)
+    for node, height in ((1, 0.0), (2, own.length_below), (3, own.length)):
+        ops.node(node, 0.0, height)
+    ops.fix(1, 1, 1, 1)
+    ops.fix(3, 1, 0, 1)
+    ops.uniaxialMaterial("Steel01", 1, steel.yield_stress, steel.elastic_modulus, 1e-6)
+    y, area = own.strength_section.fibers(layers)
+    ops.section("Fiber", 1)
+    for height, part in zip(y, area, strict=True):
+        ops.fiber(float(height), 0.0, float(part), 1)
+    elastic = steel.elastic_modulus, properties.area, properties.second_moment
+    ops.section("Elastic", 2, *elastic)
+    ops.geomTransf("Corotational", 1)
+    if kind == "hinges":
+        depth = own.section.height
+        ops.beamIntegration("HingeRadau", 1, 1, depth, 1, depth, 2)
+    else:
+        ops.beamIntegration("Lobatto", 1, 1, 5)
+    mass = properties.mass_per_length
+    for tag, ends in ((1, (1, 2)), (2, (2, 3))):
+        ops.element("forceBeamColumn", tag, *ends, 1, 1, "-iter", 50, 1e-8, "-mass", mass)
+    ops.timeSeries("Linear", 1)
+    ops.pattern("Plain", 1, 1)
+    ops.load(3, 0.0, -own.axial_load, 0.0)
+    ops.constraints("Plain")
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-9, 25)
+    ops.algorithm("Newton")
+    ops.integrator("LoadControl", 1.0)
+    ops.analysis("Static")
+    if ops.analyze(1) != 0:
+        raise RuntimeError("OpenSees does not carry the dead load")
+    ops.loadConst("-time", 0.0)
+    ops.wipeAnalysis()
+    ops.node(4, 0.0, own.length)  # takes the displacement that it is built at as unstressed
+    ops.fix(4, 1, 1, 1)
+    ops.uniaxialMaterial("Elastic", 4, own.restraint_stiffness)
+    ops.element("zeroLength", 4, 4, 3, "-mat", 4, "-dir", 2)
+    attached = 0.5 * mass * own.length
+    ops.mass(2, striker.mass, 0.0, 0.0)
+    velocity = striker.mass * striker.velocity / (striker.mass + attached)
+    ops.setNodeVel(2, 1, velocity, "-commit")
+    return peak_of(2, scenario.duration, steps)
