@@ -340,6 +340,7 @@ def test_an_assessment_reads_the_store_only(
         "verdicts.csv",
         "bias.csv",
         "references.csv",
+        "validation.csv",
         "matrix.csv",
         "cost.csv",
     }

@@ -264,9 +264,26 @@ class Document:
         keys = dict.fromkeys(run.text for run in runs if run.kind == "cite")
         return tuple(reference_of(key) for key in keys)
 
+    def marked(self, mark: str) -> Document:
+        """The document with a mark before its title and before every caption."""
+        sections = tuple(replace(part, blocks=marked(part.blocks, mark)) for part in self.sections)
+        return replace(self, title=f"{mark}{self.title}", sections=sections)
+
     def number_of(self, key: str) -> int:
         """Number of a work that a text of this document cites."""
         return 1 + [reference.key for reference in self.references].index(key)
+
+
+def marked(blocks: Iterable[Block], mark: str) -> tuple[Block, ...]:
+    """Blocks whose tables and pictures, at any depth, have captions that begin with a mark."""
+    found: list[Block] = []
+    for block in blocks:
+        if isinstance(block, Section):
+            block = replace(block, blocks=marked(block.blocks, mark))
+        elif isinstance(block, (Table, Picture)) and not block.caption.startswith(mark):
+            block = replace(block, caption=f"{mark}{block.caption}")
+        found.append(block)
+    return tuple(found)
 
 
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:

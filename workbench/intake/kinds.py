@@ -45,7 +45,7 @@ KINDS = {
         of_impacts.same_contents,
         "per test, half-widths of 95 % intervals in the columns peak_uncertainty_m and "
         "residual_uncertainty_m",
-        "a side of any study, as model `measured`",
+        "workbench run impact_tests",
     ),
     STUD_TESTS: Kind(
         TESTS,

@@ -16,6 +16,7 @@ from workbench.report.chapters import (
     answer,
     configuration,
     limits,
+    measured,
     reference,
     results,
     stud_evidence,
@@ -87,6 +88,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     )
     parts: list[Section | None] = [
         answer.answer(study, stored, (p for _, p in drawn if p.key == first)),
+        measured.validation(study, stored),
         stud_evidence.in_short(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),
@@ -106,7 +108,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         f"{'references' if len(study.ranked) > 1 else 'reference'}: {', '.join(study.ranked)}",
         f"study: {study.name}",
     )
-    return Document(study.title, "Validation report", facts, sections)
+    found = Document(study.title, "Validation report", facts, sections)
+    return found.marked(measured.MARK) if stored.synthetic else found
 
 
 def summary(directory: Path, study: Study, target: Path) -> Path:
@@ -136,6 +139,7 @@ def summary(directory: Path, study: Study, target: Path) -> Path:
     )
     page = target / "README.md"
     content = Document(study.title, "", facts, tuple(sections))
+    content = content.marked(measured.MARK) if stored.synthetic else content
     write_atomically(page, render_markdown(content).encode())
     return page
 

@@ -10,6 +10,7 @@ import pandas as pd
 
 from workbench.errors import Collapse, InputError, Mechanism
 from workbench.responses import Finding, Outcome, Response
+from workbench.responses.outcome import SYNTHETIC
 from workbench.study.assess import COLLAPSE
 from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN, Store
@@ -18,14 +19,14 @@ BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
-    *("references", "matrix", "cost"),
+    *("references", "validation", "matrix", "cost"),
 )
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
-        *("doubt", "group", "reason"),
+        *("doubt", "group", "reason", "worst"),
     ),
     str,
 )
@@ -116,6 +117,11 @@ class Stored:
             for key in ((case.name, label) for case, label in self.study.cells())
             for row in [known.get(key, _UNKNOWN)]
         }
+
+    @cached_property
+    def synthetic(self) -> bool:
+        """Whether a cell holds made numbers, which validate nothing."""
+        return any(row["subject"] == SYNTHETIC for row in self.rows["findings"])
 
     def expects(self, case: str, label: str) -> bool:
         """Whether a label is to answer a case."""

@@ -11,7 +11,7 @@ from xarray.indexes import PandasIndex
 
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
 from workbench.responses.histories import NO_PEAK, implied
-from workbench.responses.outcome import Finding, Outcome
+from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
 Response = xr.Dataset
@@ -125,6 +125,11 @@ def survives(response: Response) -> bool | None:
 def findings_of(response: Response) -> list[Finding]:
     """The findings that a response carries: refusals and warnings."""
     return [Finding.from_dict(stored) for stored in json.loads(response.attrs["findings"])]
+
+
+def is_synthetic(response: Response) -> bool:
+    """Whether its numbers are made, not measured: they validate nothing."""
+    return any(finding.subject == SYNTHETIC for finding in findings_of(response))
 
 
 def warnings_of(response: Response) -> list[Finding]:

@@ -34,6 +34,7 @@ from workbench.study.definition import Study
 from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
 from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
 from workbench.study.store import NOT_RUN, Presence, Row, Store, csv_bytes, write_atomically
+from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
 
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
 _COMPARISON = (
@@ -114,6 +115,7 @@ def assess(study: Study, root: Path) -> Assessment:
     rows["gates"] = [row for found in verdicts for row in case_rows(found)]
     rows["verdicts"] = [verdict_row(found) for found in verdicts]
     rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
+    rows["validation"] = list(validation_rows(study, given))
     rows["matrix"] = list(matrix_rows(study, rows))
     rows["cost"] = list(cost_rows(study, rows))
     columns = {
@@ -125,6 +127,7 @@ def assess(study: Study, root: Path) -> Assessment:
         "verdicts": VERDICT_COLUMNS,
         "bias": _BIAS,
         "references": STANDING_COLUMNS,
+        "validation": VALIDATION_COLUMNS,
         "matrix": MATRIX_COLUMNS,
         "cost": COST_COLUMNS,
     }

@@ -16,6 +16,14 @@ if TYPE_CHECKING:
     from workbench.models.base import Model
 
 
+DATA = ("published", "measured")  # names of models that hold numbers and compute none
+
+
+def holds_data(model: Model) -> bool:
+    """Whether a model gives printed or measured numbers: looking them up costs nothing."""
+    return model.name in DATA
+
+
 @dataclass(frozen=True)
 class Case:
     """One scenario of a study.

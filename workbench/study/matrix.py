@@ -10,9 +10,10 @@ from statistics import median
 
 from workbench.assessment import bias_and_scatter
 from workbench.responses import Outcome
-from workbench.study.definition import Study
+from workbench.study.definition import Study, holds_data
 from workbench.study.standing import PEAK
 from workbench.study.store import NOT_RUN, Row
+from workbench.study.validation import MEASURED
 
 RESIDUAL = "residual_displacement"
 ALL = "all cases"
@@ -21,7 +22,8 @@ _ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
 # `falls`: the model collapses and the reference survives, `stands`: the other way round;
 # `against`: the references that count, in words; `reference`: cases in which the label is that
 # itself; `known`: largest relative uncertainty of its own peaks there; `outside`: answers outside
-# the domain of the model; `against_outside`: comparisons with a reference outside its own
+# the domain of the model; `against_outside`: comparisons with a reference outside its own;
+# `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
     *(
         "group",
@@ -37,6 +39,7 @@ MATRIX_COLUMNS = (
     ),
     *(
         "against_outside",
+        "synthetic",
         *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
     ),
 )
@@ -47,13 +50,16 @@ Tables = Mapping[str, Sequence[Row]]
 
 
 def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
-    """A row for every group of cases and label that is no published series, references first."""
+    """A row for every group of cases and label, references first.
+
+    Published and measured numbers have none, unless tests are the reference.
+    """
     cells = {(row["case"], row["label"]): row for row in tables["cells"]}
     standings = {row["case"]: row for row in tables["references"] if row.get("label")}
     pairs = against_best(tables, standings)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
-    models = {label: model for label, model in models.items() if model.name != "published"}
+    models = {label: model for label, model in models.items() if _shown(study, label)}
     groups = dict(study.groups) or {ALL: tuple(moving)}
     for group, names in groups.items():
         cases = [name for name in names if name in moving]
@@ -73,6 +79,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
                 **_apart(
                     asked, {case: cells[case, str(row["label"])] for case, row in standings.items()}
                 ),
+                "synthetic": sum(standings[c]["synthetic"] for c in asked if c in standings),
                 **_as_reference([standings[case] for case in asked if case in standings], label),
                 **_compared(label, list(asked), standings, pairs),
             }
@@ -180,7 +187,8 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """Median time of every label over that of the reference that counts in most cases.
 
     Solving alone where both sides know that, else the whole answer; a time that may hold
-    compilation does not count.
+    compilation does not count. Tests have no cost: where they are the reference, the slowest model
+    stands for it.
     """
     moving = {case.name for case in study.cases if case.scenario.STATIC is False}
     best = Counter(
@@ -191,13 +199,29 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
         for row in tables["cells"]
         if row["outcome"] == Outcome.OK and not row["cold"]
     }
-    for base, _ in best.most_common(1):
+    computed = {label for label, model in study.models.items() if not holds_data(model)}
+    slowest = max(computed, key=lambda label: _whole(timed, label), default="")
+    counted = [label for label, _ in best.most_common() if label in computed]
+    for base in (counted or [slowest])[:1]:
         for label, model in study.models.items():
             pairs = [(timed.get((case, label)), timed.get((case, base))) for case in sorted(moving)]
             ratios = [_ratio(own, other) for own, other in pairs if own and other]
-            if ratios and model.name != "published":
+            if ratios and not holds_data(model):
                 row = {"label": label, "against": base, "count": len(ratios)}
                 yield {**row, "ratio": median(ratios)}
+
+
+def _shown(study: Study, label: str) -> bool:
+    """Whether a label has a row: a model has, and tests that are the reference."""
+    model = study.models[label]
+    return not holds_data(model) or (model.name == MEASURED and label in study.ranked)
+
+
+def _whole(timed: Mapping[tuple[str, str], Row], label: str) -> float:
+    """Median time of the answers of a label, zero without any."""
+    return median(
+        [float(row["wall_time"]) for (_, own), row in timed.items() if own == label] or [0.0]
+    )
 
 
 def _ratio(own: Row, other: Row) -> float:

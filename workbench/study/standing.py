@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from workbench.assessment import METRICS
 from workbench.assessment.gates import CaseVerdict, Gate, Verdict, judge
 from workbench.errors import InputError
-from workbench.responses import Finding, Response, findings_of
+from workbench.responses import Finding, Response, findings_of, is_synthetic
 from workbench.study.comparisons import Answers, compare, of_side
 from workbench.study.store import Row
 
-STANDING_COLUMNS = ("case", "label", "inside", "uncertainty", "reason")
+STANDING_COLUMNS = ("case", "label", "inside", "synthetic", "uncertainty", "reason")
 PEAK = "peak_displacement"
+FORM = "synthetic, shows the form only,"
 BOTH = "within the bound, but both sides are outside their domain,"
 
 
@@ -69,6 +70,7 @@ def standing_row(answers: Answers) -> Row:
         return {**row, "reason": "no reference answered"}
     row |= {"label": found.label, "inside": int(found.inside), "reason": found.reason}
     response = answers.responses[found.label]
+    row["synthetic"] = int(is_synthetic(response))
     if PEAK in response:
         width, value = of_side(answers, found.label, PEAK)[0], float(response[PEAK])
         row["uncertainty"] = None if width is None or value == 0.0 else width / abs(value)
@@ -76,11 +78,13 @@ def standing_row(answers: Answers) -> Row:
 
 
 def doubted(gate: Gate, answers: Answers, found: CaseVerdict) -> CaseVerdict:
-    """The verdict of a case, inconclusive where its pass says nothing about the structure.
+    """The verdict of a case, inconclusive where it says nothing about the structure.
 
-    That is where both sides are outside their domain, or what the model is held against is and
-    a better reference does not confirm it.
+    Made numbers neither pass nor fail a model. A pass says nothing where both sides are outside
+    their domain, or what the model is held against is and a better reference does not confirm it.
     """
+    if any(is_synthetic(answers.responses[label]) for label in (gate.model, gate.against)):
+        return replace(found, verdict=Verdict.INCONCLUSIVE, doubt=FORM)
     if found.verdict is not Verdict.PASS or gate.model == gate.against:
         return found
     model, against = (outside(answers.responses[label]) for label in (gate.model, gate.against))

@@ -17,8 +17,9 @@ from workbench.content.tree import (
     Picture,
     Section,
     Table,
+    marked,
 )
-from workbench.report.chapters import verdicts
+from workbench.report.chapters import measured, verdicts
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Study
@@ -45,7 +46,8 @@ def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section
     shown = [Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures]
     found = tuple(matrix(study, stored))
     title = "The answer" if found or shown else "What was asked"
-    return Section("answer", title, (Paragraph(study.question), *found, *shown))
+    blocks = (Paragraph(study.question), *measured.made(stored), *found, *shown)
+    return Section("answer", title, (*blocks, *measured.footnote(study, stored)))
 
 
 def decisive(study: Study) -> str:
@@ -80,6 +82,13 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
 
 def in_brief(study: Study, stored: Stored) -> Iterator[Block]:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
+    blocks = _brief(study, stored)
+    if stored.synthetic:
+        blocks = iter(marked((*measured.made(stored), *blocks), measured.MARK))
+    return blocks
+
+
+def _brief(study: Study, stored: Stored) -> Iterator[Block]:
     yield from matrix(study, stored)
     rows = stored.rows["verdicts"]
     yield verdicts.headline(rows)
@@ -111,6 +120,8 @@ def _trusted(study: Study, rows: list[Row], group: str) -> str:
     judged = [row for row in rows if row["group"] == group and row[f"{PEAK}_count"]]
     if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
         return f"{group}: nobody knows, as no reference is inside its domain."
+    if any(row["synthetic"] for row in rows if row["group"] == group):
+        return f"{group}: synthetic, shows the form only; no model is judged."
     order = sorted(found, key=lambda label: found[label])
     names = several([f"{label} ({_up(found[label])})" for label in order], 8)
     stay, their = ("stay", "their") if len(order) > 1 else ("stays", "its")
@@ -133,7 +144,7 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
     lines, tone = [], "muted"
     if compared:
         lines.append(_bias(row, PEAK))
-        tone = _tone(row)
+        tone = "muted" if row["synthetic"] else _tone(row)
         if row[f"{RESIDUAL}_count"]:
             lines.append(f"residual {_bias(row, RESIDUAL)}")
     elif own:
@@ -182,6 +193,8 @@ def _counts(row: Row) -> Iterator[str]:
     yield from _collapses(row)
     if row["outside"]:
         yield f"{_of(row['outside'], row['answered'])}outside its domain"
+    if row["synthetic"]:
+        yield "synthetic, shows the form only"
     if row["against_outside"]:
         some = _of(row["against_outside"], row[f"{PEAK}_count"])
         yield f"{some}with the reference outside its own"
@@ -239,6 +252,8 @@ def _number(row: Row) -> str:
         text = f"within {_up(within)} only"
     if row["against_outside"] == row[f"{PEAK}_count"]:
         text += " of a reference outside its own domain"
+    if row["synthetic"]:
+        text += " of SYNTHETIC rows"
     return text
 
 

@@ -6,9 +6,9 @@ from typing import Any
 from workbench.content.formatting import axis_label, share, unit_of, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
-from workbench.study.definition import Study
+from workbench.study.definition import DATA, Study
 
-_MEASURED = ("published", "stud-measured")
+_MEASURED = (*DATA, "stud-measured")
 _BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
 _FIRST_ORDER = (
     "First order is expected, although elastic beams converge at second: a plastic hinge forms in "

@@ -21,7 +21,7 @@ from workbench.content.formatting import (
 )
 from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
-from workbench.study.definition import Study
+from workbench.study.definition import Study, holds_data
 
 _PRINTED = 40
 _ONE_LINE = 4  # columns up to which value and deviation share a line
@@ -174,5 +174,5 @@ def _times(study: Study, stored: Stored) -> Iterator[_Times]:
                 if kind == case.scenario.KIND and stored.ok(case.name, label)
             ]
             whole, solving = ([known[key] for key in own if key in known] for known in times)
-            if whole and model.name != "published":
+            if whole and not holds_data(model):
                 yield _Times(label, kind, whole, solving)

@@ -14,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from workbench.study.definition import Study
+from workbench.study.definition import Study, holds_data
 
 Style = dict[str, Any]
 _HOUSE = rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False)
@@ -83,7 +83,7 @@ def looks(study: Study) -> Mapping[str, Look]:
     colour of the model that a gate holds against them, with an open marker.
     """
     found: dict[str, Look] = {}
-    published = [label for label, model in study.models.items() if model.name == "published"]
+    published = [label for label, model in study.models.items() if holds_data(model)]
     steps = [label for label in study.ladder[::-1] if label != study.reference]
     free = map(numbered, itertools.count())
     for label in study.models:

@@ -8,6 +8,7 @@ import numpy as np
 from workbench.content.formatting import duration, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet
 from workbench.report.drawing.style import entry, logarithmic
+from workbench.study.definition import holds_data
 
 _FLOOR = 1e-4  # smaller deviations are drawn here: they are below what matters
 _FEW = 12  # cases up to which each has a marker of its own
@@ -23,7 +24,7 @@ def draw(request: Request) -> Drawing:
     sheet = Sheet.single(3.7)
     panel, few, least = sheet.panel, len(request.cases) <= _FEW, np.inf
     for label in request.labels:
-        if request.study.models[label].name == "published":
+        if holds_data(request.study.models[label]):
             continue  # a number that was looked up costs nothing
         look, points = request.looks[label], []
         for case in request.cases:

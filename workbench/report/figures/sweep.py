@@ -21,7 +21,7 @@ from workbench.content.formatting import MINUS, metric_title, title_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import INK, TEXT_WIDTH, Look, Style, entry, new_figure
 from workbench.report.stored import BEST
-from workbench.study.definition import Case
+from workbench.study.definition import Case, holds_data
 
 _MOST_FACETS = 6
 _HIGHEST = 8.6  # inches
@@ -170,7 +170,7 @@ def _models(request: Request, cases: Sequence[Case]) -> list[str]:
         label
         for label in request.labels
         if label not in skipped
-        and request.study.models[label].name != "published"
+        and not holds_data(request.study.models[label])
         and any(request.stored.expects(case.name, label) for case in cases)
     ]
 

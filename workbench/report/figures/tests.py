@@ -1,0 +1,107 @@
+"""Measured against predicted, one panel per model, with the half-widths of both sides.
+
+Options: `quantity` (a scalar, default the first of the study). Made numbers are named so.
+"""
+
+import json
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from workbench.content.formatting import number, title_of, unit_of
+from workbench.report.drawing import studs
+from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
+from workbench.report.drawing.style import INK, MUTED, WARNING, Look, Style, entry, framed
+from workbench.responses.uncertainty import uncertainty_of
+
+_SPREAD = 0.2
+_LINE: Style = {"color": INK, "linewidth": 0.9}
+_BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
+_MARK = "SYNTHETIC"
+
+
+def draw(request: Request) -> Drawing:
+    """Measured values up, predicted values across, with bias and coverage of the model."""
+    unit = unit_of(request.quantity)
+    tables = {label: _rows(request, label) for label in request.labels if label != request.against}
+    tables = {label: table for label, table in tables.items() if not table.empty}
+    if not tables:
+        return nothing(f"No model answered a test with {title_of(request.quantity)}.")
+    everything = pd.concat(list(tables.values()))
+    looks = studs.campaign_looks(everything["campaign"], filled=True)
+    ends = everything[["test", "prediction"]].to_numpy() + everything[["own", "other"]].to_numpy()
+    top = 1.06 * unit.factor * float(np.nanmax(ends))
+    sheet = Sheet.grid(len(tables), height=2.45, sharex=True)
+    for panel, (label, table) in zip(sheet.panels, tables.items(), strict=True):
+        _panel(panel, table, looks, unit.factor, top)
+        sheet.name(panel, label, f"predicted ({unit.text})", f"measured ({unit.text})")
+        note, text = _summary(request, label)
+        panel.text(0.96, 0.05, note, transform=panel.transAxes, ha="right", fontsize=7.0)
+        if request.stored.synthetic:
+            framed(panel, 0.04, 0.86, _MARK, WARNING, fontsize=7.0)
+        sheet.said.append(text)
+        sheet.record(table)
+    for case in request.cases:  # for the statements on what is absent
+        request.answers(case, sheet.absent)
+    sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
+    sheet.legend(entry("measured = predicted", **_LINE), entry("± 20 %", **_BOUND))
+    made = f"{_MARK}, " if request.stored.synthetic else ""
+    return sheet.finish(f"{made}measured against predicted {title_of(request.quantity)}")
+
+
+def _rows(request: Request, label: str) -> pd.DataFrame:
+    """A row per test that the model answers: both values and half-widths (`own`: of the test)."""
+    rows = []
+    for case in request.cases:
+        values = [request.number(case, side, request.quantity) for side in (request.against, label)]
+        test = request.stored.response(case.name, request.against)
+        answer = request.stored.response(case.name, label)
+        if test is None or answer is None or None in values:
+            continue
+        own = request.stored.data_uncertainty(case.name, request.against, request.quantity)
+        other = uncertainty_of(answer, request.quantity)
+        campaign = json.loads(test.attrs.get("data", "{}")).get("campaign", "all")
+        rows.append((label, case.name, campaign, *values, own or 0.0, other or 0.0))
+    columns = ["label", "case", "campaign", "test", "prediction", "own", "other"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _panel(
+    panel: Axes, table: pd.DataFrame, looks: dict[str, Look], unit: float, top: float
+) -> None:
+    line = np.array([0.0, top])
+    panel.plot(line, line, **_LINE)
+    for factor in (1.0 - _SPREAD, 1.0 + _SPREAD):
+        panel.plot(line, factor * line, **_BOUND)
+    for campaign, own in table.groupby("campaign", sort=False):
+        look = looks[str(campaign)]
+        x, y, wide, high = (unit * own[name] for name in ("prediction", "test", "other", "own"))
+        panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
+        panel.plot(x, y, **look.points())
+    panel.set(xlim=(0.0, top), ylim=(0.0, top))
+    panel.set_box_aspect(1.0)
+
+
+def _summary(request: Request, label: str) -> tuple[str, str]:
+    """What stands in the panel, and the sentence below the figure."""
+    wanted = (label, request.against, request.quantity)
+    row = next(
+        (
+            row
+            for row in request.stored.rows["validation"]
+            if (row["model"], row["against"], row["quantity"]) == wanted
+        ),
+        None,
+    )
+    if row is None or row["bias"] is None:
+        return "", f"{label}: no bias over tests."
+    ends = row["low"], row["high"]
+    span = "" if None in ends else f" ({number(ends[0], 3)} to {number(ends[1], 3)})"
+    held = f"{row['covered']:.0f} of {row['counted']:.0f}"
+    text = f"{label}: median of test over prediction {number(row['bias'], 3)}{span}, "
+    made = f" {_MARK}: no test." if row["synthetic"] else ""
+    return (
+        f"median {number(row['bias'], 3)}\n{held} inside",
+        f"{text}{held} inside the stated interval.{made}",
+    )
