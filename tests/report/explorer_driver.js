@@ -45,6 +45,9 @@
   });
   at("none").click();
   found.none = checked();
+  all("#models input:checked").forEach((box) => box.click());
+  at("csv").click();
+  found.nothing = ["history", "shape", "told", "says"].map((id) => at(id).textContent);
   at("all").click();
 
   found.matrix = all("#matrix button").map((button) => {
@@ -71,14 +74,15 @@
   found.play = [at("play").textContent];
   at("play").click();
   found.play.push(at("play").textContent);
-  await wait(1500);
+  const until = async (done) => { for (let i = 0; i < 400 && !done(); i += 1) await wait(50); };
+  await until(() => clock() > 0);
   found.play.push(clock());
   at("play").click();
   found.play.push(at("play").textContent, clock());
   await wait(500);
   found.play.push(clock());
   at("play").click();
-  await wait(9000);
+  await until(() => at("play").textContent === "Play");
   found.play.push(at("play").textContent, clock());
 
   found.sweeps = [...at("x").options].flatMap((x) => [...at("y").options].map((y) => {

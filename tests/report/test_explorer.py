@@ -251,7 +251,7 @@ def driven(page, frame_page, tmp_path_factory) -> list[dict[str, Any]]:
         )
         (directory / "around.html").write_text(AROUND.format(frames=shown), encoding="utf-8")
         command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
-        command += ["--virtual-time-budget=30000", "--window-size=1500,1000"]
+        command += ["--virtual-time-budget=60000", "--window-size=1500,1000"]
         command += [f"--user-data-dir={directory / 'profile'}"]
         command.append((directory / "around.html").as_uri())
         ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
@@ -325,6 +325,11 @@ def test_boxes_show_and_hide_models(seen):
     assert "× falls collapses" in words
     assert "breaks: not converged, no curve" in words
     assert seen["none"] == ["reference"]
+    history, shape, download, says = seen["nothing"]
+    assert "none is shown" in history
+    assert "None of the models shown states a deformed shape" in shape
+    assert download == "No history is shown: there is nothing to download."
+    assert says == "No model shown has answered with numbers."
 
 
 def test_outcomes_and_warnings_stand_in_words(seen):

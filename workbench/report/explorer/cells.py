@@ -12,7 +12,7 @@ from workbench.report.chapters.answer import FAIR, GOOD
 from workbench.report.drawing.multiples import YIELDS
 from workbench.report.drawing.shapes import Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
-from workbench.report.explorer.packing import DETAILS, Detail, packed
+from workbench.report.explorer.packing import DETAILS, ROUGH, Detail, packed
 from workbench.report.figures.energy import ledger
 from workbench.report.stored import CellState
 from workbench.responses import Response
@@ -98,7 +98,7 @@ def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
     found: dict[str, Any] = {
         "t": packed(shapes.at[few]),
         "points": [track.shape[1] for track in tracks],
-        "n": packed(pairs.reshape(len(few), -1), 2000),
+        "n": packed(pairs.reshape(len(few), -1), ROUGH),
         "chords": shapes.chords,
     }
     if shapes.hinges:

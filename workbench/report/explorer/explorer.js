@@ -67,6 +67,12 @@ const drawHistory = () => {
     if (!d && one.peak !== undefined) highs.push(one.peak);
     if (one.collapse) highs.push(one.collapse[1]);
   });
+  views.history = () => {};
+  if (highs.length === 1) {
+    empty(at("history"), `No model shown has a number in this case: ${known.map(({ one }) => `${one.model} ${outcome(one)}`).join(", ") || "none is shown"}.`);
+    at("history-words").textContent = "";
+    return;
+  }
   const low = Math.min(...lows), high = Math.max(...highs);
   const range = [1e3 * (low < -0.02 * high ? low * 1.05 : 0), 1e3 * high * 1.06];
   const words = `displacement over time of ${known.map(({ one }) => one.model).join(", ")} in ${here.name}`;
@@ -196,7 +202,7 @@ const drawShape = () => {
       return shape.t[k];
     });
     const [first, last] = [Math.min(...taken), Math.max(...taken)];
-    const when = first === last ? ms(first) : `${ms(first)} to ${ms(last)}`;
+    const when = [...new Set([ms(first), ms(last)])].join(" to ");
     at("shape-words").textContent = [
       `${scaled}${upright ? ", the column lying, its base on the left" : ""}; stored snapshots nearest to the cursor: ${when}.`,
       chords.length ? `Straight lines: ${chords.join(", ")} (the shape between is not known).` : "",
@@ -325,7 +331,7 @@ const tellCase = () => {
       item.append(`: ${data.texts[sentence]}.${remedy ? ` Instead: ${data.texts[remedy]}.` : ""}`);
     });
   });
-  if (!at("says").children.length) at("says").appendChild(document.createElement("li")).textContent = "The models shown say nothing against their answers.";
+  if (!at("says").children.length) at("says").appendChild(document.createElement("li")).textContent = shown().some(({ one }) => one.outcome === "ok") ? "The models shown say nothing against their answers." : "No model shown has answered with numbers.";
 };
 const tellValues = () => {
   const here = cases.get(state.case);
@@ -333,6 +339,7 @@ const tellValues = () => {
     const one = cell(here, box.value), item = box.closest("li"), found = one && curves(one);
     box.checked = state.shown.has(box.value);
     item.classList.toggle("focus", box.value === state.focus);
+    item.classList.toggle("counts", box.value === here.reference);
     item.querySelector(".value").textContent = !one ? "not asked" : found ? mm(found.d[nearest(found.t, state.time)]) : one.peak !== undefined ? `peak ${mm(one.peak)}` : outcome(one);
   });
 };
@@ -367,9 +374,11 @@ const play = () => {
   if (state.time >= whole) moveTo(0);
   at("play").textContent = "Pause";
   at("play").setAttribute("aria-pressed", "true");
-  const from = state.time, started = performance.now();
+  let last = performance.now();
   timer = setInterval(() => {
-    moveTo(from + (whole * (performance.now() - started)) / 1000 / seconds);
+    const now = performance.now(), passed = Math.min(now - last, 5 * pause);  // hidden pages sleep
+    last = now;
+    moveTo(state.time + (whole * passed) / 1000 / seconds);
     if (state.time >= whole) { stop(); settle(); }
   }, pause);
 };
@@ -386,7 +395,8 @@ const settle = () => {
 const restore = () => {
   const said = new URLSearchParams(location.hash.slice(1)), known = said.getAll("m").filter((label) => models.has(label));
   state.group = data.groups[said.get("g")] && at("group") ? said.get("g") : "";
-  const open = inGroup(), wanted = open.find((each) => each.name === said.get("case")) || open[0] || data.cases[0];
+  const open = inGroup(), answered = open.find((each) => each.cells.some((one) => one.t));
+  const wanted = open.find((each) => each.name === said.get("case")) || answered || open[0] || data.cases[0];
   state.shown = new Set(known.length ? known : data.models.filter((model) => model.shown).map((model) => model.label));
   const plain = data.models.find((model) => model.shown && !model.rank) || data.models[0];
   state.focus = models.has(said.get("f")) ? said.get("f") : plain.label;
@@ -492,6 +502,7 @@ at("csv").addEventListener("click", () => {
   shown().filter(({ t }) => t).forEach(({ one, t, d }) => t.forEach((time, i) => {
     lines.push(`${quoted(state.case)},${quoted(one.model)},${Number(time.toPrecision(6))},${Number(d[i].toPrecision(6))}`);
   }));
+  if (lines.length === 1) { at("told").textContent = "No history is shown: there is nothing to download."; return; }
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));
   link.download = `${data.study} ${state.case}`.replace(/[^A-Za-z0-9._-]+/g, "-") + ".csv";

@@ -28,7 +28,7 @@ DETAILS = (
     Detail(60, 11, 15),
     Detail(24, 5, 8),
 )
-FINE = 10_000  # steps of the largest magnitude of a curve
+FINE, ROUGH = 10_000, 2_000  # steps of the largest magnitude of a curve; of a shape
 
 
 def packed(values: ArrayLike, fine: int = FINE) -> dict[str, Any]:

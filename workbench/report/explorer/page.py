@@ -18,7 +18,7 @@ from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
 from workbench.report.drawing.style import INTERVAL, Look, looks
 from workbench.report.explorer.cells import Record, numbers_of, record_of
-from workbench.report.explorer.packing import DETAILS, FINE, Detail
+from workbench.report.explorer.packing import DETAILS, FINE, ROUGH, Detail
 from workbench.report.figures.energy import PARTS
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
@@ -237,12 +237,13 @@ def _thinned(cases: Sequence[_Asked], detail: Detail) -> str:
     records = [cell.record for case in cases for cell in case.cells if cell.record]
     points = max(len(record.time) for record in records)
     taken = max((len(r.shapes.at) for r in records if r.shapes), default=0)
-    shapes = f", deformed shapes at most {detail.snapshots + 1} of up to {taken} stored snapshots"
+    shapes = min(taken, detail.snapshots + 1)  # the peak may be one more
     return (
-        f"Thinned for this page: histories hold about {detail.points} of up to {points} stored "
-        f"points, their extremes among them{shapes if taken else ''}; energies and bands, "
-        f"{detail.coarse} instants; numbers are rounded to 1/{FINE} of the largest of a curve "
-        "(shapes: 1/2000). The full records are in the folder cells of the store."
+        f"Thinned for this page: histories hold about {min(points, detail.points)} of up to "
+        f"{points} stored points, their extremes among them, deformed shapes "
+        f"{shapes} of up to {taken} stored snapshots, energies and bands {detail.coarse} instants; "
+        f"numbers are rounded to 1/{FINE} of the largest of a curve (shapes: 1/{ROUGH}). The full "
+        "records are in the folder cells of the store."
     )
 
 
