@@ -100,7 +100,7 @@ class RigidBars(Declared, table="option"):
             return self._pushover(scenario)
         return self._impact(scenario)
 
-    def _bars(self, column: Column) -> tuple[Any, Array]:
+    def bars(self, column: Column) -> tuple[Any, Array]:
         """The column as the kernels take it, and its preloaded (straight) state q."""
         properties = column.properties
         lengths = np.array([column.length_below, column.length_above])
@@ -130,7 +130,7 @@ class RigidBars(Declared, table="option"):
 
     def _highest_frequency(self, column: Column) -> float:
         """Bound of the highest (axial) circular frequency, in rad/s."""
-        bars, _ = self._bars(column)
+        bars, _ = self.bars(column)
         axial = bars["stiffness"][:, 0]
         square = float(np.sum(axial)) / column.properties.impact_mass
         if column.head_mass > 0.0 and bars["free_head"]:
@@ -167,7 +167,7 @@ class RigidBars(Declared, table="option"):
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
-        bars, q = self._bars(column)
+        bars, q = self.bars(column)
         steps = max(200, int(np.ceil(scenario.displacement / _PUSH_STEP)))
         path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
         records = np.zeros(steps + 1, statics.STATE)
@@ -223,7 +223,7 @@ class RigidBars(Declared, table="option"):
     def _march(self, scenario: ColumnImpact, pace: march.Pace) -> tuple[Any, dict[str, Any]]:
         """Records of one run, its histories and energies."""
         column, striker = scenario.column, scenario.striker
-        bars, q = self._bars(column)
+        bars, q = self.bars(column)
         bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
         records = np.zeros(pace.records, statics.STATE)
         records["q"][0], records["striker_velocity"][0] = q, striker.velocity

@@ -1,0 +1,145 @@
+"""The compiled steppers of the models take the steps of the laboratory's integrators."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.impact import restitution as contact
+from workbench.impact.laws import Restitution
+from workbench.impact.march import run
+from workbench.impact.schemes.central_differences import central_differences
+from workbench.impact.schemes.energy_midpoint import energy_midpoint
+from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
+from workbench.impact.schemes.moreau_jean import moreau_jean
+from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
+from workbench.models.four_dof import FourDof
+from workbench.models.impact_systems import ColumnSystem, StructureSystem
+from workbench.models.single_dof import SingleDof, kernels
+from workbench.scenarios import ColumnImpact, Striker
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.explicit import explicit_impact
+from workbench.structures.fibers import BeamSection
+from workbench.structures.impact import PointMass, impact
+from workbench.structures.reissner_beams import ReissnerBeams
+from workbench.structures.uniaxial import LinearHardening
+
+CLOSE = {"rtol": 0.0, "atol": 1e-10}
+
+
+class SpringColumn:
+    """The spring of the SDOF column and the striker, for the laboratory."""
+
+    def __init__(self, column, striker: float) -> None:
+        curve = SingleDof().curve(column)
+        self.pieces = curve.pieces
+        self.state = kernels.spring_at_rest(curve.elastic_limit, curve.pieces)
+        self.mass = np.diag([column.properties.impact_mass, striker])
+        self.normals = np.array([[1.0], [-1.0]])
+
+    def forces(self, q):
+        f, slope, _ = kernels.spring_path(self.state, q[0], self.pieces)
+        return np.array([f, 0.0]), np.diag([slope, 0.0])
+
+    def mean_forces(self, q0, q1):
+        _, slope, work = kernels.spring_path(self.state, q1[0], self.pieces)
+        moved = q1[0] - q0[0]
+        mean = work / moved if moved else self.state.force
+        return np.array([mean, 0.0]), np.diag([0.5 * slope, 0.0])
+
+    def surface(self, t):
+        return np.zeros(1), np.zeros(1), np.zeros(1)
+
+    def commit(self, q) -> None:
+        self.state = kernels.spring_moved(self.state, q[0], self.pieces)
+
+    def energy(self):
+        return kernels.spring_energy(self.state, self.pieces), self.state.dissipated
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize(
+    ("integrator", "stepper"), [("midpoint", energy_midpoint()), ("moreau", moreau_midpoint())]
+)
+def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float) -> None:
+    h, steps = 2e-5, 400
+    column = thesis_impact.column
+    striker = Striker(1500.0, 15.0, restitution)
+    scenario = ColumnImpact("hit", column, striker, duration=h * steps)
+    answer = SingleDof(integrator=integrator, time_step=h).simulate(scenario)
+    system = SpringColumn(column, striker.mass)
+    first = contact.collide(system.mass[0, 0], striker.mass, striker.velocity, restitution)
+    start = np.zeros(2), np.array([first.struck_velocity, first.striker_velocity])
+    found = run(stepper, system, Restitution(restitution), start, h * steps, h)
+    np.testing.assert_allclose(found.q[1:, 0], answer["displacement"].values[1:], **CLOSE)
+    np.testing.assert_allclose(found.v[1:, 1], answer["striker_velocity"].values[1:], rtol=1e-9)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize(
+    ("integrator", "stepper"),
+    [
+        ("midpoint", energy_midpoint()),
+        ("moreau", moreau_midpoint(at_end=False)),
+        ("gear-gupta-leimkuhler", gear_gupta_leimkuhler(0.5, split=True, all_gaps=False)),
+    ],
+)
+def test_four_dof(thesis_impact, integrator: str, stepper, restitution: float) -> None:
+    h, steps = 2e-5, 250
+    column = replace(thesis_impact.column, head_mass=95.25)
+    striker = Striker(1500.0, 15.0, restitution)
+    scenario = ColumnImpact("hit", column, striker, duration=h * steps)
+    answer = FourDof(integrator=integrator, time_step=h).simulate(scenario)
+    system = ColumnSystem(column, striker.mass)
+    start = system.start, np.array([0.0, 0.0, 0.0, striker.velocity])
+    found = run(stepper, system, Restitution(restitution), start, h * steps, h)
+    np.testing.assert_allclose(found.q[:, 0], answer["displacement"].values, **CLOSE)
+    np.testing.assert_allclose(found.v[1:, 3], answer["striker_velocity"].values[1:], rtol=1e-9)
+    if integrator == "midpoint":
+        total = found.energies.sum(axis=1) + np.append(0.0, np.cumsum(found.contact_loss))
+        assert np.ptp(total) < 1e-9 * found.energies[0, 0]
+
+
+def struck_beam() -> tuple[PlanarAssembly, int]:
+    """A clamped beam of four elements that yields, and the dof of its middle."""
+    depth, area = np.array([-0.08, 0.0, 0.08]), np.full(3, 0.04 / 3.0)
+    law = LinearHardening(210e9, 355e6, 2.1e9)
+    section = BeamSection(depth, area, law, 314.0, shear_stiffness=2.7e9)
+    nodes = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+    group = ReissnerBeams(nodes, np.zeros(4, dtype=np.int64), [section])
+    at = np.stack([np.linspace(0.0, 2.0, 5), np.zeros(5)], axis=1)
+    beam = PlanarAssembly(at, [group], lumped=True)
+    beam.hold([beam.dof(node, c) for node in (0, 4) for c in ("u", "v", "rotation")])
+    return beam, beam.dof(2, "v")
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize(
+    ("integrator", "stepper"),
+    [
+        ("midpoint", energy_midpoint(reach=1.0)),
+        ("moreau", moreau_jean()),
+        ("gear-gupta-leimkuhler", gear_gupta_leimkuhler()),
+        ("explicit", central_differences()),
+    ],
+)
+def test_structures(integrator: str, stepper, restitution: float) -> None:
+    mass, speed, h, steps = 300.0, 4.0, 2e-5, 60
+    assembly, dof = struck_beam()
+    striker, spans = PointMass(mass, speed, restitution), [(h * steps, h)]
+    if integrator == "explicit":
+        driver = explicit_impact(assembly, dof, striker, spans, h)
+    else:
+        driver = impact(assembly, dof, striker, spans, 0.5, 1e-13, integrator=integrator)
+    expected = [(float(assembly.displacement[dof]), s.striker.velocity) for s in driver]
+    assert len(expected) == steps
+    assembly, dof = struck_beam()
+    system = StructureSystem(assembly, dof, mass)
+    rest = np.zeros(len(system.start))
+    rest[-1] = speed
+    found = run(stepper, system, Restitution(restitution), (system.start, rest), h * steps, h)
+    place = int(np.flatnonzero(system.free == dof)[0])
+    np.testing.assert_allclose(found.q[1:, place], [q for q, _ in expected], **CLOSE)
+    np.testing.assert_allclose(found.v[1:, -1], [v for _, v in expected], rtol=1e-8)

@@ -1,0 +1,244 @@
+"""What every integrator declares, measured."""
+
+from __future__ import annotations
+
+from math import asin, inf
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from workbench.errors import InputError, SolverError
+from workbench.impact.laws import Restitution
+from workbench.impact.march import Run, run
+from workbench.impact.problems import oscillator, problem
+from workbench.impact.schemes import (
+    CLASSICAL,
+    ENERGY,
+    LINEAR_ENERGY,
+    MOMENTUM,
+    SCHEMES,
+    event_driven,
+    scheme,
+)
+from workbench.impact.schemes.newmark import mean_energy_factor
+from workbench.impact.system import springs
+
+NAMES = tuple(SCHEMES)
+CONVERGENT = tuple(name for name in NAMES if name not in CLASSICAL)
+ELASTIC = Restitution(1.0)
+
+
+def follow(name: str, of: str, steps: int) -> Run:
+    """A problem by an integrator."""
+    given = problem(of)
+    system = given.system()
+    return run(
+        scheme(name).stepper, system, given.law, given.start, given.duration, given.duration / steps
+    )
+
+
+def slope(errors: list[float]) -> float:
+    """Order over halved steps."""
+    return float(-np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0])
+
+
+def duffing_spring(distance: float | None = None):
+    """A hardening oscillator, free or with a stop."""
+    stop = ([{0: 1.0}], [distance]) if distance is not None else ()
+    return springs([1.0], [({0: 1.0}, (1.0, 1.0), 0.0)], *stop)
+
+
+@pytest.fixture(scope="module")
+def free_duffing() -> float:
+    solution = solve_ivp(
+        lambda _, y: (y[1], -y[0] - y[0] ** 3), (0.0, 3.0), (1.0, 0.0), rtol=1e-13, atol=1e-14
+    )
+    return float(solution.y[0, -1])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_order_of_smooth_motion(name: str, free_duffing: float) -> None:
+    errors = []
+    for steps in (40, 80, 160, 320, 640)[: 5 if SCHEMES[name].order < 4 else 4]:
+        found = run(scheme(name).stepper, duffing_spring(), ELASTIC, ([1.0], [0.0]), 3.0, 3 / steps)
+        errors.append(abs(float(found.q[-1, 0]) - free_duffing))
+    assert slope(errors) == pytest.approx(SCHEMES[name].order, abs=0.1)
+
+
+def impact_errors(name: str, phases: int = 2) -> list[float]:
+    """Errors after one elastic impact, in the mean over where it falls in a step."""
+    out = []
+    for steps in (20, 40, 80, 160, 320)[: 5 if SCHEMES[name].order < 4 else 4]:
+        h, found = 1.2 / steps, []
+        for phase in range(phases):
+            distance = np.sin(h * (asin(0.6) // h + (phase + 0.5) / phases))
+            given = oscillator(float(distance))
+            end = run(scheme(name).stepper, given.system(), given.law, given.start, 1.2, h).q[-1]
+            assert given.exact is not None
+            found.append(float(end[0] - given.exact(np.array([1.2]))[0, 0]))
+        out.append(float(np.sqrt(np.mean(np.square(found)))))
+    return out
+
+
+@pytest.mark.parametrize("name", CONVERGENT)
+def test_the_order_through_impacts(name: str) -> None:
+    assert slope(impact_errors(name)) == pytest.approx(SCHEMES[name].impact_order, abs=0.1)
+
+
+@pytest.mark.parametrize("name", CLASSICAL)
+def test_classical_contact_does_not_converge(name: str) -> None:
+    errors = impact_errors(name)
+    assert min(errors) > 0.1
+    assert abs(slope(errors)) < 0.4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_momentum_is_kept(name: str) -> None:
+    assert MOMENTUM in SCHEMES[name].conserves
+    for of, mass in (("two-masses", [1500.0, 100.0]), ("cradle", [1.0, 1.0, 1.0])):
+        momentum = follow(name, of, 40).v @ np.array(mass)
+        np.testing.assert_allclose(momentum, momentum[0], rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_energy_is_kept_where_that_is_declared(name: str) -> None:
+    declared = SCHEMES[name].conserves
+    linear = springs([1.0], [({0: 1.0}, (1.0,), 0.0)])
+    drift = run(scheme(name).stepper, linear, ELASTIC, ([1.0], [0.0]), 20.0, 0.1).drift
+    keeps = ENERGY in declared or LINEAR_ENERGY in declared
+    assert (drift < 1e-12) == keeps
+    if ENERGY in declared:
+        stopped = duffing_spring(0.5)
+        found = run(scheme(name).stepper, stopped, ELASTIC, ([1.0], [0.0]), 60.0, 0.02)
+        assert found.impacts > 10
+        assert found.drift < 1e-12
+
+
+@pytest.mark.slow
+def test_a_hundred_thousand_elastic_steps_keep_their_energy() -> None:
+    stepper = scheme("midpoint").stepper
+    found = run(stepper, duffing_spring(0.5), ELASTIC, ([1.0], [0.0]), 1e3, 1e-2, compiled=True)
+    assert len(found.t) == 100_001
+    assert found.impacts > 300
+    assert found.drift < 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_penetration_stays_within_its_bound(name: str, e: float) -> None:
+    a, b = SCHEMES[name].penetration
+    worst = 0.0
+    for height in np.linspace(0.28, 0.32, 7):
+        ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-9.81])
+        found = run(scheme(name).stepper, ball, Restitution(e), ([height], [0.0]), 0.6, 0.02)
+        bound = a * 0.02 * -found.rates.min() + b * 0.02**2 * 9.81
+        assert found.conditions.penetration <= bound + 1e-10
+        assert found.conditions.pull <= 1e-12
+        worst = max(worst, found.conditions.penetration / max(bound, 1e-300))
+    assert worst > 0.1 or a == 0.0  # the bound is no idle one
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_limit_of_stability(name: str) -> None:
+    limit = SCHEMES[name].stable
+
+    def grows(h: float) -> bool:
+        spring = springs([1.0], [({0: 1.0}, (1.0,), 0.0)])
+        try:
+            found = run(scheme(name).stepper, spring, ELASTIC, ([1.0], [0.1]), 300.0 * h, h)
+        except SolverError:
+            return True
+        return bool(np.abs(found.q[-30:]).max() > 100.0)
+
+    if limit == inf:
+        assert not grows(30.0)
+    else:
+        assert not grows(0.98 * limit)
+        assert grows(1.05 * limit)
+
+
+def test_newmark_puts_the_derived_energy_into_an_impact() -> None:
+    factors = []
+    for s in (np.arange(100) + 0.5) / 100:  # where in its step a free body arrives
+        ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0])
+        found = run(scheme("newmark").stepper, ball, ELASTIC, ([2.0 + s], [-1.0]), 8.0, 1.0)
+        factors.append(float(found.v[-1, 0]) ** 2)
+        expected = 3.0 - 4.0 * s if s < 2.0 / 3.0 else 8.0 * s - 5.0
+        assert found.v[-1, 0] == pytest.approx(expected, abs=1e-9)
+    assert np.mean(factors) == pytest.approx(mean_energy_factor(), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", CONVERGENT)
+@pytest.mark.parametrize("of", ["ball", "cradle", "oscillator"])
+def test_the_conditions_of_contact_hold_at_every_step(name: str, of: str) -> None:
+    found = follow(name, of, 60)
+    assert found.conditions.pull <= 1e-12
+    assert found.conditions.complementarity <= 1e-9
+    if name != "central-differences":  # its law holds between velocities of middles
+        assert found.conditions.created <= 1e-12 * found.energies.max()
+
+
+@pytest.mark.parametrize("name", [n for n in CONVERGENT if n != "event-driven"])
+def test_time_stepping_goes_through_the_accumulation_of_impacts(name: str) -> None:
+    found, exact = follow(name, "ball", 400), problem("ball").answer(np.linspace(0.0, 1.0, 401))
+    assert np.abs(found.q - exact).max() < 2e-2
+    np.testing.assert_allclose(found.v[-20:], 0.0, atol=0.06)
+
+
+def test_event_driven_steps_pass_the_accumulation_exactly() -> None:
+    for of in ("ball", "ball-lively"):
+        found = follow("event-driven", of, 40)
+        np.testing.assert_allclose(
+            found.q, problem(of).answer(np.linspace(0.0, 1.0, 41)), atol=1e-11
+        )
+
+
+@pytest.mark.slow
+def test_a_compiled_second_of_the_ball_is_quick_and_right() -> None:
+    given = problem("ball")
+    found = [
+        run(
+            scheme("moreau-midpoint").stepper,
+            given.system(),
+            given.law,
+            given.start,
+            1.0,
+            1e-4,
+            True,
+        )
+        for _ in range(6)
+    ]
+    assert np.abs(found[0].q - given.answer(found[0].t)).max() < 5e-4
+    assert min(each.seconds for each in found[1:]) < 0.05
+    plain = run(
+        scheme("moreau-midpoint").stepper, given.system(), given.law, given.start, 1.0, 1e-4
+    )
+    np.testing.assert_allclose(found[0].q, plain.q, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"h": 0.0}, "problem.time_step = 0.0: must be a positive number"),
+        ({"h": 1e-12}, "at most 20000000"),
+        ({"duration": -1.0}, "problem.duration"),
+        ({"law": Restitution((0.5, 0.5))}, "one number or 1"),
+    ],
+)
+def test_bad_runs_get_one_clear_message(change: dict, said: str) -> None:
+    ball = springs([1.0], contacts=[{0: 1.0}], gaps=[0.0])
+    given = {"law": ELASTIC, "start": ([1.0], [0.0]), "duration": 1.0, "h": 0.1, **change}
+    with pytest.raises(InputError, match=said):
+        run(event_driven(), ball, **given)
+
+
+def test_bad_systems_and_names_get_one_clear_message() -> None:
+    with pytest.raises(InputError, match=r"problem.masses .* positive"):
+        springs([1.0, -1.0])
+    with pytest.raises(InputError, match=r"problem.gaps .* 1, one per contact"):
+        springs([1.0], contacts=[{0: 1.0}])
+    with pytest.raises(InputError, match="did you mean newmark"):
+        scheme("newmarc")
+    with pytest.raises(InputError, match="did you mean duffing"):
+        problem("dufing")

@@ -1,0 +1,121 @@
+"""The answers of the problems, by an independent integration from event to event."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from workbench.impact.march import run
+from workbench.impact.problems import PROBLEMS, bar, cradle, problem
+from workbench.impact.schemes import scheme
+
+TIGHT = {"rtol": 1e-12, "atol": 1e-13, "dense_output": True}
+
+
+def by_events(slope, start, duration, gap, impact, times) -> np.ndarray:
+    """Places at `times`; `gap` of a state ends an interval, `impact` changes the state there."""
+
+    def event(_, y):
+        return gap(y)
+
+    event.terminal, event.direction = True, -1
+    found, begin, y = np.zeros((times.size, len(start) // 2)), 0.0, np.asarray(start, dtype=float)
+    while begin < duration:
+        part = solve_ivp(slope, (begin, duration), y, events=event, **TIGHT)
+        on = (times >= begin) & (times <= part.t[-1])
+        found[on] = part.sol(times[on])[: len(start) // 2].T
+        if part.status != 1:
+            return found
+        begin, y = part.t[-1], impact(part.y[:, -1])
+    return found
+
+
+def test_the_ball_by_events() -> None:
+    times = np.linspace(0.0, 0.72, 200)  # five impacts, before they accumulate
+    found = by_events(
+        lambda _, y: (y[1], -9.81),
+        *((0.3, 0.0), 0.72, lambda y: y[0]),
+        lambda y: np.array([0.0, -0.5 * y[1]]),
+        times,
+    )
+    np.testing.assert_allclose(found, problem("ball").answer(times), atol=1e-9)
+
+
+def test_two_masses_by_events() -> None:
+    def impact(y):
+        blow = 1.5 * (y[2] - y[3]) / (1.0 / 1500.0 + 1.0 / 100.0)
+        return np.array([y[0], y[1], y[2] - blow / 1500.0, y[3] + blow / 100.0])
+
+    times = np.linspace(0.0, 0.02, 100)
+    found = by_events(
+        lambda _, y: (y[2], y[3], 0.0, 0.0),
+        *((0.0, 0.0, 20.0, 0.0), 0.02, lambda y: y[1] - y[0] + 0.1),
+        *(impact, times),
+    )
+    np.testing.assert_allclose(found, problem("two-masses").answer(times), atol=1e-11)
+
+
+def test_the_stopped_duffing_oscillator_by_events() -> None:
+    times = np.linspace(0.0, 10.0, 1281)
+    found = by_events(
+        lambda _, y: (y[1], -y[0] - y[0] ** 3),
+        *((1.0, 0.0), 10.0, lambda y: y[0] + 0.5),
+        lambda y: np.array([-0.5, -0.8 * y[1]]),
+        times,
+    )
+    np.testing.assert_allclose(found, problem("duffing").answer(times), atol=2e-9)
+
+
+@pytest.mark.parametrize("name", [n for n in PROBLEMS if PROBLEMS[n]().exact is not None])
+def test_event_driven_steps_meet_the_exact_answers(name: str) -> None:
+    given = problem(name)
+    steps = 4 * given.steps
+    found = run(
+        *(scheme("event-driven").stepper, given.system(), given.law, given.start),
+        *(given.duration, given.duration / steps),
+    )
+    exact = given.answer(found.t)
+    assert np.abs(found.q - exact).max() < 1e-5 * np.abs(exact).max()
+    if given.impacts is not None:
+        assert found.impacts == given.impacts
+    if given.conservative:
+        assert found.drift < 1e-5
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson"])
+@pytest.mark.parametrize("coefficients", [(1.0,), (0.0, 1.0), (1.0, 0.0), (0.2, 0.5)])
+def test_the_cradle_of_both_laws(law: str, coefficients: tuple[float, ...]) -> None:
+    given = cradle(law, coefficients)
+    for name in ("event-driven", "moreau-jean"):
+        found = run(*(scheme(name).stepper, given.system(), given.law, given.start, 0.4, 0.4 / 64))
+        exact = given.answer(found.t)
+        np.testing.assert_allclose(found.v[-1], np.diff(exact, axis=0)[-1] * 64 / 0.4, atol=1e-12)
+
+
+def test_a_lumped_bar_rings_where_the_bar_of_dalembert_does_not() -> None:
+    """It leaves after 2 L / c, but not as fast as it came: vibration keeps a share."""
+    rebounds = []
+    for elements in (5, 20):
+        given = bar(elements)
+        found = run(
+            *(scheme("moreau-jean").stepper, given.system(), given.law, given.start, 3.5, 0.0025)
+        )
+        pushes = found.t[found.impulses[:, 0] > 1e-9]
+        assert pushes[-1] - pushes[0] == pytest.approx(2.0, abs=0.25)
+        mass = np.diag(given.system().mass)
+        rebounds.append(float(found.v[-1] @ mass) / 0.1)
+        lost = float(found.contact_loss.sum()) / found.energies[0, 0]
+        assert lost == pytest.approx(0.5 / elements, rel=0.05)  # the first mass stops at once
+    assert 0.85 < rebounds[0] < rebounds[1] < 1.0
+
+
+def test_the_soft_impact_is_two_modes_and_a_free_flight() -> None:
+    given = problem("soft-impact")
+    q = given.answer(np.linspace(0.0, 0.3, 3001))
+    half = pi / np.sqrt(3e5 / 1500.0)  # of a vehicle against a wall
+    apart = np.flatnonzero(q[1:, 1] - q[1:, 0] > 0.0)[0] * 1e-4
+    assert apart == pytest.approx(half, rel=0.15)
+    assert np.ptp(np.diff(q[-500:, 0])) < 1e-9

@@ -1,0 +1,181 @@
+"""A run of an integrator over a record, with every condition of contact checked at every step."""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from math import ceil
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.arrays import Array
+from workbench.errors import InputError, SolverError
+from workbench.impact.laws import Restitution
+from workbench.impact.stepping import Law, State, Stepper
+from workbench.impact.system import System, energy
+
+_MOST_STEPS = 20_000_000
+_SOLVED = 1e-9  # scaled residual of a step
+
+
+class Conditions(NamedTuple):
+    """What the contact law asks, as the largest violation in a run: all are zero at best.
+
+    `penetration` in m, `pull` in N s, `complementarity` (impulses across open gaps, over the
+    largest impulse times the largest approach), `created` energy in the contacts in J.
+    """
+
+    penetration: float
+    pull: float
+    complementarity: float
+    created: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """A record at times `t` (k,): `q`, `v` (k, n), `gaps`, `rates`, `impulses` (k, m).
+
+    The impulses are those of the step that ends there. `energies` (k, 3) in J: kinetic, stored
+    with loads, dissipated; `losses` (k,) as the integrator tells them. `evaluations` of the forces,
+    and `seconds` of the whole run.
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    gaps: Array
+    rates: Array
+    impulses: Array
+    energies: Array
+    losses: Array
+    evaluations: int
+    seconds: float
+
+    @cached_property
+    def contact_loss(self) -> Array:
+        """Energy (J) lost in contact in each step (k - 1,)."""
+        mean = 0.5 * (self.rates[1:] + self.rates[:-1])
+        work = -np.sum(self.impulses[1:] * mean, axis=1)
+        return np.where(np.isnan(self.losses[1:]), work, self.losses[1:])
+
+    @cached_property
+    def conditions(self) -> Conditions:
+        """The conditions of contact over all steps."""
+        if not self.gaps.shape[1]:
+            return Conditions(0.0, 0.0, 0.0, 0.0)
+        P = self.impulses
+        apart = np.minimum(self.gaps[1:], self.gaps[:-1]).clip(0.0)
+        reach = np.abs(self.rates).max() * (self.t[1] - self.t[0])
+        size = max(float(np.abs(P).max() * reach), 1e-300)
+        return Conditions(
+            float(max(-self.gaps.min(), 0.0)),
+            float(max(-P.min(), 0.0)),
+            float(np.abs(P[1:] * np.maximum(apart - reach, 0.0)).max() / size),
+            float(max(-self.contact_loss.min(), 0.0)),
+        )
+
+    @property
+    def impacts(self) -> int:
+        """How often a contact began to push."""
+        on = self.impulses > 1e-9 * max(float(self.impulses.max(initial=0.0)), 1e-300)
+        return int(np.sum(on[1:] & ~on[:-1]))
+
+    @property
+    def chatter(self) -> float:
+        """Half the total variation of the impulses over their sum; 1 if each second step is off."""
+        total = float(np.abs(self.impulses).sum())
+        return float(np.abs(np.diff(self.impulses, axis=0)).sum() / (2.0 * total)) if total else 0.0
+
+    @property
+    def drift(self) -> float:
+        """Largest change of the sum of energies over the largest energy moved (kinetic)."""
+        total = self.energies.sum(axis=1)
+        return float(np.abs(total - total[0]).max() / max(self.energies[:, 0].max(), 1e-300))
+
+
+def run(
+    stepper: Stepper,
+    system: System,
+    law: Restitution,
+    start: tuple[Array, Array],
+    duration: float,
+    h: float,
+    compiled: bool = False,
+) -> Run:
+    """Follow a system with one integrator.
+
+    Arguments: `system`, used up by the run where it is plastic; `law`; `start`, q and v (n,);
+    `duration` and step `h` in s, which is cut so that whole steps fill the duration; `compiled`,
+    whether to compile the steps for `Springs` first (worth it beyond some ten thousand).
+    Raises `InputError` and `SolverError`.
+    """
+    for name, value in (("duration", duration), ("time_step", h)):
+        if not 0.0 < value < np.inf:
+            raise InputError(f"problem.{name}", value, "must be a positive number (s)")
+    count = ceil(duration / h - 1e-9)
+    if count > _MOST_STEPS:
+        raise InputError("problem.time_step", h, f"makes {count} steps, at most {_MOST_STEPS}")
+    h = duration / count
+    mass = np.asarray(system.mass)
+    if not np.isfinite(mass).all() or np.linalg.eigvalsh(mass).min() <= 0.0:
+        raise InputError("problem.masses", None, "must make a positive definite mass matrix")
+    q, v = (np.array(part, dtype=float) for part in start)
+    m = system.normals.shape[1]
+    given = Law(law.each(m), law.law == "poisson")
+    a = np.asarray(-np.linalg.solve(mass, system.forces(q)[0]), dtype=float)
+    system.commit(q)
+    records = np.zeros((count + 1, q.size)), np.zeros((count + 1, q.size))
+    impulses, energies = np.zeros((count + 1, m)), np.zeros((count + 1, 3))
+    records[0][0], records[1][0], energies[0, :2] = q, v, system.energy()
+    state = State(q, v, a, np.zeros(m), 0.0)
+    begin = perf_counter()
+    follow = _compiled(stepper) if compiled else _follow
+    result = follow(stepper, system, given, state, h, (*records, impulses, energies))
+    done, evaluations, residual = result
+    seconds = perf_counter() - begin
+    if done < count:
+        tried = "Newton's method with the contact law inside; reduce the step"
+        raise SolverError(f"time {done * h:.6g} s (step of {h:.3g} s)", residual, tried)
+    t = np.linspace(0.0, duration, count + 1)
+    kinetic = 0.5 * np.einsum("ki,ij,kj->k", records[1], mass, records[1])
+    places = [system.surface(time)[:2] for time in t]
+    return Run(
+        t,
+        *records,
+        records[0] @ system.normals + np.array([place for place, _ in places]),
+        records[1] @ system.normals + np.array([rate for _, rate in places]),
+        impulses,
+        np.column_stack([kinetic, energies[:, :2]]),
+        energies[:, 2],
+        evaluations,
+        seconds,
+    )
+
+
+def _follow(step: Any, system: Any, law: Law, state: State, h: float, records: Any) -> Any:
+    """Steps into the records: (steps done, evaluations, last residual)."""
+    q, v, impulses, energies = records
+    evaluations, residual = 0, 0.0
+    for n in range(1, q.shape[0]):
+        taken = step(system, law, state, h)
+        state, residual = taken.state, taken.residual
+        evaluations += taken.evaluations
+        if not residual <= _SOLVED or not np.isfinite(state.q).all():
+            return n - 1, evaluations, residual
+        q[n], v[n], impulses[n] = state.q, state.v, taken.impulses
+        energies[n, 0], energies[n, 1] = energy(system)
+        energies[n, 2] = taken.loss
+    return q.shape[0] - 1, evaluations, residual
+
+
+@cache
+def _compiled(step: Stepper) -> Any:
+    """The same, compiled for this integrator."""
+    compiled = njit(_follow)
+
+    def follow(_: Stepper, *arguments: Any) -> Any:
+        return compiled(jitted, *arguments)
+
+    jitted = njit(step)
+    return follow

@@ -1,0 +1,88 @@
+"""Time integrators of impact, one file each, and what each of them declares."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from workbench.errors import InputError
+from workbench.fields import did_you_mean
+from workbench.impact.schemes.central_differences import central_differences
+from workbench.impact.schemes.energy_midpoint import energy_midpoint
+from workbench.impact.schemes.event_driven import event_driven
+from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
+from workbench.impact.schemes.generalized_alpha import generalized_alpha
+from workbench.impact.schemes.hht_alpha import hht_alpha
+from workbench.impact.schemes.moreau_jean import moreau_jean
+from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
+from workbench.impact.schemes.newmark import newmark
+from workbench.impact.stepping import Stepper
+
+MOMENTUM, ENERGY, LINEAR_ENERGY = "momentum", "energy", "energy of linear systems"
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """An integrator and its declarations, each of which a test measures.
+
+    Arguments: `stepper` makes its step; `order` of smooth motion; `impact_order` through impacts
+    (0: the answer does not converge); what it `conserves` without dissipation in contact;
+    `penetration` (a, b), so that gaps stay above -(a h V + b h^2 A), V and A the largest approach
+    and relative acceleration; `stable`, largest omega h of linear vibrations.
+    """
+
+    title: str
+    make: Callable[[], Stepper]
+    order: int
+    impact_order: int
+    conserves: tuple[str, ...]
+    penetration: tuple[float, float]
+    stable: float = inf
+
+    @property
+    def stepper(self) -> Stepper:
+        """The step of the scheme with its usual parameters."""
+        return self.make()
+
+
+_BOTH = (MOMENTUM, LINEAR_ENERGY)
+SCHEMES: dict[str, Scheme] = {
+    "moreau-jean": Scheme("Moreau-Jean, theta 1/2", moreau_jean, 2, 1, _BOTH, (0.5, 2.0)),
+    "moreau-midpoint": Scheme(
+        "Moreau's explicit midpoint", moreau_midpoint, 2, 1, (MOMENTUM,), (1.0, 2.0), 2.0
+    ),
+    "midpoint": Scheme(
+        "energy-conserving midpoint", energy_midpoint, 2, 1, (MOMENTUM, ENERGY), (1.0, 2.0)
+    ),
+    "ggl": Scheme("Gear-Gupta-Leimkuhler", gear_gupta_leimkuhler, 2, 1, _BOTH, (0.0, 0.0)),
+    "ggl-split": Scheme(
+        "Gear-Gupta-Leimkuhler, split",
+        lambda: gear_gupta_leimkuhler(0.5, split=True),
+        *(2, 1, _BOTH, (0.0, 0.0)),
+    ),
+    "event-driven": Scheme(
+        "event-driven Runge-Kutta", event_driven, 4, 4, (MOMENTUM,), (0.0, 0.0), sqrt(8.0)
+    ),
+    "newmark": Scheme("Newmark, contact at the end", newmark, 2, 0, _BOTH, (0.0, 0.0)),
+    "hht-alpha": Scheme("HHT-alpha, contact at the end", hht_alpha, 2, 0, (MOMENTUM,), (0.0, 0.0)),
+    "generalized-alpha": Scheme(
+        "generalized-alpha, contact at the end",
+        *(generalized_alpha, 2, 0, (MOMENTUM,), (0.0, 0.0)),
+    ),
+    "generalized-alpha-impulses": Scheme(
+        "generalized-alpha, velocities updated at impact",
+        lambda: generalized_alpha(impulses=True),
+        *(2, 1, (MOMENTUM,), (0.5, 2.0)),
+    ),
+    "central-differences": Scheme(
+        "explicit central differences", central_differences, 2, 1, (MOMENTUM,), (0.0, 2.0), 2.0
+    ),
+}
+CLASSICAL = tuple(name for name, scheme in SCHEMES.items() if not scheme.impact_order)
+
+
+def scheme(name: str) -> Scheme:
+    """The integrator of this name. Raises `InputError`."""
+    if name not in SCHEMES:
+        advice = did_you_mean(name, SCHEMES)
+        raise InputError("integrator", name, "must be one of " + ", ".join(SCHEMES), advice)
+    return SCHEMES[name]

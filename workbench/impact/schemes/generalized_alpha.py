@@ -1,0 +1,65 @@
+"""Generalized-alpha (Chung and Hulbert 1993), with the classical contact and with impulses.
+
+    q1 = q0 + h v0 + h^2 ((1/2 - beta) a0 + beta a1),   v1 = v0 + h ((1 - gamma) a0 + gamma a1),
+    (1 - am) M a1 + am M a0 + (1 - af) f1 + af f0 = W ((1 - af) l1 + af l0).
+
+Classical contact is Signorini's law of the end position, 0 <= l1 perp g1 >= 0: no restitution, and
+the velocity after an impact depends on where in the step it falls (`newmark`). With `impulses` the
+smooth step sees no contact, and afterwards velocities jump by M^-1 W P of the law of restitution
+and positions by half a step of that (after Chen, Acary, Virlez and Bruls 2013).
+"""
+
+import numpy as np
+from numba.extending import register_jitable
+
+from workbench.impact.complementarity import complementary
+from workbench.impact.stepping import State, Step, Stepper, forecast, gaps_of, impulses_on
+from workbench.impact.system import commit, forces
+
+_ITERATIONS = 40
+
+
+def generalized_alpha(radius: float = 0.8, impulses: bool = False) -> Stepper:
+    """The step with a spectral radius at infinity of `radius`, 0 to 1."""
+    am, af = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
+    return alpha_step(am, af, 0.25 * (1.0 - am + af) ** 2, 0.5 - am + af, impulses)
+
+
+def alpha_step(am: float, af: float, beta: float, gamma: float, impulses: bool) -> Stepper:
+    """The step of a member of the family."""
+
+    @register_jitable
+    def step(system, law, state, h):
+        M, W = system.mass, system.normals
+        q0, v0, a0, l0, t = state.q, state.v, state.a, state.force, state.t + h
+        f0, _ = forces(system, q0)
+        a1, l1 = a0.copy(), np.zeros(l0.size)
+        residual, count = np.inf, 0
+        for turn in range(_ITERATIONS):
+            q1 = q0 + h * v0 + h * h * ((0.5 - beta) * a0 + beta * a1)
+            f1, K = forces(system, q1)
+            count += 1
+            push = W @ ((1.0 - af) * l1 + af * l0)
+            r = M @ ((1.0 - am) * a1 + am * a0) + (1.0 - af) * f1 + af * f0
+            size = np.abs(M @ a1) + np.abs(M @ a0) + np.abs(f1) + np.abs(f0) + np.abs(push)
+            before, residual = residual, np.abs(r - push).max() / max(size.max(), 1e-300)
+            if turn > 0 and (residual <= 1e-14 or (residual <= 1e-11 and residual >= before)):
+                break
+            A = (1.0 - am) * M + (1.0 - af) * beta * h * h * K
+            a1 = a1 - np.linalg.solve(A, r - af * (W @ l0))
+            if not impulses:
+                q1 = q0 + h * v0 + h * h * ((0.5 - beta) * a0 + beta * a1)
+                back = (1.0 - af) * np.linalg.solve(A, W)
+                l1, _ = complementary(h * h * beta * (W.T @ back), gaps_of(system, q1, t))
+                a1 = a1 + back @ l1
+        v1 = v0 + h * ((1.0 - gamma) * a0 + gamma * a1)
+        P = h * l1
+        if impulses:
+            closed = forecast(system, state, h)
+            v2, P, known = impulses_on(system, law, closed, M, v1, state, t)
+            q1, v1, residual = q1 + 0.5 * h * (v2 - v1), v2, max(residual, known)
+            l1 = np.zeros(l0.size)
+        commit(system, q1)
+        return Step(State(q1, v1, a1, l1, t), P, count, residual, np.nan)
+
+    return step

@@ -1,0 +1,282 @@
+"""What an integrator asks of a system, and the laboratory's own systems of masses and springs.
+
+Unknowns q obey M q'' + f(q) = W P with gaps g = W'q + c(t) >= 0. Integrators call the functions
+below: for Python objects that keep the protocol `System` they call its methods, for `Springs` in
+compiled code the kernels themselves. So every integrator is written once, and runs both ways.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numba import njit
+from numba.extending import overload
+
+from workbench.arrays import Array
+from workbench.errors import InputError
+from workbench.impact.laws import Penalty
+
+ELASTIC, ONE_SIDED, PLASTIC = 0, 1, 2
+
+
+class System(Protocol):
+    """Mass matrix (n, n), contact normals (n, m), forces with tangent, contact frame, commit."""
+
+    @property
+    def mass(self) -> Array:
+        """Mass matrix (n, n), in kg."""
+
+    @property
+    def normals(self) -> Array:
+        """Directions W (n, m) of the contacts."""
+
+    def forces(self, q: Array) -> tuple[Array, Array]:
+        """Internal less external forces (n,) at `q` from the committed state, and tangent."""
+
+    def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
+        """Forces whose work from `q0` to `q1` is the change of energy, and d/dq1 of them."""
+
+    def surface(self, t: float) -> tuple[Array, Array, Array]:
+        """Gaps (m,) at q = 0 and time t, their velocity and acceleration."""
+
+    def commit(self, q: Array) -> None:
+        """Make the state at `q` the committed one."""
+
+    def energy(self) -> tuple[float, float]:
+        """Stored energy, of loads too, and energy dissipated so far, in J."""
+
+
+class Springs(NamedTuple):
+    """Masses on springs; `springs` makes it from what a problem says.
+
+    A spring i acts along row i of `along` (s, n) on e = along q + `offset`: elastic k e + b e^3;
+    one-sided -k (-e)^b for e < 0; plastic of stiffness k and yield force b, with the committed
+    elongation in `flow`. `load` (n,) in N; contact surfaces c + a sin(w t); `spent` (J), `place`.
+    """
+
+    mass: Array
+    normals: Array
+    along: Array
+    kind: Any
+    k: Array
+    b: Array
+    offset: Array
+    flow: Array
+    load: Array
+    gap: Array
+    swing: Array
+    spent: Array
+    place: Array
+
+    def forces(self, q: Array) -> tuple[Array, Array]:
+        """As in `System`; so are the others."""
+        found: tuple[Array, Array] = spring_forces(self, q)
+        return found
+
+    def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
+        """Discrete gradient."""
+        found: tuple[Array, Array] = spring_mean_forces(self, q0, q1)
+        return found
+
+    def surface(self, t: float) -> tuple[Array, Array, Array]:
+        """Place, velocity, acceleration."""
+        found: tuple[Array, Array, Array] = spring_surface(self, t)
+        return found
+
+    def commit(self, q: Array) -> None:
+        """Plastic flow."""
+        spring_commit(self, q)
+
+    def energy(self) -> tuple[float, float]:
+        """Stored and dissipated."""
+        found: tuple[float, float] = spring_energy(self)
+        return found
+
+
+def springs(
+    masses: Sequence[float],
+    laws: Sequence[tuple[dict[int, float], Penalty | tuple[float, ...], float]] = (),
+    contacts: Sequence[dict[int, float]] = (),
+    gaps: Sequence[float] = (),
+    load: Sequence[float] | None = None,
+    swing: tuple[float, float] = (0.0, 0.0),
+) -> Springs:
+    """A system of masses (kg) on springs.
+
+    Arguments: `masses`; `laws`, springs as (unknown to factor, law, offset in m), the law (k,) or
+    (k, cubic) elastic, (k, cubic, yield force), or a `Penalty` without damping; `contacts`, gaps
+    as unknown to factor, and `gaps` at q = 0 in m; constant `load` in N; `swing` of all surfaces,
+    amplitude (m) and circular frequency (rad/s). Raises `InputError`.
+    """
+    mass = np.asarray(masses, dtype=float)
+    if mass.ndim != 1 or not mass.size or not np.isfinite(mass).all() or mass.min() <= 0.0:
+        raise InputError("problem.masses", list(masses), "must be positive numbers (kg)")
+    if len(gaps) != len(contacts):
+        raise InputError("problem.gaps", list(gaps), f"must be {len(contacts)}, one per contact")
+    n, s = mass.size, len(laws)
+    kind, k, b = np.zeros(s, dtype=np.int64), np.zeros(s), np.zeros(s)
+    for i, (_, law, _) in enumerate(laws):
+        if isinstance(law, Penalty):
+            kind[i], k[i], b[i] = ONE_SIDED, law.stiffness, law.exponent
+        else:
+            kind[i] = PLASTIC if len(law) == 3 else ELASTIC
+            k[i], b[i] = law[0], law[-1] if len(law) > 1 else 0.0
+
+    def rows(of: Sequence[dict[int, float]]) -> Array:
+        out = np.zeros((len(of), n))
+        for row, factors in zip(out, of, strict=True):
+            row[list(factors)] = list(factors.values())
+        return out
+
+    return Springs(
+        np.diag(mass),
+        np.ascontiguousarray(rows(contacts).T),
+        rows([along for along, _, _ in laws]),
+        *(kind, k, b, np.array([offset for _, _, offset in laws], dtype=float), np.zeros(s)),
+        np.zeros(n) if load is None else np.asarray(load, dtype=float),
+        np.asarray(gaps, dtype=float),
+        np.asarray(swing, dtype=float),
+        *(np.zeros(1), np.zeros(n)),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def one_spring(kind, k, b, flow, e):
+    """Force, stiffness and energy of a spring at elongation e."""
+    if kind == ELASTIC:
+        return k * e + b * e**3, k + 3.0 * b * e**2, 0.5 * k * e**2 + 0.25 * b * e**4
+    if kind == ONE_SIDED:
+        d = max(-e, 0.0)
+        force = -k * d**b
+        slope = b * k * d ** (b - 1.0) if d > 0.0 else 0.0
+        return force, slope, -force * d / (b + 1.0)
+    force = k * (e - flow)
+    if abs(force) <= b:
+        return force, k, 0.5 * force**2 / k
+    return (b if force > 0.0 else -b), 0.0, 0.5 * b**2 / k
+
+
+@njit(cache=True, error_model="numpy")
+def one_mean(kind, k, b, flow, e0, e1):
+    """Force whose work from e0 to e1 is the change of energy (stored and spent), and d/de1."""
+    f0, _, u0 = one_spring(kind, k, b, flow, e0)
+    f1, slope, u1 = one_spring(kind, k, b, flow, e1)
+    if kind == ELASTIC:
+        mean = 0.5 * k * (e0 + e1) + 0.25 * b * (e0 + e1) * (e0**2 + e1**2)
+        return mean, 0.5 * k + 0.25 * b * (e0**2 + 2.0 * e0 * e1 + 3.0 * e1**2)
+    step = e1 - e0
+    if kind == PLASTIC or abs(step) <= 1e-7 * (abs(e0) + abs(e1)):
+        return 0.5 * (f0 + f1), 0.5 * slope
+    mean = (u1 - u0) / step
+    return mean, (f1 - mean) / step
+
+
+@njit(cache=True, error_model="numpy")
+def spring_forces(system, q):
+    """Forces and tangent of springs and loads."""
+    f, K = -system.load, np.zeros(system.mass.shape)
+    for i in range(system.k.size):
+        row = system.along[i]
+        e = row @ q + system.offset[i]
+        force, slope, _ = one_spring(system.kind[i], system.k[i], system.b[i], system.flow[i], e)
+        f += force * row
+        K += slope * np.outer(row, row)
+    return f, K
+
+
+@njit(cache=True, error_model="numpy")
+def spring_mean_forces(system, q0, q1):
+    """Energy-consistent forces of a step and their tangent."""
+    f, K = -system.load, np.zeros(system.mass.shape)
+    for i in range(system.k.size):
+        row, c = system.along[i], system.offset[i]
+        law = system.kind[i], system.k[i], system.b[i], system.flow[i]
+        force, slope = one_mean(*law, row @ q0 + c, row @ q1 + c)
+        f += force * row
+        K += slope * np.outer(row, row)
+    return f, K
+
+
+@njit(cache=True, error_model="numpy")
+def spring_surface(system, t):
+    """Gaps at q = 0, with their velocity and acceleration."""
+    size, w = system.swing
+    still = np.zeros(system.gap.size)
+    move = size * np.sin(w * t)
+    return system.gap - move, still - size * w * np.cos(w * t), still + w * w * move
+
+
+@njit(cache=True, error_model="numpy")
+def spring_commit(system, q):
+    """Flow of the plastic springs, and the place."""
+    for i in range(system.k.size):
+        if system.kind[i] == PLASTIC:
+            k, row = system.k[i], system.along[i]
+            before = k * (row @ system.place + system.offset[i] - system.flow[i])
+            e = row @ q + system.offset[i]
+            after, _, _ = one_spring(PLASTIC, k, system.b[i], system.flow[i], e)
+            flow = e - after / k
+            system.spent[0] += 0.5 * (before + after) * (flow - system.flow[i])
+            system.flow[i] = flow
+    system.place[:] = q
+
+
+@njit(cache=True, error_model="numpy")
+def spring_energy(system):
+    """Stored energy with that of the loads, and dissipated energy."""
+    stored = -(system.load @ system.place)
+    for i in range(system.k.size):
+        e = system.along[i] @ system.place + system.offset[i]
+        law = system.kind[i], system.k[i], system.b[i], system.flow[i]
+        stored += one_spring(*law, e)[2]
+    return stored, system.spent[0]
+
+
+def forces(system: System, q: Array) -> tuple[Array, Array]:
+    """Forces and tangent at `q`."""
+    return system.forces(q)
+
+
+def mean_forces(system: System, q0: Array, q1: Array) -> tuple[Array, Array]:
+    """Energy-consistent forces of a step, and their tangent in `q1`."""
+    return system.mean_forces(q0, q1)
+
+
+def surface(system: System, t: float) -> tuple[Array, Array, Array]:
+    """Place, velocity and acceleration of the contact surfaces."""
+    return system.surface(t)
+
+
+def commit(system: System, q: Array) -> None:
+    """Accept the state at `q`."""
+    system.commit(q)
+
+
+def energy(system: System) -> tuple[float, float]:
+    """Stored and dissipated energy of the committed state."""
+    return system.energy()
+
+
+@overload(forces)
+def _forces(system, q):
+    return lambda system, q: spring_forces(system, q)
+
+
+@overload(mean_forces)
+def _mean_forces(system, q0, q1):
+    return lambda system, q0, q1: spring_mean_forces(system, q0, q1)
+
+
+@overload(surface)
+def _surface(system, t):
+    return lambda system, t: spring_surface(system, t)
+
+
+@overload(commit)
+def _commit(system, q):
+    return lambda system, q: spring_commit(system, q)
+
+
+@overload(energy)
+def _energy(system):
+    return lambda system: spring_energy(system)

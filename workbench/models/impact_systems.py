@@ -1,0 +1,145 @@
+"""The column of four unknowns and structures, as the integrators of the laboratory ask for them.
+
+The striker is one more unknown, the last: q = (structure, x_c), gap = w . q_structure - x_c. What
+has no mass (the rotation of the hit point) follows inside the forces.
+"""
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.models.four_dof import FourDof, dynamics, statics
+from workbench.models.four_dof.kinematics import BETA, U1, U2, V
+from workbench.scenarios import Column
+from workbench.structures.assembly import PlanarAssembly
+
+_MOVING = np.array([V, U1, U2])
+
+
+def _with_striker(matrix: Array, entry: float) -> Array:
+    """A matrix with one more row and column, of which the diagonal alone is not zero."""
+    n = len(matrix)
+    out = np.zeros((n + 1, n + 1))
+    out[:n, :n], out[n, n] = matrix, entry
+    return out
+
+
+class _Struck:
+    """What both have: a striker, and contact surfaces that stand still."""
+
+    mass: Array
+    normals: Array
+
+    def surface(self, _t: float) -> tuple[Array, Array, Array]:
+        """Gaps begin at zero."""
+        return np.zeros(1), np.zeros(1), np.zeros(1)
+
+
+class ColumnSystem(_Struck):
+    """The column of `four-dof` with a head mass: unknowns v1, u1, u2 (m) and the striker."""
+
+    def __init__(self, column: Column, striker_mass: float, model: FourDof | None = None) -> None:
+        self.column, q = (model or FourDof()).bars(column)
+        self.mass = _with_striker(np.diag(self.column["mass"][_MOVING]), striker_mass)
+        self.normals = np.array([[1.0], [0.0], [0.0], [-1.0]])
+        self.start = np.array([*q[_MOVING], 0.0])
+        self._work = np.zeros(1, statics.WORK)[0]
+        self._committed = np.zeros(1, statics.STATE)
+        self._committed["q"][0] = q
+        statics.internal_forces(self.column, self._committed[0], self._work)
+
+    def _at(self, q: Array) -> np.void:
+        trial: np.void = self._committed.copy()[0]
+        trial["q"][_MOVING] = q[:3]
+        statics.balance_rotation(self.column, trial, self._work)
+        return trial
+
+    def _tangent(self) -> Array:
+        K = np.array(self._work["K"])
+        if not statics.rotation_is_free(self.column, self._work["K"]):
+            K -= np.outer(K[:, BETA], K[BETA]) / K[BETA, BETA]
+        return _with_striker(K[np.ix_(_MOVING, _MOVING)], 0.0)
+
+    def forces(self, q: Array) -> tuple[Array, Array]:
+        """As in `workbench.impact.system.System`; so are the others."""
+        self._at(q)
+        return np.append(self._work["F"][_MOVING], 0.0), self._tangent()
+
+    def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
+        """Averaged stresses on discrete gradients; `q0` is the committed place."""
+        self._work["q0"][:] = self._committed["q"][0]
+        self._work["stress0"][:] = self._committed["stress"][0]
+        trial = self._at(q1)
+        dynamics.mean_forces(self.column, trial, self._work)
+        return np.append(self._work["mean"][_MOVING], 0.0), 0.5 * self._tangent()
+
+    def commit(self, q: Array) -> None:
+        """Plastic flow."""
+        start = self._committed["stress"][0].copy()
+        trial = self._at(q)
+        statics.commit(self.column, start, trial, self._work)
+        self._committed[0] = trial
+
+    def energy(self) -> tuple[float, float]:
+        """Stored and dissipated."""
+        state, flexibility = self._committed[0], self.column["flexibility"][:, [0, 1, 3]]
+        head = float(state["q"][U2])
+        stored = 0.5 * float(np.sum(flexibility * state["stress"][:, :3] ** 2))
+        spring = head - float(self.column["unstressed"])
+        stored += 0.5 * float(self.column["spring"]) * spring**2 + float(self.column["load"]) * head
+        return stored, float(state["dissipated"])
+
+
+class StructureSystem(_Struck):
+    """A planar structure struck at a dof: unknowns are its free dofs, then the striker."""
+
+    def __init__(
+        self, assembly: PlanarAssembly, dof: int, striker_mass: float, sign: float = 1.0
+    ) -> None:
+        self.assembly = assembly
+        self.free = np.setdiff1d(np.arange(assembly.size), assembly.held)
+        self.mass = _with_striker(self._matrix(assembly.mass_times), striker_mass)
+        unit = np.zeros((assembly.size, 1))
+        unit[dof] = sign
+        self.normals = np.vstack([unit[self.free], [[-1.0]]])
+        self.start = np.append(assembly.displacement[self.free], 0.0)
+        self._dissipated = 0.0
+
+    def _matrix(self, product) -> Array:  # type: ignore[no-untyped-def]
+        columns = []
+        for dof in self.free:
+            unit = np.zeros(self.assembly.size)
+            unit[dof] = 1.0
+            columns.append(product(unit)[self.free])
+        return np.array(columns).T
+
+    def _all(self, q: Array) -> Array:
+        x = self.assembly.displacement.copy()
+        x[self.free] = q[:-1]
+        return x
+
+    def _forces(self, q: Array, weight: float | None) -> tuple[Array, Array]:
+        force = self.assembly.assemble(self._all(q), weight) - self.assembly.load
+        tangent = _with_striker(self._matrix(self.assembly.tangent_times), 0.0)
+        return np.append(force[self.free], 0.0), tangent
+
+    def forces(self, q: Array) -> tuple[Array, Array]:
+        """As in `workbench.impact.system.System`; so are the others."""
+        return self._forces(q, None)
+
+    def mean_forces(self, _q0: Array, q1: Array) -> tuple[Array, Array]:
+        """The energy-exact forces of the elements from the committed place."""
+        return self._forces(q1, 0.5)
+
+    def commit(self, q: Array) -> None:
+        """Plastic flow."""
+        end = self._all(q)
+        self.assembly.assemble(end, 0.5)
+        energies = self.assembly.account(end, 0.5)
+        self._dissipated += energies.plastic
+        self.assembly.stored = energies.stored
+        self.assembly.commit(end)
+
+    def energy(self) -> tuple[float, float]:
+        """Stored and dissipated."""
+        dead = float(self.assembly.load @ self.assembly.displacement)
+        return self.assembly.stored - dead, self._dissipated
