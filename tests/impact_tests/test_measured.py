@@ -70,6 +70,18 @@ def test_equal_tests_are_one_answer_that_holds_them_all() -> None:
     assert test.measured["residual_displacement"] == (0.0341, 0.0034)
 
 
+def test_simulate_says_that_a_number_is_made(capsys: pytest.CaptureFixture[str]) -> None:
+    from workbench.cli import run
+    from workbench.scenarios import to_toml
+
+    text = to_toml(impact_tests("synthetic-impacts")[0].scenario)
+    Path("hit.toml").write_text(text, encoding="utf-8")
+    assert run(["simulate", "hit.toml", "--model", "measured"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "warning (synthetic): SYNTHETIC: made numbers, no test" in told
+    assert "46.4" in told
+
+
 def test_only_tables_of_impacts_can_be_asked() -> None:
     with pytest.raises(InputError, match="holds no impact tests; there are synthetic-impacts"):
         Measured("stud-push-out")

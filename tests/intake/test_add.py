@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -9,10 +10,14 @@ from pathlib import Path
 
 import pytest
 
+import workbench
 from workbench.cli import run
 from workbench.errors import InputError
 from workbench.evidence import check, dataset, datasets, load
 from workbench.intake import add_table, check_file, problems_of_own
+from workbench.responses import Outcome, outcome_of
+from workbench.studs.answers import StudStrength
+from workbench.study import Case, Study
 
 HEADER = (
     "campaign,specimen,section,span,hit_at,base,head,axial_load,mass,velocity,yield_stress,"
@@ -114,6 +119,27 @@ def test_a_published_table_in_kips_and_inches_is_fitted_without_code() -> None:
     assert added.then.endswith("workbench fit stud-strength lab_data/doe.csv")
 
 
+def test_a_campaign_joins_the_study_of_studs_without_code() -> None:
+    studies = Path(workbench.__file__).parents[1] / "studies"
+
+    def cases() -> dict[str, Case]:
+        study: Study = runpy.run_path(str(studies / "studs.py"))["study"]
+        judged = {name for gate in study.gates for name in gate.cases if gate.bound == 0.10}
+        return {case.name: case for case in study.cases if case.name in judged}
+
+    before, digest = cases(), StudStrength("roik-mean").data_digest
+    add_table(push_outs(), mapping=mapping(('role = "calibrate"', 'role = "synthetic"')))
+    assert cases().keys() == before.keys()  # made numbers judge nothing
+    changed = push_outs(("29.1", "29.4"), ("28.0", "28.3"), ("30.6", "30.9"))
+    add_table(changed, mapping=mapping(('role = "calibrate"', 'role = "validate"')), name="real")
+    (new,) = cases().keys() - before.keys()
+    assert new == "unseen: real"
+    assert StudStrength("roik-mean").data_digest != digest
+    answer = StudStrength("roik-mean").simulate(cases()[new].scenario)
+    assert outcome_of(answer) is Outcome.OK
+    assert 0.8 < float(answer["test_over_prediction"]) < 1.25
+
+
 def test_a_table_comes_in_and_is_refused_through_real_processes() -> None:
     def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-c", "from workbench.cli import main; main()", *arguments]
@@ -135,19 +161,13 @@ def test_a_table_comes_in_and_is_refused_through_real_processes() -> None:
 def test_a_filled_template_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["new", "impact-tests"]) == 0
     template = capsys.readouterr().out
-    with pytest.raises(InputError, match=r"empty\.csv, line 3, column source = '': must not be"):
+    with pytest.raises(InputError, match=r"empty\.csv = 'only a header'"):
         add_table(written(template, "empty.csv"))
-    header, units, example = template.splitlines()
-    cells = dict(zip(header.split(","), example.split(","), strict=True))
-    cells |= {
-        "peak": "60",
-        "peak_uncertainty": "2",
-        "source": "R",
-        "licence": "MIT",
-        "year": "2026",
-    }
-    path = written("\n".join((header, units, ",".join(cells.values()))), "filled.csv")
-    assert add_table(path).rows == 1
+    example = [line[1:].strip() for line in template.splitlines() if "   our lab" in line]
+    path = written(template + "\n".join(example), "filled.csv")
+    assert check_file(path) == ([], [])
+    added = add_table(path)
+    assert (added.rows, added.doubts) == (2, ())
     assert run(["new", "mapping"]) == 0
     template = written(capsys.readouterr().out, "template.toml")
     with pytest.raises(InputError, match="title = '': must be one line"):

@@ -8,29 +8,6 @@ import typer
 from workbench.cli.output import Answer, Json, verb
 
 app = typer.Typer(help="Print a template to fill in.", rich_markup_mode=None, no_args_is_help=False)
-# of every column: its unit in the template, and the cell of the example
-_IMPACTS = {
-    "campaign": ("", "our lab 2026"),
-    "specimen": ("", "B1"),
-    "section": ("", "HEB 220"),
-    "span": ("m", "4.0"),
-    "hit_at": ("m", "2.0"),
-    "base": ("", "pinned"),
-    "head": ("", "pinned"),
-    "axial_load": ("kN", "0"),
-    "restraint": ("N/m", "0"),
-    "yield_stress": ("MPa", "372"),
-    "mass": ("kg", "850"),
-    "velocity": ("m/s", "6.2"),
-    "peak": ("mm", ""),
-    "peak_uncertainty": ("mm", ""),
-    "residual": ("mm", ""),
-    "residual_uncertainty": ("mm", ""),
-    "source": ("", ""),
-    "licence": ("", ""),
-    "year": ("", ""),
-    "role": ("", "validate"),
-}
 _MAPPING = """\
 # What a table of tests holds, for `workbench data add TABLE.csv --mapping THIS.toml`.
 # Without source and licence nothing is taken.
@@ -65,13 +42,10 @@ def _printed(text: str, as_json: bool) -> Answer:
 @app.command("impact-tests")
 @verb
 def impact_tests(as_json: Json = False) -> Answer:
-    """A table of impact tests on steel members, for `workbench data add`.
+    """A table of impact tests on steel members, commented, with an example: for `data add`."""
+    from workbench.impact_tests.template import TEMPLATE
 
-    Its second line holds units, which may be changed; the third an example to replace.
-    """
-    units, cells = zip(*_IMPACTS.values(), strict=True)
-    lines = (",".join(line) for line in (_IMPACTS, units, cells))
-    return _printed("\n".join(lines) + "\n", as_json)
+    return _printed(TEMPLATE.text, as_json)
 
 
 @app.command("mapping")

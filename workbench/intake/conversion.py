@@ -48,16 +48,10 @@ class Converted:
     notes: tuple[str, ...]
 
 
-def unit_of(column: Column) -> str:
-    """The unit of a column of a schema, empty for words and numbers without dimension."""
-    return column.rule.unit if isinstance(column.rule, Number) else ""
-
-
 def find(name: str, table: Table) -> Place | None:
     """The column of a schema that a name means, with the unit that the name says."""
     for column in table.columns:
-        unit = unit_of(column)
-        base = column.name.removesuffix(f"_{unit.replace('/', '_per_')}") if unit else column.name
+        unit, base = column.unit, column.base
         if name == column.name:
             return Place(name, column, unit)
         if unit and name == base:
@@ -97,12 +91,12 @@ def convert(
     fixed = dict(_constants(mapping, table, places))
     taken = {place.column.name for place in places if place and place.column} | set(fixed)
     fixed |= {name: cell for name, cell in constants.items() if name not in taken}
-    lines: dict[int, list[str]] = {1: [_target(place) for place in places if place] + list(fixed)}
+    lines = {line: [_target(place) for place in places if place] + list(fixed)}
     for line, cells in rows:
         wrong = width_findings(cells, len(places))
         if wrong:
             raise Problem(path.name, line, *wrong[0]).error()
-        lines[max(line, 2)] = [
+        lines[line] = [
             _cell(cell, each, mapping.missing)
             for cell, place, each in zip(cells, places, factors, strict=True)
             if place
@@ -192,7 +186,7 @@ def _factor(place: Place, said: str, mapping: Mapping, name: str) -> float | Non
     if len(told) > 1:
         advice = "its name, the row of units and the mapping must agree"
         raise InputError(field, " and ".join(told), "says two units", advice)
-    own = unit_of(column)
+    own = column.unit
     if not own:
         unit = told[0] if told else ""
         if unit not in _PURE:
@@ -219,7 +213,7 @@ def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> di
         column = place.column
         if column.name in taken:
             raise InputError(field, cell, f"stands in the table too, in {taken[column.name]}")
-        own = unit_of(column)
+        own = column.unit
         if own and not place.unit:
             raise InputError(field, cell, "says no unit", f"write {column.name}")
         found[column.name] = _cell(cell, factor(place.unit, own, field) if own else None, ())

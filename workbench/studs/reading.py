@@ -30,7 +30,7 @@ from workbench.studs.schema import (
 
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
-LONGESTNUMBER = 60  # characters
+LONGEST_NUMBER = 60  # characters
 NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
     r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
@@ -267,7 +267,7 @@ def _cell(text: str, column: Column) -> object:
         return column.blank
     if not isinstance(column.rule, Number):
         return column.rule.check(column.name, text)
-    if len(text) > LONGESTNUMBER or not NUMBER.fullmatch(text):
+    if len(text) > LONGEST_NUMBER or not NUMBER.fullmatch(text):
         advice = "write the number alone: no unit, no words"
         parts = text.split(",")
         if len(parts) == 2 and all(part.lstrip("-").isdigit() for part in parts):

@@ -34,6 +34,16 @@ class Column:
     default: str = ""
 
     @property
+    def unit(self) -> str:
+        """The unit of its numbers, empty for words and for numbers without dimension."""
+        return self.rule.unit if isinstance(self.rule, Number) else ""
+
+    @property
+    def base(self) -> str:
+        """Its name without the unit."""
+        return self.name.removesuffix(f"_{self.unit.replace('/', '_per_')}")
+
+    @property
     def blank(self) -> object:
         """What an empty cell holds."""
         if isinstance(self.rule, Number):

@@ -20,9 +20,10 @@ _CYCLES = (
 
 
 class Template(NamedTuple):
-    """What a table is for: its `title`, columns and example `rows`; `verb` of `workbench fit`.
+    """What a table is for: its `title`, columns and example `rows`; `verb` that takes it.
 
-    `more`, columns that help and may be added; `notes`, what columns alone do not tell.
+    `more`, columns that help and may be added; `notes`, what columns alone do not tell; `units`, a
+    second line for names without units (empty: the names hold them).
     """
 
     title: str
@@ -32,6 +33,14 @@ class Template(NamedTuple):
     verb: str
     rows: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The whole template: comments, the header, and the line of units if there is one."""
+        lines = (f"{COMMENT} {line}".rstrip() for line in _comments(self))
+        header = ",".join(_shown(self, name) for name in self.columns)
+        return "\n".join([*lines, header, *([",".join(self.units)] if self.units else [])]) + "\n"
 
 
 TEMPLATES = {
@@ -40,7 +49,7 @@ TEMPLATES = {
         TESTS,
         (*_TEST, *_STUD, "slab", "shear_kN", "slip_at_max_mm"),
         ("Ecm_MPa", "n_studs", "total_load_kN", "shear_uncertainty_kN", "failure_mode", "role"),
-        "stud-strength",
+        "fit stud-strength FILE.csv --report FILE.html",
         (
             "our lab,A1,push-out,19,100,31.2,472,solid,104.5,7.1",
             "our lab,A2,push-out,19,100,31.2,472,solid,109.8,8.0",
@@ -54,7 +63,7 @@ TEMPLATES = {
         POINTS,
         ("campaign", "specimen", "slip_mm", "load_kN"),
         ("branch", "use_for_fit"),
-        "load-slip",
+        "fit load-slip FILE.csv --report FILE.html",
         (
             *(
                 "our lab,A1,0.3,45",
@@ -71,7 +80,7 @@ TEMPLATES = {
         TESTS,
         (*_TEST, *_STUD, "shear_kN", *_DAMAGE, "undamaged_shear_kN"),
         ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm", "undamaged_basis"),
-        "residual",
+        "fit residual FILE.csv --report FILE.html",
         (
             "our lab,A1,push-out,19,100,31.2,472,104.5,none,,,",
             "our lab,D1,push-out,19,100,31.2,472,99.0,push-out,displacement ratio,0.3,",
@@ -90,7 +99,7 @@ TEMPLATES = {
         TESTS,
         (*_TEST, *_STUD, "shear_kN", *_CYCLES, "undamaged_shear_kN"),
         ("predamage_level", "predamage_measure", "stiffness_10_40_kN_per_mm"),
-        "residual",
+        "fit residual FILE.csv --report FILE.html",
         (
             "our lab,F1,push-out,19,100,31.2,472,101.0,fatigue,200000,30,60,5,2000000,104.5",
             "our lab,F2,push-out,19,100,31.2,472,96.0,fatigue,600000,30,60,5,2000000,104.5",
@@ -109,25 +118,27 @@ TEMPLATES = {
 def template(kind: str) -> str:
     """The text of a template. Raises `InputError` for an unknown kind."""
     Choice(tuple(TEMPLATES)).check("--kind", kind)
-    told = TEMPLATES[kind]
-    lines = (f"{COMMENT} {line}".rstrip() for line in _comments(told))
-    return "\n".join([*lines, ",".join(told.columns)]) + "\n"
+    return TEMPLATES[kind].text
+
+
+def _shown(told: Template, name: str) -> str:
+    return told.schema.column(name).base if told.units else name
 
 
 def _comments(told: Template) -> Iterator[str]:
     yield f"{told.title}. Then"
     yield "    workbench data check FILE.csv"
-    yield f"    workbench fit {told.verb} FILE.csv --report FILE.html"
+    yield f"    workbench {told.verb}"
     yield "Lines above the header that begin with # are not read; an empty cell: not reported."
     for title, names in (("Columns:", told.columns), ("Columns that help:", told.more)):
         yield ""
         yield title
-        wide = max(map(len, names))
+        wide = max(len(_shown(told, name)) for name in names)
         for name in names:
             column = told.schema.column(name)
             rule = column.rule.allowed().removeprefix("must be ")
             words = "" if isinstance(column.rule, Text) else f"; {rule}"
-            yield f"    {name:{wide}}  {column.meaning}{words}"
+            yield f"    {_shown(told, name):{wide}}  {column.meaning}{words}"
     yield ""
     yield from told.notes
     yield ""

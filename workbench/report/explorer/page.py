@@ -12,7 +12,7 @@ from markupsafe import Markup
 from workbench.content.formatting import brief, count
 from workbench.content.html import STYLE, templates
 from workbench.content.tree import Cell, Table
-from workbench.report.chapters import answer
+from workbench.report.chapters import answer, measured
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
@@ -197,6 +197,7 @@ def _seen(study: Study, stored: Stored, cases: Sequence[_Asked]) -> dict[str, An
     matrix = _matrix(stored, study)
     names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
     return {
+        "mark": measured.MARK if stored.synthetic else "",
         "matrix": matrix,
         "groups": list(study.groups),
         "heads": [cell["group"] for cell in matrix[0]["cells"]] if matrix else [],
