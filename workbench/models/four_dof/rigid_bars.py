@@ -32,7 +32,7 @@ _SCHEMES = {
     "moreau": dynamics.MOREAU,
     "gear-gupta-leimkuhler": dynamics.GEAR_GUPTA_LEIMKUHLER,
 }
-_PUSH_STEP = 5e-4  # m, changes the static force by less than 0.02 %
+_PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.02 %
 _SHORTEST_STEP = 1e-8  # s
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 _FIRST = 0.005  # step after an impact over the inverse of the axial frequency
@@ -168,7 +168,7 @@ class RigidBars(Declared, table="option"):
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
         bars, q = self.bars(column)
-        steps = max(200, int(np.ceil(scenario.displacement / _PUSH_STEP)))
+        steps = max(200, int(np.ceil(scenario.displacement / (_PUSH_STEP * column.length) - 1e-9)))
         path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
         records = np.zeros(steps + 1, statics.STATE)
         records["q"][0] = q
