@@ -107,6 +107,20 @@ def test_influence_is_that_of_leaving_a_test_out(reports: Path, tmp_path: Path) 
     assert own["without"] == pytest.approx(rest["value"].iloc[0], rel=1e-8)  # of CSV digits
 
 
+def test_unseen_tests_are_shown_as_such(tmp_path: Path) -> None:
+    file, out = tmp_path / "two.csv", tmp_path / "two.html"
+    lines = STRENGTH.splitlines()
+    other = [line.replace("TU lab", "other").replace("31.2", "33") for line in lines[5:9]]
+    file.write_text("\n".join([*lines, *other]) + "\n")
+    arguments = ["--model", "en1994", "--validate", "other", "--report", str(out)]
+    assert run(["fit", "stud-strength", str(file), *arguments]) == 0
+    drawn = pd.read_csv(tmp_path / "two-curves" / "prediction.csv")
+    assert drawn.groupby("unseen").size().to_dict() == {False: 12, True: 4}
+    text = words_of(out.read_text())
+    assert "4 unseen tests of other bore" in text
+    assert "unseen" in text.partition("The tests as they stand")[2]
+
+
 def test_the_pdf_holds_the_same(reports: Path) -> None:
     content = (reports / "residual.pdf").read_bytes()
     assert content.startswith(b"%PDF")

@@ -124,7 +124,7 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
     match result["fit"]:
         case "stud-strength":
             caption = "Measured over predicted strength; below the line a prediction is unsafe."
-            yield "prediction", "Prediction", caption, drawn(stud_scatter.plot, dict(named))
+            yield "prediction", "Prediction", caption, drawn(stud_scatter.plot, _with_unseen(named))
             name, content = fit_answer.formula(result)
             caption = f"What {name} misses: a trend in a variable is one that it lacks."
             tests = table_of(content["tests"])
@@ -141,7 +141,8 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
                 "line is an extrapolation."
             )
             yield "left", "What is left", caption, drawn(stud_guideline.plot, panels)
-            titles = [", ".join(filter(None, (q, t))) for q, t, _ in panels]
+            single = len(set(titles)) == 1
+            titles = [q if single else f"{q}, {t}" for q, t, _ in panels]
     told = {
         (title if len(set(rows["answer"])) == 1 else f"{title}, {answer}"): own
         for title, content in zip(titles, contents, strict=True)
@@ -152,6 +153,11 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
     if told:
         caption = "Change of the answer when one test is left out, all else kept."
         yield "influence", "Influence of single tests", caption, drawn(influence.plot, told)
+
+
+def _with_unseen(named: Mapping[str, Content]) -> dict[str, Content]:
+    """Contents whose unseen tests are drawn with the fitted ones."""
+    return {name: {**c, "basis": ""} if c["judged"] else c for name, c in named.items()}
 
 
 def _basis(result: Content) -> Iterator[Block]:

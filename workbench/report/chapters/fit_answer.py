@@ -33,6 +33,8 @@ def size(result: Content) -> str:
     what = "curve" if result["fit"] == "load-slip" else "test"
     most = max(fits, key=lambda fit: int(fit[f"{what}s"]))
     after = " after pre-damage" if result["fit"] == "residual" else ""
+    if not most["campaigns"]:
+        return f"no {what}{after}"
     campaigns = count(len(most["campaigns"]), "campaign")
     return f"{count(most[f'{what}s'], what)}{after} of {campaigns}"
 
@@ -72,6 +74,8 @@ def answer(result: Content) -> Iterator[Block]:
             yield from tables.load_slip(named_of(result))
         case "residual":
             yield from tables.residual(contents_of(result))
+            if items := tuple(_left(result)):
+                yield Bullets(items)
     told = [
         f"{name}: {judged(content['judgement'])}."
         for name, content in named_of(result).items()
@@ -79,6 +83,25 @@ def answer(result: Content) -> Iterator[Block]:
     ]
     if told:
         yield Bullets(tuple(told))
+
+
+def _left(result: Content) -> Iterator[str]:
+    """What is left at the largest tested damage, and its shares for design."""
+    for content in contents_of(result):
+        fit, curve = content["fit"], content["curve"]
+        if not fit["tests"]:
+            continue
+        at = max(i for i, beyond in enumerate(curve["extrapolated"]) if not beyond)
+        text = f"{fit['quantity']}: {number(curve['left'][at], 3)} left"
+        if curve["low"] is not None:
+            text += f" ({number(curve['low'][at], 2)} to {number(curve['high'][at], 2)})"
+        text += f" at damage {curve['level'][at]:.3g}, about the largest tested"
+        if fit["design_share"] is not None:
+            shares = (number(fit[f"{name}_share"], 3) for name in ("characteristic", "design"))
+            text += "; of that {} is characteristic and {} design by EN 1990 D.8 [@en1990]".format(
+                *shares
+            )
+        yield f"{text}."
 
 
 def _strength(result: Content) -> Iterator[str]:

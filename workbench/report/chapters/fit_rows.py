@@ -9,6 +9,7 @@ from workbench.content.formatting import brief, number
 from workbench.content.tree import ABSENT, Block, Cell, Column, Definitions, Paragraph, Table
 from workbench.report.chapters.stud_answer import contents_of
 from workbench.report.chapters.stud_tables import KILO, MILLI, Content
+from workbench.studs.schema import NO_PREDAMAGE, TESTS
 
 _NAMES = ["campaign", "specimen"]
 _UNITS = {
@@ -16,7 +17,8 @@ _UNITS = {
     "_Hz": "Hz",
 }
 _MOST_COLUMNS = 8  # beside the name, on paper; more stand in a further table
-_HIDDEN = ("role", "use_for_fit", "licence", "source_locator", "origin")
+# how rows came about, which the file tells
+_HIDDEN = ("licence", "source_locator", "reference", "fcm_basis", "fu_basis", "connector")
 _PRINTED = 100
 _CURVES = {  # of a load-slip fit: entry of a curve, title, factor
     "strength": ("largest load (kN)", KILO),
@@ -31,11 +33,17 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
     if result["fit"] == "load-slip":
         yield from _curves(result)
         return
-    uses = _uses(result)
-    rows = pd.DataFrame(pd.concat(tables))
-    keys = list(zip(rows["campaign"], rows["specimen"], strict=True))
-    rows["use"] = [uses.get(key, "not used") for key in keys]
-    told = [str(name) for name in rows if name not in (*_NAMES, *_HIDDEN) and _told(rows[name])]
+    uses, rows = _uses(result), pd.DataFrame(pd.concat(tables))
+    if not uses:
+        yield Paragraph(f"None of the {len(rows)} rows entered the answer.")
+        return
+    if result["fit"] == "residual":
+        campaigns = {campaign for campaign, _ in uses}
+        whole = rows[(rows["predamage"] == NO_PREDAMAGE) & rows["campaign"].isin(campaigns)]
+        uses |= dict.fromkeys(_keys(whole), "undamaged")
+    rows["use"] = [uses.get(key, "not used") for key in _keys(rows)]
+    own = (str(name) for name in rows if name not in (*_NAMES, *_HIDDEN))
+    told = [name for name in own if _told(rows[name])]
     same = [name for name in told if len(set(rows[name].astype(str))) == 1]
     if len(set(rows["campaign"])) == 1:
         same.insert(0, "campaign")
@@ -45,11 +53,11 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
     parts = -(-len(varying) // _MOST_COLUMNS) or 1
     each = -(-len(varying) // parts)
     for start in range(0, max(len(varying), 1), max(each, 1)):
-        own = varying[start : start + each]
-        columns = [Column(_title(n), rows[n].dtype == float, 1.0, n) for n in (*names, *own)]
+        shown = [*names, *varying[start : start + each]]
+        columns = [Column(_title(name), rows[name].dtype == float, 1.0, name) for name in shown]
         records = [
-            {name: _cell(value) for name, value in row.items()}
-            for row in rows[[*names, *own]].to_dict("records")
+            {str(name): _cell(value) for name, value in row.items()}
+            for row in rows[shown].to_dict("records")
         ]
         more = "" if start == 0 else ", further columns"
         caption = f"The tests as they stand in the table{more}; a dash is not reported."
@@ -66,9 +74,15 @@ def _uses(result: Content) -> dict[tuple[str, str], str]:
     return found
 
 
+def _keys(rows: pd.DataFrame) -> list[tuple[str, str]]:
+    return list(zip(rows["campaign"], rows["specimen"], strict=True))
+
+
 def _told(column: pd.Series) -> bool:
-    """Whether a column says anything."""
-    return bool(column.notna().any() and (column.astype(str) != "").any())
+    """Whether a column says anything that an empty one would not."""
+    name = str(column.name)
+    default = TESTS.column(name).blank if name in TESTS.names else ""
+    return bool((column.notna() & (column != default) & (column.astype(str) != "")).any())
 
 
 def _title(name: str) -> str:
