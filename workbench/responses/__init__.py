@@ -14,6 +14,7 @@ from workbench.responses.build import scalars_of as scalars_of
 from workbench.responses.build import set_findings as set_findings
 from workbench.responses.build import survives as survives
 from workbench.responses.build import warnings_of as warnings_of
+from workbench.responses.histories import open_share as open_share
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of
 from workbench.responses.outcome import Finding as Finding

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from xarray.indexes import PandasIndex
 
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.histories import NO_PEAK, implied
+from workbench.responses.histories import NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
@@ -168,8 +168,9 @@ def scalars_of(response: Response) -> dict[str, float]:
 
 
 def energy_error(response: Response) -> float | None:
-    """Largest error of the energy ledger over the input energy, None where there is neither."""
+    """Largest error of the energy ledger, see `open_share`; None where there is none."""
     if not {"balance_error", "input_energy"} <= set(response.data_vars):
         return None
+    stored = float(response["elastic"].values[0]) if "elastic" in response else 0.0
     given = float(response["input_energy"])
-    return float(np.abs(response["balance_error"].values).max()) / given if given else None
+    return open_share(response["balance_error"].values, given, stored) if given else None

@@ -13,6 +13,7 @@ from workbench.arrays import Array
 from workbench.responses.outcome import Finding
 
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
+_ROUNDED = 1e-4  # of the energy stored before an impact
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 
@@ -61,6 +62,15 @@ def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:
     spent = values["kinetic"] + gained + values["dissipated"] + values.get("contact_loss", 0.0)
     brought = (values["input_energy"] if blow else 0.0) + values.get("external_work", 0.0)
     return np.asarray(brought - spent)
+
+
+def open_share(balance: Array, given: float, stored: float) -> float:
+    """Largest error (J) of an energy `balance` over what was `given` (J).
+
+    Or over a ten-thousandth of what dead loads have `stored` (J) before, if that is more: a touch
+    of some mm/s is lost in its round-off.
+    """
+    return float(np.abs(balance).max()) / max(given, _ROUNDED * stored)
 
 
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:
