@@ -13,7 +13,7 @@ from workbench.studs import TESTS, fit_residual
 from workbench.studs.damage import damage_of, fatigue_life
 from workbench.studs.damaged import damaged_rows, predicted_references
 from workbench.studs.reading import examine, from_frame
-from workbench.studs.residual_fit import Grade
+from workbench.studs.residual_grade import Grade
 
 
 def cycled(**columns: object) -> pd.DataFrame:

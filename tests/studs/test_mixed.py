@@ -16,11 +16,8 @@ from workbench.studs.statistics.intervals import (
     scatter_intervals,
 )
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.prediction import (
-    leave_one_campaign_out,
-    predictive_quantile,
-    score_relations,
-)
+from workbench.studs.statistics.mixture import predictive_quantile
+from workbench.studs.statistics.prediction import leave_one_campaign_out, score_relations
 from workbench.studs.statistics.problem import Problem, problem
 
 CONFIDENCE = 0.9

@@ -19,16 +19,30 @@ COLUMNS = {  # of a random table: probability that it is there, and what stands 
     "connector": (0.1, ("headed stud", "channel")),
     "slip_at_max_mm": (0.3, (0.0, 6.0, 100.0)),
 }
+DECKS = {  # what stands in a table of decks besides
+    "height_mm": (0.9, (75.0, 100.0, 150.0)),
+    "fcm_MPa": (0.9, (5.0, 25.0, 40.0, 250.0)),
+    "fu_MPa": (0.9, (200.0, 450.0, 1500.0)),
+    "slab": (1.0, ("deck transverse", "deck parallel", "")),
+    "deck_depth_mm": (0.9, ("40", "55", "90", "")),
+    "deck_width_mm": (0.9, ("35", "110", "")),
+    "studs_per_rib": (0.5, ("1", "2", "4")),
+    "deck_fixing": (0.3, ("holes", "welded through")),
+}
+BOTH = {"diameter_mm": (0.9, (19.0,)), "fcm_MPa": (0.6, (25.0, 26.0))}  # tension with shear
 LEVELS = (0.0, 1.0, 0.5, 0.5, 0.1, 1e-6, 0.999)
 
 
-def table(seed: int, damaged: float) -> str:
-    """A table of 1 to 12 tests, a share `damaged` before, with gaps and extreme values."""
+def table(seed: int, damaged: float, verb: list[str]) -> str:
+    """A table of 1 to 12 tests for a verb, a share `damaged` before, with gaps and extremes."""
     generator = np.random.default_rng(seed)
-    there = {n: values for n, (p, values) in COLUMNS.items() if generator.random() < p}
+    more = DECKS if "deck" in verb else BOTH if "interaction" in verb else {}
+    columns = {**COLUMNS, **more}
+    there = {n: values for n, (p, values) in columns.items() if generator.random() < p}
+    kinds = ["combined", "pull-out", "push-out"] if "interaction" in verb else ["push-out"]
     references = generator.random() < 0.8
     damage = ["predamage", "predamage_measure", "predamage_level"]
-    header = ["campaign", "specimen", "test", "shear_kN", *damage, *there]
+    header = ["campaign", "specimen", "test", "shear_kN", "tension_kN", *damage, *there]
     header += ["undamaged_shear_kN"] * references
     campaigns, random_levels = generator.integers(1, 5), generator.random() < 0.5
     exact, lines = generator.random() < 0.2, [",".join(header)]
@@ -38,7 +52,9 @@ def table(seed: int, damaged: float) -> str:
         kind = kind if generator.random() < damaged else ("none", "", "")
         share = 1.0 - 0.5 * float(kind[2] or 0.0)
         load = 100.0 * (share if exact else share * np.exp(0.1 * generator.normal()))
-        row = [f"lab {generator.integers(campaigns)}", f"s{i}", "push-out", f"{load:.5g}", *kind]
+        test = str(generator.choice(kinds)) if len(kinds) > 1 else kinds[0]
+        tension = "" if test == "push-out" else f"{generator.uniform(5.0, 80.0):.5g}"
+        row = [f"lab {generator.integers(campaigns)}", f"s{i}", test, f"{load:.5g}", tension, *kind]
         row += [str(generator.choice(values)) for values in there.values()]
         row += [str(generator.choice(["100", "100", "100", ""]))] * references
         lines.append(",".join(row))
@@ -51,7 +67,7 @@ def check(
     """How many tables are answered and how many refused; all in one of these two ways."""
     counts = [0, 0]
     for seed in seeds:
-        path.write_text(table(seed, 0.85 if "residual" in verb else 0.05))
+        path.write_text(table(seed, 0.85 if "residual" in verb else 0.05, verb))
         status = run([*verb, str(path)])
         said = capsys.readouterr()
         assert status in (0, 2), (seed, said.err)
@@ -67,6 +83,24 @@ def check(
 RESIDUAL = ["fit", "residual", "--quantity", "strength", "--no-mechanical"]
 
 
+PRIORS = ["--prior", "tau=0.1:0.5"]
+VERBS = [
+    (["fit", "stud-strength", *PRIORS], 20),
+    (["fit", "stud-strength", "--slab", "deck"], 10),
+    (["fit", "interaction"], 10),
+    (["fit", "few-tests", "--known-variation", "0.1"], 100),
+    ([*RESIDUAL, *PRIORS], 100),
+]
+
+
+@pytest.mark.parametrize("verb", [verb for verb, _ in VERBS[:4]])
+def test_some_tables_for_other_verbs(
+    verb: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answered, _ = check(range(3), verb, tmp_path / "lab.csv", capsys)
+    assert answered
+
+
 def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     answered, refused = check(range(12), RESIDUAL, tmp_path / "lab.csv", capsys)
     assert answered
@@ -74,7 +108,7 @@ def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("verb", "least"), [(RESIDUAL, 100), (["fit", "stud-strength"], 20)])
+@pytest.mark.parametrize(("verb", "least"), [*VERBS, (RESIDUAL, 100)])
 def test_three_hundred_small_tables(
     verb: list[str], least: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,9 +15,12 @@ import typer
 
 from workbench.cli.fit_options import (
     Common,
+    FewOptions,
+    InteractionOptions,
     LoadSlipOptions,
     ResidualOptions,
     StrengthOptions,
+    priors_of,
     variations_of,
 )
 from workbench.cli.output import Answer, verb, writable
@@ -49,7 +52,8 @@ def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
         def command(**given: Any) -> Answer:
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
-            targets = _report_files(options.report) if options.report else {}
+            asked = getattr(options, "report", None)
+            targets = _report_files(asked) if asked else {}
             found = answer(options)
             return _reported(found, targets) if targets else found
 
@@ -80,19 +84,25 @@ def stud_strength(options: StrengthOptions) -> Answer:
     specified = USUAL_SPECIFIED if options.specified is None else options.specified
     TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
     fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
-    contents, left_out = [], {}
+    contents: list[Content] = []
+    left_out: dict[str, Exception] = {}
     for name in options.model or list(SHEAR_MODELS):
         try:
             contents.append(_formula(fitted, held, name, options))
         except (InputError, OutOfDomainError) as error:
             if options.model or getattr(error, "field", "table") != "table":
                 raise
-            left_out[name], why = str(error), error  # the others may need less of the table
+            left_out[name] = error  # the others may need less of the table
     if not contents:
-        raise why
+        raise next(iter(left_out.values()))
     curves = None if options.points is None else examine(options.points, POINTS).accept()
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
-    result = {**head, "models": contents, "not_fitted": left_out, "series": plain(series)}
+    result = {
+        **head,
+        "models": contents,
+        "not_fitted": {name: str(why) for name, why in left_out.items()},
+        "series": plain(series),
+    }
     return Answer(result, stud_answer.strength(result), rows=(fitted, held))
 
 
@@ -138,7 +148,7 @@ def residual(options: ResidualOptions) -> Answer:
             TESTS.column(column).rule.check(f"--{column.lower().replace('_', '-')}", value)
     # the shipped campaign that tells all that the mechanical model needs
     known = StudTests("calibration", calibrate=(CALIBRATION,))
-    contents = []
+    contents, priors = [], priors_of(options.prior)
     for name in QUANTITIES if options.quantity == "both" else (options.quantity,):
         fits = answer_residual(
             fitted,
@@ -149,6 +159,7 @@ def residual(options: ResidualOptions) -> Answer:
             measure=options.measure,
             loss=options.loss,
             confidence=options.confidence,
+            priors=priors,
         )
         relevant = damaged_rows(held, name, fits[0].predamage, fits[0].measure)
         wanted = options.validate or not relevant.empty  # asked for by name, or there by their role
@@ -157,6 +168,46 @@ def residual(options: ResidualOptions) -> Answer:
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
     result = {**head, "grade": "; ".join(grades), "quantities": contents}
     return Answer(result, stud_answer.residual(result), rows=(fitted, held))
+
+
+@_verb("interaction")
+def interaction(options: InteractionOptions) -> Answer:
+    """Fit the exponent of tension with shear.
+
+    Combined tests (test = combined) over the pull-outs and push-outs of their campaign and
+    diameter; t^p + v^p = 1, with the laws of the codes on the same tests.
+    """
+    from workbench.report.chapters import stud_answer
+    from workbench.studs import TESTS
+    from workbench.studs.interaction_fit import fit_interaction
+
+    fitted, held, head = _tables(options, "interaction", TESTS, "stud-push-out")
+    fit = fit_interaction(fitted, loss=options.loss, confidence=options.confidence)
+    result = {**head, "laws": [_judged(fit, held, options.confidence)]}
+    return Answer(result, stud_answer.interaction(result), rows=(fitted, held))
+
+
+@_verb("few-tests")
+def few_tests(options: FewOptions) -> Answer:
+    """Characteristic value of one to three tests, EN 1990 D.8.4.
+
+    Strength of undamaged studs, and share of strength and stiffness left after damage, for a
+    scatter that earlier tests with the same resistance have shown (--known-variation).
+    """
+    from workbench.report.chapters import stud_answer
+    from workbench.studs import TESTS
+    from workbench.studs.few import evaluate_few
+    from workbench.studs.fit_protocol import plain
+
+    known = options.known_variation
+    if known is None:
+        advice = "--known-variation 0.11 for example"
+        raise InputError("--known-variation", "", "must be given: few tests do not tell it", advice)
+    Number(0.01, 0.5).check("--known-variation", known)
+    fitted, _, head = _tables(options, "few-tests", TESTS, "stud-push-out")
+    groups = plain(evaluate_few(fitted, known))
+    result = {**head, "known_variation": known, "groups": groups}
+    return Answer(result, stud_answer.few_tests(result), rows=(fitted, fitted.iloc[:0]))
 
 
 def _report_files(names: list[str]) -> dict[str, Path]:
@@ -248,10 +299,13 @@ def _formula(
         confidence=options.confidence,
         variations=variations_of(options.variation),
         specified_strength=None if options.specified is None else 1e6 * options.specified,
+        slab=options.slab,
+        priors=priors_of(options.prior),
     )
     more: Content = {"corrected": None, "factors": None}
     if not held.empty:
         more["corrected"] = fit.judge(held, options.confidence, corrected=True).to_dict()
     if options.factor:
-        more["factors"] = fit_factors(fitted, name, options.factor, loss=options.loss).to_dict()
+        own = fit_factors(fitted, name, options.factor, loss=options.loss, slab=options.slab)
+        more["factors"] = own.to_dict()
     return {**_judged(fit, held, options.confidence), **plain(more)}

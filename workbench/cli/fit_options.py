@@ -33,17 +33,27 @@ class Common:
     with_shipped: bool = _option("Add the shipped tables to FILE.", False, None, "--with-shipped")
     keep_good: bool = _option("Leave bad rows of FILE out.", False, None, "--keep-good")
     confidence: float = _option("Confidence of intervals and bands.", 0.9)
+
+
+@dataclass(frozen=True)
+class Reported(Common):
+    """A fit that can be written as a report."""
+
     report: Names = _option("Write a report, its curves as CSV beside it.", None, "FILE.html|pdf")
 
 
 @dataclass(frozen=True)
-class StrengthOptions(Common):
+class StrengthOptions(Reported):
     """Options of `workbench fit stud-strength`."""
 
     model: Names = _option("A formula.  [default: all]", None, "NAME")
     trend: Names = _option("Fit the exponent that a formula misses in it.", None, "VARIABLE")
     factor: Names = _option("Fit this factor of the formula itself.", None, "steel|concrete")
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
+    prior: Names = _option(
+        "Known from elsewhere: tau or bias, spread of its logarithm.", None, "NAME=VALUE:SD"
+    )
+    slab: str = _option("solid, or deck: reduced by the rules of the codes.", "solid", "NAME")
     variation: Names = _option("Scatter of a variable in structures, for D.8.", None, "NAME=V")
     points: str | None = _option("Load-slip curves, for slip capacities.", None, "POINTS.csv")
     specified: float | None = _option(
@@ -55,7 +65,7 @@ class StrengthOptions(Common):
 
 
 @dataclass(frozen=True)
-class LoadSlipOptions(Common):
+class LoadSlipOptions(Reported):
     """Options of `workbench fit load-slip`."""
 
     file: str | None = _file("[POINTS.csv]", "points")
@@ -65,13 +75,16 @@ class LoadSlipOptions(Common):
 
 
 @dataclass(frozen=True)
-class ResidualOptions(Common):
+class ResidualOptions(Reported):
     """Options of `workbench fit residual`."""
 
     quantity: str = _option("strength, stiffness or both.", "both", "NAME")
     predamage: str | None = _option("Tests after this damage only.", None, "KIND")
     measure: str | None = _option("Tests with this measure of damage only.", None, "NAME")
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
+    prior: Names = _option(
+        "Known from elsewhere: tau=MEDIAN:LOG_SPREAD, linear.c=MEAN:SPREAD.", None, "NAME=VALUE:SD"
+    )
     predicted_reference: bool = _option(
         "Predict undamaged strengths that no test gave.", False, None, "--predicted-reference"
     )
@@ -80,6 +93,35 @@ class ResidualOptions(Common):
     height_mm: float | None = _option("Height of that stud.  [default: as in FILE, else 100]")
     fcm_mpa: float | None = _option("Mean strength of its slab.  [default: as in FILE, else 30]")
     fu_mpa: float | None = _option("Its tensile strength.  [default: as in FILE, else 450]")
+
+
+@dataclass(frozen=True)
+class InteractionOptions(Common):
+    """Options of `workbench fit interaction`."""
+
+    loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
+
+
+@dataclass(frozen=True)
+class FewOptions(Common):
+    """Options of `workbench fit few-tests`."""
+
+    known_variation: float | None = _option("V_r that earlier tests have shown; needed.", None, "V")
+
+
+def priors_of(texts: Names) -> dict[str, tuple[float, float]]:
+    """Values and spreads by name from texts like ``tau=0.06:0.5``. Raises `InputError`."""
+    result = {}
+    for text in texts or ():
+        name, _, rest = text.partition("=")
+        try:
+            value, spread = map(float, rest.split(":"))
+        except ValueError:
+            raise InputError("--prior", text, "must look like tau=0.06:0.5") from None
+        rule = Number(0.0, 1000.0, low_included=False)
+        found = (rule.check(f"--prior {name}", each) for each in (value, spread))
+        result[name] = tuple(map(float, found))
+    return {name: (value, spread) for name, (value, spread) in result.items()}
 
 
 def variations_of(texts: Names) -> dict[str, float] | None:

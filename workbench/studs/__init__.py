@@ -14,9 +14,9 @@ from workbench.studs.reading import examine as examine
 from workbench.studs.reading import read_tests as read_tests
 from workbench.studs.relations import RELATIONS as RELATIONS
 from workbench.studs.relations import MechanicalCurve as MechanicalCurve
-from workbench.studs.residual_fit import Grade as Grade
 from workbench.studs.residual_fit import ResidualFit as ResidualFit
 from workbench.studs.residual_fit import fit_residual as fit_residual
+from workbench.studs.residual_grade import Grade as Grade
 from workbench.studs.schema import POINTS as POINTS
 from workbench.studs.schema import TESTS as TESTS
 from workbench.studs.series import evaluate_groups as evaluate_groups

@@ -13,18 +13,34 @@ from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
 from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.prediction import Part, Score, averaged_quantile, score_relations
+from workbench.studs.statistics.mixture import (
+    NOTHING,
+    TAU,
+    Mixture,
+    Part,
+    Priors,
+    averaged_quantile,
+    mixture_of,
+    posterior_mean,
+    tells_new_campaigns,
+)
+from workbench.studs.statistics.prediction import Score, score_relations
 from workbench.studs.statistics.problem import Problem, problem
 
 LEAST_WEIGHT = 0.02  # of a candidate in the average
 
 
 class Candidate(NamedTuple):
-    """A relation fitted to the tests, and its `weight` in the average."""
+    """A relation fitted to the tests, its `weight` in the average; `theta`, under the priors.
+
+    `mixture`, what tests and priors tell together; None where that is nothing of new campaigns.
+    """
 
     weight: float
     relation: Relation
     estimate: Estimate
+    theta: Array
+    mixture: Mixture | None
 
 
 def candidates(
@@ -57,7 +73,9 @@ def fit_candidates(
     outlier where it is one for every candidate.
     """
     found: dict[str, Estimate] = {}
-    failed: Exception = InputError("tests after pre-damage", len(y), "must be two or more")
+    failed: Exception = InputError(
+        "tests after pre-damage", len(y), "must be two or more", "one to three: fit few-tests"
+    )
     for relation in relations:
         if len(y) < len(relation.parameters) + 2:
             continue
@@ -74,19 +92,43 @@ def fit_candidates(
 
 
 def average(
-    relations: Sequence[Relation], estimates: dict[str, Estimate]
+    relations: Sequence[Relation], estimates: dict[str, Estimate], priors: Priors = NOTHING
 ) -> tuple[tuple[Score, ...], tuple[Candidate, ...]]:
     """Scores of all candidates, and those that count in the average, that of most weight first."""
     scores = tuple(score_relations(estimates))
     kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
     total = sum(score.weight for score in kept)
     named = {relation.name: relation for relation in relations}
-    averaged = (Candidate(k.weight / total, named[k.name], estimates[k.name]) for k in kept)
+    averaged = []
+    for weight, name in ((each.weight / total, each.name) for each in kept):
+        relation, estimate = named[name], estimates[name]
+        own = priors_of(relation, priors)
+        mixture = None
+        if own or tells_new_campaigns(estimate, own):
+            mixture = mixture_of(estimate, own)
+        theta = posterior_mean(estimate, mixture) if mixture and own else estimate.theta
+        averaged.append(Candidate(weight, relation, estimate, theta, mixture))
     return scores, tuple(averaged)
 
 
-def quantiles(averaged: Sequence[Candidate], level: Array, shares: Sequence[float]) -> Array:
-    """Ratios (shares, n) below which shares of new tests in new campaigns lie, at levels (n,)."""
+def priors_of(relation: Relation, priors: Priors) -> Priors:
+    """The priors that concern a relation, by its own parameters; `priors` by relation.parameter."""
+    own = {name: priors.get(f"{relation.name}.{name}") for name in relation.parameters}
+    own[TAU] = priors.get(TAU)
+    return {name: each for name, each in own.items() if each is not None}
+
+
+def quantiles(
+    averaged: Sequence[Candidate],
+    level: Array,
+    shares: Sequence[float],
+    median: Sequence[float] = (),
+) -> Array:
+    """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`."""
     new = ["new"] * len(level)
-    parts = [Part(w, e, problem_of(0.0 * level, level, new, r)) for w, r, e in averaged]
-    return averaged_quantile(parts, shares)
+    parts = [
+        Part(c.weight, c.estimate, c.mixture, problem_of(0.0 * level, level, new, c.relation))
+        for c in averaged
+        if c.mixture is not None
+    ]
+    return averaged_quantile(parts, shares, median)

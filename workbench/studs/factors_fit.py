@@ -27,17 +27,18 @@ class FactorFit(Fit):
     """Fitted factors of a formula.
 
     `model` with the fitted factors; `fitted`, the factors and the scatters of the log ratio;
-    `governed_by_steel`, share of the tests.
+    `governed_by_steel`, share of the tests, all in one kind of `slab`.
     """
 
     model: ShearModel
     fitted: Fitted
     governed_by_steel: float
+    slab: str
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Judge the fitted formula by tests that the fit has not used. Raises `InputError`."""
         self.identity.refuse_overlap(table)
-        rows = undamaged_headed_studs(table)
+        rows = undamaged_headed_studs(table, self.slab)
         tests = specimens(rows)
         return judge(rows, tests.shear, self.model.of(tests), confidence)
 
@@ -61,6 +62,7 @@ def fit_factors(
     *,
     loss: str = "linear",
     confidence: float = 0.9,
+    slab: str = "solid",
 ) -> FactorFit:
     """Fit factors of a formula to the undamaged headed studs of a table.
 
@@ -73,7 +75,7 @@ def fit_factors(
         Choice(tuple(FACTORS)).check("factors", name)
         if name == "steel" and np.isinf(chosen.steel_factor):
             raise InputError("factors", name, f"{chosen.title} has no steel term")
-    rows = undamaged_headed_studs(table)
+    rows = undamaged_headed_studs(table, slab)
     rows = rows[np.isfinite(chosen.of(specimens(rows)))].reset_index(drop=True)
     tests = specimens(rows)
     names, predict = tuple(factors), prediction(tests, chosen, tuple(factors))
@@ -96,7 +98,8 @@ def fit_factors(
         tuple(Finding("bounds", text) for text in texts),
         float(np.mean(steel < concrete)),
     )
-    return FactorFit(best, found, share, rows=rows, findings=findings, identity=identity_of(rows))
+    own = (best, found, share, slab)
+    return FactorFit(*own, rows=rows, findings=findings, identity=identity_of(rows))
 
 
 def prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -> Prediction:

@@ -23,6 +23,7 @@ from workbench.studs.statistics.intervals import (
     scatter_intervals,
 )
 from workbench.studs.statistics.mixed import Estimate, fit
+from workbench.studs.statistics.mixture import Priors
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
 from workbench.studs.trust import ranked
@@ -123,6 +124,14 @@ def outlier_findings(
         text = f"outlier: {name}, {values} ({abs(distance):.1f} standard deviations)"
         advice = "check it; --loss huber gives it less weight"
         yield Finding("outlier", f"{text}: {advice}", number=distance)
+
+
+def prior_findings(priors: Priors) -> Iterator[Finding]:
+    """That an answer rests on more than its tests."""
+    if priors:
+        told = (f"{name} {value:g} ({spread:g})" for name, (value, spread) in priors.items())
+        text = f"priors from elsewhere, value and spread: {', '.join(told)}"
+        yield Finding("prior", f"{text}; bands and posterior intervals rest on them")
 
 
 class Parameter(NamedTuple):

@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from workbench.studs.quantities import Array
+from workbench.errors import InputError
+from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
 
 
@@ -27,19 +28,36 @@ INTERACTIONS: dict[str, Callable[[Array], Array]] = {
 
 
 def combined_tests(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows (campaign, specimen, tension, shear) of the combined tests of a table; may be empty.
+    """Rows (campaign, specimen, tension, shear, companions) of the combined tests; may be empty.
 
     Both are over the mean resistance of the undamaged pull-outs and push-outs of the same campaign
-    and diameter; a combined test without both companions is left out.
+    and diameter, in concrete of about the same strength; a combined test without both is left out.
+    `companions`, how many tests the scarcer of the two has.
     """
     usable = table[(table["use_for_fit"] == 1.0) & (table["predamage"] == NO_PREDAMAGE)]
-    both = usable[usable["test"] == "combined"]
-    equal = ["campaign", "diameter_mm"]
-    result = both[["campaign", "specimen"]].copy()
-    for kind, name in (("pull-out", "tension"), ("push-out", "shear")):
-        alone = usable[usable["test"] == kind].groupby(equal)[f"{name}_kN"].mean()
-        own = alone.reindex(pd.MultiIndex.from_frame(both[equal])).to_numpy(float)
-        result[name] = both[f"{name}_kN"].to_numpy(float) / own
-    known = np.isfinite(result[["tension", "shear"]].to_numpy(float)).all(axis=1)
-    complete: pd.DataFrame = result[known].reset_index(drop=True)
-    return complete
+    rows = []
+    for _, row in usable[usable["test"] == "combined"].iterrows():
+        found: dict[str, object] = {name: row[name] for name in ("campaign", "specimen", "origin")}
+        alike, counts = equal_studs(usable, row), []
+        for kind, name in (("pull-out", "tension"), ("push-out", "shear")):
+            alone = alike.loc[alike["test"] == kind, f"{name}_kN"].astype(float).dropna()
+            counts.append(len(alone))
+            found[name] = float(row[f"{name}_kN"]) / alone.mean()
+        rows.append({**found, "companions": min(counts)})
+    names = ["campaign", "specimen", "origin", "tension", "shear", "companions"]
+    complete = pd.DataFrame(rows, columns=names).dropna(subset=["tension", "shear"])
+    return complete.reset_index(drop=True)
+
+
+def borne(tests: pd.DataFrame, tension: Array, shear: Array) -> Array:
+    """Distance (n,) of a curve (m,) from the origin in the direction of every test.
+
+    Raises `InputError` for tests beside the curve.
+    """
+    angle = np.arctan2(shear, tension)
+    order = np.argsort(angle)
+    radius = np.hypot(shear, tension)[order]
+    wanted = np.arctan2(tests["shear"].to_numpy(float), tests["tension"].to_numpy(float))
+    if wanted.min() < angle.min() - 1e-9 or wanted.max() > angle.max() + 1e-9:
+        raise InputError("tests", float(wanted.min()), "lie outside the curve of the law")
+    return np.asarray(np.interp(wanted, angle[order], radius))

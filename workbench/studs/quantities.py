@@ -7,6 +7,8 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
+from workbench.fields import Choice
+from workbench.studs.deck import Decks, decks_of, profiled
 from workbench.studs.schema import HEADED, NO_PREDAMAGE
 
 Array = NDArray[np.float64]
@@ -49,7 +51,8 @@ class Specimens:
 
     `diameter`, `height` in m; `concrete_strength`, `concrete_modulus`,
     `ultimate_strength`, in Pa; `shear` per stud in N; `slip_at_max` in m.
-    `modulus_measured` says where the modulus was measured and not taken from a formula.
+    `decks` around them (None: solid slabs). `modulus_measured` says where the modulus was measured
+    and not taken from a formula.
     """
 
     campaign: NDArray[np.object_]
@@ -62,6 +65,7 @@ class Specimens:
     ultimate_strength: Array
     shear: Array
     slip_at_max: Array
+    decks: Decks | None = None
 
     @property
     def area(self) -> Array:
@@ -93,8 +97,21 @@ def specimens(table: pd.DataFrame) -> Specimens:
         concrete_strength=strength,
         concrete_modulus=np.where(np.isfinite(measured), measured, modulus),
         modulus_measured=np.isfinite(measured),
+        decks=decks_of(table) if "slab" in table and profiled(table).any() else None,
         **known,
     )
+
+
+def equal_studs(table: pd.DataFrame, row: pd.Series) -> pd.DataFrame:
+    """Rows of the campaign and diameter of a row, in concrete of about the same strength.
+
+    An unknown strength counts as alike.
+    """
+    same = table["campaign"] == row["campaign"]
+    near = table[same & (table["diameter_mm"] == row["diameter_mm"])]
+    other = np.abs(near["fcm_MPa"].astype(float) / row["fcm_MPa"] - 1.0) > LIKE_CONCRETE
+    alike: pd.DataFrame = near.loc[~other]
+    return alike
 
 
 def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
@@ -103,16 +120,21 @@ def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
     return np.asarray(table[column].to_numpy(float) * factor)
 
 
-def undamaged_headed_studs(table: pd.DataFrame, *, deck: bool = False) -> pd.DataFrame:
-    """Rows that a fit of the undamaged headed stud in a solid slab may use.
+SLABS = ("solid", "deck", "any")
 
-    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear alone, no profiled deck unless
-    a `deck` may be there. Raises `InputError` when none is left, saying what took the rows away.
+
+def undamaged_headed_studs(table: pd.DataFrame, slab: str = "solid") -> pd.DataFrame:
+    """Rows that a fit of the undamaged headed stud in a kind of slab may use.
+
+    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear alone; `slab`, one of `SLABS`,
+    a profiled deck making the difference. Raises `InputError` when none is left, saying what took
+    the rows away.
     """
-    profiled = table["slab"].str.contains("deck", case=False).astype(bool)
-    profiled |= table[["deck_depth_mm", "deck_width_mm"]].notna().any(axis=1)
+    Choice(SLABS).check("slab", slab)
+    in_deck = profiled(table).to_numpy(bool)
     conditions = {
-        "in a profiled deck": ~profiled | deck,
+        "in a profiled deck": ~in_deck | (slab != "solid"),
+        "in no profiled deck": in_deck | (slab != "deck"),
         "no push-out": table["test"] == "push-out",
         "use_for_fit is 0": table["use_for_fit"] == 1.0,
         "another connector than a headed stud": table["connector"] == HEADED,
@@ -121,6 +143,9 @@ def undamaged_headed_studs(table: pd.DataFrame, *, deck: bool = False) -> pd.Dat
     }
     kept = np.logical_and.reduce([np.asarray(each) for each in conditions.values()])
     if not kept.any():
-        lost = "; ".join(f"{name}: {int((~np.asarray(c)).sum())}" for name, c in conditions.items())
-        raise InputError("table", f"{len(table)} rows", f"holds no undamaged headed stud ({lost})")
+        out = {name: int((~np.asarray(each)).sum()) for name, each in conditions.items()}
+        lost = "; ".join(f"{name}: {count}" for name, count in out.items() if count)
+        advice = "those in decks are fitted with --slab deck" if out["in a profiled deck"] else ""
+        reason = f"holds no undamaged headed stud ({lost})"
+        raise InputError("table", f"{len(table)} rows", reason, advice)
     return table[kept].reset_index(drop=True)

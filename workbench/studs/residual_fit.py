@@ -4,17 +4,23 @@ No shipped table holds a strength measured after pre-damage. Until one is given,
 the prediction of the mechanical model, and its grade says that nothing has validated it.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from enum import StrEnum
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from workbench.errors import InputError
+from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
+from workbench.studs.candidates import (
+    Candidate,
+    average,
+    candidates,
+    fit_candidates,
+    quantiles,
+)
 from workbench.studs.damage import damage_findings
 from workbench.studs.damaged import (
     QUANTITIES,
@@ -32,32 +38,32 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.relations import MechanicalCurve, Relation
-from workbench.studs.schema import NO_PREDAMAGE, PREDICTED
+from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
+from workbench.studs.residual_grade import Grade, grade_of, residual_findings
+from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
 from workbench.studs.statistics.influence import without_each
-from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS, Score
+from workbench.studs.statistics.intervals import Interval
+from workbench.studs.statistics.mixture import (
+    NOTHING,
+    TAU,
+    Priors,
+    posterior_intervals,
+    tells_new_campaigns,
+)
+from workbench.studs.statistics.prediction import Score
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 from workbench.studs.trust import influence_of
 
-ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
 STEP = 0.025  # of damage, at which the curve is given
+DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
+FRACTILE = 0.05
 
 
-class Grade(StrEnum):
-    """How well a residual capacity is supported, from weakest to strongest."""
-
-    MECHANICAL = "mechanical prediction, not validated by tests after pre-damage"
-    SYNTHETIC = "exercise on synthetic rows: shows the method, is no evidence"
-    NARROW = "fitted to tests whose damage hardly varies: supports no relation"
-    ONE_CAMPAIGN = "fitted to tests after pre-damage of one campaign, not validated on others"
-    PREDICTED = "fitted to tests after pre-damage over predicted, not measured, undamaged strengths"
-    TWO_CAMPAIGNS = "fitted to tests after pre-damage of two campaigns, too few to validate it"
-    CROSS_VALIDATED = "fitted to tests after pre-damage, cross-validated over campaigns"
-
-
-LEAST_RANGE = 0.25  # of damage, over which a relation may be called validated
+def tails_of(share: float) -> tuple[float, float]:
+    """The shares below and above which equal parts of the rest lie."""
+    return 0.5 - 0.5 * share, 0.5 + 0.5 * share
 
 
 @dataclass(frozen=True)
@@ -67,7 +73,7 @@ class ResidualFit(Fit):
     `stud`, which one it is for; `relation`, that of most weight; `fitted`, its parameters and the
     scatters of the ratio (None without tests: a prediction); `scores` of all candidates;
     `averaged`, those that count; `grade`, which holds for the `levels` covered only; `mechanical`,
-    the prediction that is a candidate or the answer.
+    the prediction that is a candidate or the answer; `priors` by ``tau`` and relation.parameter.
     """
 
     quantity: str
@@ -81,6 +87,7 @@ class ResidualFit(Fit):
     grade: Grade
     levels: tuple[float, float]
     mechanical: MechanicalCurve | None
+    priors: Priors = field(default_factory=lambda: NOTHING)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -102,14 +109,30 @@ class ResidualFit(Fit):
         """Median ratio (n,) that is left at damage levels (n,): the average of the candidates."""
         if self.fitted is None:
             return self.relation(level)
-        values = [c.weight * c.relation(level, c.estimate.theta) for c in self.averaged]
+        values = [c.weight * c.relation(level, c.theta) for c in self.averaged]
         return np.asarray(np.sum(values, axis=0))
+
+    def quantiles(
+        self, level: ArrayLike, shares: Sequence[float], median: Sequence[float] = ()
+    ) -> Array | None:
+        """Ratios (shares + median, n) that shares of a distribution lie below, at levels (n,).
+
+        `shares`, of new tests in a new campaign; `median`, of what is known of the median over
+        campaigns. NaN beyond the tested levels: what a relation does there no test tells. None for
+        a prediction, and with fewer than three campaigns and no prior of their scatter.
+        """
+        d = np.asarray(level, float)
+        if self.fitted is None or not tells_new_campaigns(self.fitted.estimate, self.priors):
+            return None
+        found, inside = np.full((len(shares) + len(median), len(d)), np.nan), ~self.extrapolates(d)
+        if inside.any():
+            found[:, inside] = quantiles(self.averaged, d[inside], shares, median)
+        return np.asarray(np.maximum(found, 0.0))
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
         """Bounds (n,) of the ratio: of a new test in a new campaign, or of the mechanical model.
 
-        NaN beyond the tested levels: what a relation does there no test tells. None where tests of
-        fewer than three campaigns do not allow a prediction.
+        NaN and None as in `quantiles`.
         """
         d = np.asarray(level, float)
         if self.fitted is None:
@@ -117,13 +140,32 @@ class ResidualFit(Fit):
             sides = (self.mechanical.low, self.mechanical.high)
             low, high = (np.interp(d, self.mechanical.level, s, right=np.nan) for s in sides)
             return low, high
-        if self.fitted.estimate.problem.campaigns < LEAST_CAMPAIGNS:
-            return None
-        bounds, inside = np.full((2, len(d)), np.nan), ~self.extrapolates(d)
-        if inside.any():
-            tails = (0.5 - 0.5 * share, 0.5 + 0.5 * share)
-            bounds[:, inside] = quantiles(self.averaged, d[inside], tails)
-        return np.maximum(bounds[0], 0.0), bounds[1]
+        found = self.quantiles(d, tails_of(share))
+        return None if found is None else (found[0], found[1])
+
+    def design_rows(self, share: float = 0.9) -> pd.DataFrame:
+        """What a designer takes at usual levels in the tested range and at its end; may be empty.
+
+        Columns: `level`, `median` with its confidence bounds `low`, `high`, `fractile` (5 % of new
+        tests in new campaigns lie below), `characteristic` and `design` by EN 1990 D.8. NaN where
+        the tests do not tell.
+        """
+        end, usual = self.levels[1], np.array(DESIGN_LEVELS)
+        level = np.append(usual[usual < end - 1e-9], end) if self.fitted else np.zeros(0)
+        told = self.quantiles(level, (FRACTILE,), tails_of(share)) if len(level) else None
+        fractile, low, high = np.full((3, len(level)), np.nan) if told is None else told
+        median, shares = self.left(level), self.design
+        r_k, r_d = (np.nan, np.nan) if shares is None else (shares.r_k, shares.r_d)
+        design = {"characteristic": r_k * median, "design": r_d * median}
+        told_by_tests = {"low": low, "high": high, "fractile": fractile}
+        return pd.DataFrame({"level": level, "median": median, **told_by_tests, **design})
+
+    def posterior(self, confidence: float) -> dict[str, Interval]:
+        """Intervals under the priors of the parameters of the relation, and of tau."""
+        mixture = self.averaged[0].mixture if self.averaged else None
+        if mixture is None or not self.priors:
+            return {}
+        return posterior_intervals(self.averaged[0].estimate, mixture, confidence)
 
     @property
     def design(self) -> D8 | None:
@@ -164,6 +206,7 @@ class ResidualFit(Fit):
             "parameters": self.parameters,
             "holds": self.holds,
             "profile": {} if own is None else own.intervals,
+            "priors": dict(self.priors),
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
             "characteristic_share": None if self.design is None else self.design.r_k,
@@ -176,7 +219,7 @@ class ResidualFit(Fit):
         if self.fitted is None:
             return self.rows
         level, found = np.array([self.levels[1]]), np.zeros(len(self.rows))
-        for weight, relation, estimate in self.averaged:
+        for weight, relation, estimate, *_ in self.averaged:
             others = without_each(estimate)
             found += [weight * float(relation(level, theta)[0]) for theta in others]
         answer, value = f"left at damage {self.levels[1]:.3g}", float(self.left(level)[0])
@@ -199,6 +242,8 @@ class ResidualFit(Fit):
                 "high": high,
                 "extrapolated": self.extrapolates(levels),
             },
+            "design": self.design_rows(confidence),
+            "posterior": self.posterior(confidence),
             "tests": self.rows.reindex(columns=columns),
             "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
         }
@@ -213,6 +258,7 @@ def fit_residual(
     mechanical: MechanicalCurve | None = None,
     loss: str = "linear",
     confidence: float = 0.9,
+    priors: Priors = NOTHING,
 ) -> ResidualFit:
     """Fit and choose a relation between damage and what is left, and grade its evidence.
 
@@ -220,15 +266,20 @@ def fit_residual(
     `measure`, which tests (None: all, if they are of one kind); `mechanical`, prediction of the
     mechanical model, one more candidate and the answer if the table holds no test after
     pre-damage; the rest as in `fit_strength`. The candidates in `RELATIONS` are weighed by
-    leaving out whole campaigns, and averaged. Raises `InputError` without tests and prediction.
+    leaving out whole campaigns, and averaged. `priors` by ``tau`` and relation.parameter, see
+    `Priors`; they shift medians and bands, not the weights of relations. Raises `InputError`
+    without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
+    known = Choice((TAU, *(f"{r.name}.{p}" for r in RELATIONS.values() for p in r.parameters)))
+    for name in priors:
+        known.check("prior", name)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = candidates(mechanical, rows, quantity)
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
     estimates = fit_candidates(relations, y, level, rows["campaign"], loss)
-    scores, averaged = average(relations, estimates)
+    scores, averaged = average(relations, estimates, priors)
     chosen = averaged[0].relation
     found = fitted(averaged[0].estimate, confidence=confidence)
     return ResidualFit(
@@ -240,7 +291,7 @@ def fit_residual(
         fitted=found,
         scores=tuple(scores),
         averaged=tuple(averaged),
-        grade=_grade(rows, quantity),
+        grade=grade_of(rows, quantity),
         levels=(float(level.min()), float(level.max())),
         rows=rows,
         findings=(
@@ -249,10 +300,11 @@ def fit_residual(
             *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
             *damage_findings(rows, quantity),
             *reference_findings(table, rows, quantity),
-            *_findings(rows, found, chosen),
+            *residual_findings(rows, found, chosen, priors),
         ),
         identity=identity_of(rows),
         mechanical=mechanical,
+        priors=priors,
     )
 
 
@@ -289,38 +341,3 @@ def _predicted(
     findings = (*suspicions(table), *said)
     answer = (*kind, mechanical.stud, relation, None, (), (), Grade.MECHANICAL, levels, mechanical)
     return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
-
-
-def _grade(rows: pd.DataFrame, quantity: str) -> Grade:
-    if (rows["origin"] == "synthetic").any():
-        return Grade.SYNTHETIC
-    campaigns, levels = rows["campaign"].nunique(), rows["level"]
-    if levels.max() < LEAST_RANGE or levels.nunique() < 2:
-        return Grade.NARROW
-    if quantity == "strength" and (rows["undamaged_basis"] == PREDICTED).any():
-        return Grade.PREDICTED
-    few = {1: Grade.ONE_CAMPAIGN, 2: Grade.TWO_CAMPAIGNS}
-    return few.get(campaigns, Grade.CROSS_VALIDATED)
-
-
-def _findings(rows: pd.DataFrame, found: Fitted, relation: Relation) -> Iterator[Finding]:
-    synthetic = int((rows["origin"] == "synthetic").sum())
-    if synthetic:
-        yield Finding("evidence", f"{synthetic} of {len(rows)} rows are synthetic")
-    campaigns = rows["campaign"].nunique()
-    if campaigns == 1:
-        text = (
-            "one campaign: candidates were weighed by leaving out specimens, not campaigns; every "
-            "interval lacks the scatter between campaigns"
-        )
-        yield Finding("campaigns", text)
-    elif campaigns < LEAST_CAMPAIGNS:
-        text = "two campaigns: no band for a new campaign"
-        lacking = "intervals of parameters lack most of the scatter between campaigns"
-        yield Finding("campaigns", f"{text}; {lacking}")
-    if found.at_bound:
-        yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
-    left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))
-    if rows["predamage"].iloc[0] == "fatigue" and left >= 1.0:
-        text = "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag"
-        yield Finding("fatigue", f"{text} (2007)")

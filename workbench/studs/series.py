@@ -106,7 +106,8 @@ def slip_capacity(slip: ArrayLike, load: ArrayLike, level: float) -> tuple[float
     return float(s[last] + share * (s[last + 1] - s[last])), False
 
 
-EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fu_MPa")
+_DECK = ("deck_depth_mm", "deck_width_mm", "deck_thickness_mm", "studs_per_rib", "deck_fixing")
+EQUAL = ("campaign", "diameter_mm", "height_mm", "slab", "stud_spacing", "fu_MPa", *_DECK)
 LIKE_LOAD = 0.05  # share by which the largest load of a curve may miss that of the table
 
 
@@ -134,12 +135,8 @@ def evaluate_groups(
     """
     curves = {} if points is None else _curves(points)
     result = []
-    for group in _equal(undamaged_headed_studs(table, deck=True)):
+    for group in equal_tests(undamaged_headed_studs(table, "any")):
         first = group.iloc[0]
-        words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
-        words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
-        strength = float(group["fcm_MPa"].astype(float).mean())
-        words += [f"f_c {strength:.3g} MPa"] if np.isfinite(strength) else []
         names = list(zip(group["campaign"], group["specimen"], strict=True))
         found, why = None, ""
         try:
@@ -153,11 +150,20 @@ def evaluate_groups(
             )
         except InputError as error:
             why = f"{error.allowed}; {error.advice}" if error.advice else error.allowed
-        result.append(Series(", ".join(words), len(group), found, why))
+        result.append(Series(title_of(group), len(group), found, why))
     return result
 
 
-def _equal(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
+def title_of(group: pd.DataFrame) -> str:
+    """Nominally equal tests in words."""
+    first = group.iloc[0]
+    words = [str(first["campaign"]), f"{first['diameter_mm']:g} mm"]
+    words += [str(first[c]) for c in ("slab", "stud_spacing") if first[c]]
+    strength = float(group["fcm_MPa"].astype(float).mean())
+    return ", ".join(words + [f"f_c {strength:.3g} MPa"] * bool(np.isfinite(strength)))
+
+
+def equal_tests(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
     """Nominally equal tests: the same in `EQUAL`, in concrete of about the same strength."""
     for _, group in rows.groupby(list(EQUAL), sort=False, dropna=False):
         strength = group["fcm_MPa"].astype(float).sort_values()

@@ -1,4 +1,4 @@
-"""Shear resistance of headed studs in solid slabs: EN 1994, AISC 360, Ollgaard, Roik.
+"""Shear resistance of headed studs: EN 1994, AISC 360, Ollgaard, Roik; decks by `deck`.
 
 All forms are the smaller of a steel term, c_s A_s f_u, and a concrete term, c_c times sqrt(f_c
 E_c) over d^2 or A_s. They differ in their factors, and in whether material values are
@@ -28,7 +28,8 @@ class ShearModel:
 
     `steel_factor` c_s (infinite: no steel term); `concrete_factor` c_c; `over_area`, X is A_s,
     otherwise d^2; `reduces_stocky`, alpha = 0.2 (h/d + 1) for 3 <= h/d < 4 (EN 1994);
-    `characteristic`, whether the value is one with the material values meant for it; `source`.
+    `deck_rule` of its code for profiled decks, ``en1994``, ``aisc360`` or none; `characteristic`,
+    whether the value is one with the material values meant for it; `source`.
     """
 
     name: str
@@ -39,6 +40,7 @@ class ShearModel:
     reduces_stocky: bool
     characteristic: bool
     source: str
+    deck_rule: str = ""
 
     @property
     def formula(self) -> str:
@@ -112,7 +114,17 @@ class ShearModel:
         outside = self.reduces_stocky & (tests.slenderness < LEAST_SLENDERNESS)
         height = np.where(outside, np.nan, tests.height)
         concrete = self.concrete(d, height, strength, tests.concrete_modulus)
-        return self.steel(d, tests.ultimate_strength), concrete
+        steel = self.steel(d, tests.ultimate_strength)
+        decks = tests.decks
+        if decks is None:
+            return steel, concrete
+        if self.deck_rule == "aisc360":
+            return steel * decks.reduction_aisc360(), concrete
+        if self.deck_rule == "en1994":
+            reduction = decks.reduction_en1994(tests.height, d)
+        else:
+            reduction = np.where(decks.profiled, np.nan, 1.0)
+        return steel * reduction, concrete * reduction
 
     def findings(self, tests: Specimens) -> list[Finding]:
         """Tests outside the range that the code states; empty when all are in."""
@@ -145,12 +157,13 @@ _EN_SOURCE = "EN 1994-1-1:2004, 6.6.3.1 (secondary transcriptions)"
 SHEAR_MODELS: dict[str, ShearModel] = {
     model.name: model
     for model in (
-        ShearModel("en1994", "EN 1994-1-1", 0.8, 0.29, False, True, True, _EN_SOURCE),
+        ShearModel("en1994", "EN 1994-1-1", 0.8, 0.29, False, True, True, _EN_SOURCE,
+                   "en1994"),
         ShearModel("roik-mean", "Roik, mean values (the mean form of EN 1994-1-1)", 1.0, 0.374,
                    False, True, False, "Roik et al., mean values behind EN 1994-1-1 "
-                   "(secondary transcription; another one prints 0.372)"),
+                   "(secondary transcription; another one prints 0.372)", "en1994"),
         ShearModel("aisc360", "AISC 360-22, solid slab (Rg = 1, Rp = 0.75)", 0.75, 0.5, True,
-                   False, False, "AISC 360-22, I8.2a"),
+                   False, False, "AISC 360-22, I8.2a", "aisc360"),
         ShearModel("ollgaard", "Ollgaard, Slutter and Fisher 1971", np.inf, 0.5, True, False,
                    False, "Ollgaard, Slutter and Fisher 1971, simplified form (recalled)"),
     )

@@ -6,7 +6,7 @@ The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum
 + u_campaign + e. So b is the median ratio, c_k an exponent that the formula misses in variable x_k.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,6 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.responses import Finding
 from workbench.studs.damaged import studs_in_words
 from workbench.studs.fit_protocol import (
     Content,
@@ -24,20 +23,31 @@ from workbench.studs.fit_protocol import (
     fitted,
     judge,
     outlier_findings,
+    prior_findings,
 )
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
-from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8, sensitivities_of
+from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.intervals import Interval
 from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.prediction import (
-    LEAST_CAMPAIGNS,
-    LeftOut,
-    coverage,
-    leave_one_campaign_out,
+from workbench.studs.statistics.mixture import (
+    NOTHING,
+    TAU,
+    Priors,
+    mixture_of,
+    posterior_intervals,
     predictive_quantile,
+    tells_new_campaigns,
 )
+from workbench.studs.statistics.prediction import LeftOut, coverage, leave_one_campaign_out
 from workbench.studs.statistics.problem import Problem, problem
+from workbench.studs.strength_findings import (
+    deck_findings,
+    left_without_value,
+    measurement_of,
+    strength_findings,
+)
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 from workbench.studs.trust import grade_of, influence_of
@@ -51,9 +61,7 @@ VARIATIONS = {
     "ultimate_strength": 0.05,
 }
 _SIZES = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
-ABOVE_STEEL = 1.0
 LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
-FEW_CAMPAIGNS = 5
 
 
 @dataclass(frozen=True)
@@ -65,8 +73,9 @@ class StrengthFit(Fit):
     EN 1990 D.8 on the same rows (which takes all tests as independent) at the `reference` stud;
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
     (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
-    (None if not reported); `grade` of the evidence, and the studs that it `holds` for; `rows`,
-    test, prediction and ratio of every row with its variables.
+    (None if not reported); `grade` of the evidence, and the studs that it `holds` for, in a `slab`;
+    `posterior` intervals under priors (empty without); `rows`, test, prediction and ratio of every
+    row with its variables.
     """
 
     model: ShearModel
@@ -78,6 +87,8 @@ class StrengthFit(Fit):
     measurement: float | None
     grade: str
     holds: str
+    slab: str
+    posterior: dict[str, Interval]
 
     @property
     def bias(self) -> float:
@@ -110,7 +121,7 @@ class StrengthFit(Fit):
         when a row was used for the fit.
         """
         self.identity.refuse_overlap(table)
-        rows = undamaged_headed_studs(table)
+        rows = undamaged_headed_studs(table, self.slab)
         tests = specimens(rows)
         prediction = self.predict(tests) if corrected else self.model.of(tests)
         found = judge(rows, tests.shear, prediction, confidence)
@@ -133,7 +144,7 @@ class StrengthFit(Fit):
 
     def parts(self, confidence: float) -> Content:
         """Its tests."""
-        return {"tests": self.rows}
+        return {"tests": self.rows, "posterior": self.posterior}
 
     def influence(self) -> pd.DataFrame:
         """How every test moves the median of test over prediction."""
@@ -151,6 +162,8 @@ def fit_strength(
     confidence: float = 0.9,
     variations: Mapping[str, float] | None = None,
     specified_strength: float | None = None,
+    slab: str = "solid",
+    priors: Priors = NOTHING,
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
@@ -158,21 +171,29 @@ def fit_strength(
     `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or ``bisquare``;
     `confidence` of the intervals; `variations`, see
     `evaluate_d8` (default `VARIATIONS`); `specified_strength` of the stud material in Pa, for
-    gamma_M* (None: the mean of the tests). Raises `InputError`, `SolverError`.
+    gamma_M* (None: the mean of the tests); `slab`, solid or deck; `priors` of ``tau`` and
+    ``bias`` (spread of its logarithm), see `Priors`. Raises `InputError`, `SolverError`.
     """
     chosen = shear_model(model) if isinstance(model, str) else model
     for trend in trends:
         Choice(TRENDS).check("trends", trend)
-    usable = undamaged_headed_studs(table)
+    for name in priors:
+        Choice((TAU, "bias", *trends)).check("prior", name)
+    usable = undamaged_headed_studs(table, slab)
     kept, tests = _complete(usable, chosen)
     reference = {
         name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in (*TRENDS, "height")
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
-    left_out, new = tuple(_left_out(given)), None
-    if given.campaigns >= LEAST_CAMPAIGNS:
-        new = float(np.exp(np.mean(predictive_quantile(estimate, estimate.problem, 0.05))))
+    left_out, new, posterior = tuple(_left_out(given)), None, {}
+    own = {n: (float(np.log(v)) if n == "bias" else v, s) for n, (v, s) in priors.items()}
+    if tells_new_campaigns(estimate, own):
+        lowest = predictive_quantile(estimate, estimate.problem, 0.05, own)
+        new = float(np.exp(np.mean(lowest)))
+    if own:
+        posterior = posterior_intervals(estimate, mixture_of(estimate, own), confidence)
+        posterior["bias"] = posterior["bias"].exponential()
     return StrengthFit(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence),
@@ -186,15 +207,20 @@ def fit_strength(
         ),
         reference=reference,
         new_campaign_factor=new,
-        measurement=_measurement(kept),
+        measurement=measurement_of(kept),
         grade=grade_of(kept, "undamaged tests", left_out=bool(left_out)),
-        holds=f"for studs {studs_in_words(kept)}, as tested",
+        holds=f"for studs {studs_in_words(kept)}, as tested"
+        + ", in profiled decks" * (slab == "deck"),
+        slab=slab,
+        posterior=posterior,
         rows=_rows(kept, tests, chosen.of(tests)),
         findings=(
             *suspicions(table),
             *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
-            *_left_without_value(len(usable) - len(kept), len(usable), chosen),
-            *_findings(kept, tests, chosen, given),
+            *left_without_value(len(usable) - len(kept), len(usable), chosen),
+            *prior_findings(priors),
+            *deck_findings(kept),
+            *strength_findings(kept, tests, chosen, given),
         ),
         identity=identity_of(kept),
     )
@@ -237,15 +263,17 @@ def _left_out(given: Problem) -> list[LeftOut]:
 def _d8(
     tests: Specimens,
     model: ShearModel,
-    reference: Mapping[str, float],
+    reference: dict[str, float],
     variations: Mapping[str, float],
     specified_strength: float | None,
 ) -> D8:
     means = {name: reference[name] for name in variations if np.isfinite(reference[name])}
+    whole = model.of(replace(tests, decks=None))
+    reduction = float(np.exp(np.mean(np.log(model.of(tests) / whole))))  # by decks
 
     def resistance(x: Mapping[str, float], formula: ShearModel = model) -> float:
         d, h, fc, ec, fu = ({**reference, **x}[name] for name in _SIZES)
-        return float(formula.resistance(d, h, fc, ec, fu))
+        return reduction * float(formula.resistance(d, h, fc, ec, fu))
 
     steel_known = np.isfinite(reference["ultimate_strength"])
     own = model.characteristic or not steel_known
@@ -268,12 +296,6 @@ def _d8(
     )
 
 
-def _measurement(kept: pd.DataFrame) -> float | None:
-    """Root mean square of the relative uncertainty of the loads, if all rows report it."""
-    relative = kept["shear_uncertainty_kN"].to_numpy(float) / kept["shear_kN"].to_numpy(float)
-    return float(np.sqrt(np.mean(relative**2))) if np.all(np.isfinite(relative)) else None
-
-
 def _rows(kept: pd.DataFrame, tests: Specimens, prediction: Array) -> pd.DataFrame:
     """Test, prediction and ratio of every row, with all variables (SI)."""
     return kept[["campaign", "specimen", "flag"]].assign(
@@ -283,65 +305,3 @@ def _rows(kept: pd.DataFrame, tests: Specimens, prediction: Array) -> pd.DataFra
         **{name: getattr(tests, name) for name in TRENDS},
         over_steel=tests.shear / (tests.area * tests.ultimate_strength),
     )
-
-
-def _stiffer(tests: Specimens) -> str:
-    """By how much the modulus of EN 1992-1-1 exceeds the computed one, in words."""
-    own = ~tests.modulus_measured
-    european = 22e9 * (tests.concrete_strength[own] / 10e6) ** 0.3
-    more = 100.0 * (european / tests.concrete_modulus[own] - 1.0)
-    low, high = float(np.min(more)), float(np.max(more))
-    return f"{low:.0f} %" if high - low < 1.0 else f"{low:.0f} to {high:.0f} %"
-
-
-def _findings(
-    kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Problem
-) -> Iterator[Finding]:
-    yield from model.findings(tests)
-    above = int(np.sum(tests.shear / (tests.area * tests.ultimate_strength) > ABOVE_STEEL))
-    if above:
-        yield Finding(
-            "shank",
-            f"{above} of {len(tests)} tests exceed the tensile strength of their shank: part of "
-            "their load was carried otherwise (bond, friction, weld collar), and a formula "
-            "calibrated on them alone would be unsafe",
-        )
-    yield from _campaign_findings(given)
-    if given.count < LEAST_FOR_DESIGN:
-        yield Finding(
-            "tests",
-            f"{given.count} tests: EN 1990 has no factor of the design value for fewer than "
-            f"{LEAST_FOR_DESIGN} with unknown scatter",
-        )
-    if _measurement(kept) is None:
-        text = "the uncertainty of the measured loads is not reported: it stays in sigma"
-        yield Finding("measurement", text)
-    computed = int(np.sum(~tests.modulus_measured))
-    if computed:
-        yield Finding(
-            "modulus",
-            f"the modulus of concrete is computed as 4733 sqrt(fc) MPa (ACI 318), not measured, in "
-            f"{computed} tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is {_stiffer(tests)} more and "
-            "would raise predictions that the concrete governs: give Ecm_MPa to use another",
-        )
-
-
-def _left_without_value(count: int, total: int, model: ShearModel) -> Iterator[Finding]:
-    if count:
-        why = "missing values, or a stud too stocky for it"
-        text = f"{count} of {total} tests left out: {model.title} has no value for them ({why})"
-        yield Finding("range", text)
-
-
-def _campaign_findings(given: Problem) -> Iterator[Finding]:
-    if given.count == given.campaigns > 1:
-        why = "one test per campaign: the scatter within and between campaigns cannot be told apart"
-        yield Finding("campaigns", why)
-    few = f"{given.campaigns} campaigns: the scatter between campaigns is hardly known"
-    texts = {
-        1: "one campaign: nothing can be said about the scatter between campaigns",
-        2: "two campaigns: nothing tells how much campaigns differ; the interval of the bias is "
-        "too narrow and there is no value for a new campaign",
-    }
-    if given.campaigns < FEW_CAMPAIGNS:
-        yield Finding("campaigns", texts.get(given.campaigns, few))

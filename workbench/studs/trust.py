@@ -9,12 +9,12 @@ from workbench.responses import Finding
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.influence import deleted_residuals, usual_distance
 from workbench.studs.statistics.mixed import Estimate
-from workbench.studs.statistics.prediction import LEAST_CAMPAIGNS
+from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS
 
 # subjects of findings: what may void an answer comes first, what hardly moves it last
 _DECISIVE = (
-    *("data", "evidence", "fatigue", "outlier", "stud", "tests", "campaigns", "shank", "range"),
-    *("bounds", "points", "modulus", "measurement"),
+    *("data", "evidence", "prior", "fatigue", "outlier", "stud", "tests", "campaigns", "shank"),
+    *("range", "bounds", "points", "modulus", "measurement"),
 )
 _PLACES = {subject: place for place, subject in enumerate(_DECISIVE)}
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from workbench.content.formatting import number
 from workbench.content.tree import Block, Callout, Paragraph, Section
+from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_tables import Content
 from workbench.responses import Finding
@@ -15,6 +16,7 @@ _PLACES = {
     "stud-strength": ("models", "model"),
     "load-slip": ("laws", "law"),
     "residual": ("quantities", "quantity"),
+    "interaction": ("laws", "law"),
 }
 
 
@@ -98,6 +100,7 @@ def strength_tables(result: Content) -> Iterator[Block]:
     caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
     yield from tables.fitted(named)
     yield from tables.exponents(named)
+    yield from stud_design.posterior(contents_of(result), "model")
     yield from tables.unseen(named, kinds, caption)
     yield from tables.design_values(named)
     yield from tables.left_out(named)
@@ -122,6 +125,26 @@ def load_slip_tables(result: Content) -> Iterator[Block]:
     yield from tables.unseen_curves(named_of(result))
 
 
+def interaction(result: Content) -> Iterator[Block]:
+    """The exponent of tension with shear, and the laws of the codes on the same tests."""
+    (content,) = contents_of(result)
+    fit, named = content["fit"], named_of(result)
+    yield from _shown(
+        result,
+        f"{fit['tests']} combined tests of {', '.join(fit['campaigns'])}: {fit['grade']}",
+        *stud_design.interaction(content),
+        *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),
+    )
+
+
+def few_tests(result: Content) -> Iterator[Block]:
+    """Characteristic values of one to three tests."""
+    known = f"V_r = {number(result['known_variation'], 3)} is known from earlier tests"
+    yield Paragraph(f"{known} ({sources_of(result)})")
+    yield from (Paragraph(f"left out: {text}") for text in result["rows_left_out"])
+    yield from stud_design.few(result["groups"])
+
+
 def residual(result: Content) -> Iterator[Block]:
     """The grade first, then what is left after pre-damage."""
     contents = contents_of(result)
@@ -141,5 +164,7 @@ def residual(result: Content) -> Iterator[Block]:
 def residual_tables(result: Content) -> Iterator[Block]:
     """What stands below the shares that are left."""
     yield from tables.relations(contents_of(result))
+    yield from stud_design.residual_design(contents_of(result))
+    yield from stud_design.posterior(contents_of(result), "relation")
     caption = "Unseen tests, test over prediction:"
     yield from tables.unseen(named_of(result), {"judgement": "as fitted"}, caption)

@@ -316,18 +316,11 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             f"{each['name']} {share(each['weight']).text} ({each['rms']:.3f})"
             for each in fit["scores"]
         )
-        design = ""
-        if fit["design_share"] is not None:
-            shares = (number(fit[f"{name}_share"], 3) for name in ("characteristic", "design"))
-            design = "; {} (characteristic) and {} (design) of the median by EN 1990 D.8, ".format(
-                *shares
-            )
-            design += "which takes all tests as independent"
         yield Table.of(
             "relation",
             f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}, "
             f"{fit['holds']}); weights in the average, and root mean square of what is left out, "
-            f"by {fit['scores'][0]['by']}: {scores}{design}",
+            f"by {fit['scores'][0]['by']}: {scores}",
             columns,
             rows,
         )

@@ -14,11 +14,11 @@ from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
-from workbench.studs.interaction import INTERACTIONS, combined_tests
+from workbench.studs.interaction import INTERACTIONS, borne, combined_tests
 from workbench.studs.load_slip_curves import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted, stud_of
-from workbench.studs.quantities import Array, undamaged_headed_studs
+from workbench.studs.quantities import undamaged_headed_studs
 from workbench.studs.series import evaluate_groups
 from workbench.studs.tables import campaigns_of
 
@@ -245,21 +245,10 @@ class StudInteraction(StudModel):
         judged = None
         if held and not tests.empty:
             reached = np.hypot(tests["shear"], tests["tension"])
-            judged = judge(tests, reached, _borne(tests, tension, shear), scenario.confidence)
+            judged = judge(tests, reached, borne(tests, tension, shear), scenario.confidence)
             content["judgement"] = judged.to_dict()
         elif self.law != MECHANICAL:
             # a law of the books is drawn all the same; that nothing validates it is said
             text = "no combined test in the validating campaigns"
             findings = (Finding("evidence", text),)
         return Found(content, findings, judged, {"tests_fitted": 0.0})
-
-
-def _borne(tests: pd.DataFrame, tension: Array, shear: Array) -> Array:
-    """Distance (n,) of the curve from the origin in the direction of every test."""
-    angle = np.arctan2(shear, tension)
-    order = np.argsort(angle)
-    radius = np.hypot(shear, tension)[order]
-    wanted = np.arctan2(tests["shear"].to_numpy(float), tests["tension"].to_numpy(float))
-    if wanted.min() < angle.min() - 1e-9 or wanted.max() > angle.max() + 1e-9:
-        raise InputError("tests", float(wanted.min()), "lie outside the curve of the law")
-    return np.asarray(np.interp(wanted, angle[order], radius))

@@ -29,6 +29,7 @@ from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import TESTS
 from workbench.studs.shear import SHEAR_MODELS
 from workbench.studs.statistics.mixed import LOSSES
+from workbench.studs.statistics.mixture import NOTHING, Priors
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows
 
@@ -203,6 +204,7 @@ def answer_residual(
     measure: str | None = None,
     loss: str = "linear",
     confidence: float = 0.9,
+    priors: Priors = NOTHING,
 ) -> list[ResidualFit]:
     """Fit what is left to the tests after pre-damage, or predict it if the table has none.
 
@@ -239,6 +241,7 @@ def answer_residual(
             mechanical=curve,
             loss=loss,
             confidence=confidence,
+            priors=priors,
         )
         for curve in curves
     )

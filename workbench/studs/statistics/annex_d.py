@@ -3,7 +3,7 @@
 A normal quantity with mean m and standard deviation s estimated from n values (V unknown) lies
 below m - k s in a new test with the wanted probability for k = t_(n-1)(p) sqrt(1 + 1/n). This
 reproduces tables D.1 and D.2.
-Source: EN 1990:2002, D.8.2 and D.8.3 (recalled, not read again).
+Source: EN 1990:2002, D.8.2 to D.8.4 (recalled, not read again).
 """
 
 from collections.abc import Callable, Mapping
@@ -129,6 +129,24 @@ def evaluate_d8(
     scatters = (s_delta, v_delta, v_rt, v_r, q, q_rt, q_delta, alpha_rt, alpha_delta)
     star = None if nominal is None else nominal / r_d
     return D8(n, b, *scatters, k_n, k_dn, r_m, r_k, r_d, r_k / r_d, nominal, star)
+
+
+MOST_FEW = 3  # tests of D.8.4
+FEW_DEVIATION = 0.1  # of the mean, for extremes of two or three tests
+
+
+def few_tests_factor(count: int, variation: float) -> float:
+    """eta_k of EN 1990 D.8.4: characteristic value over the mean of one to three further tests.
+
+    Arguments: `count` of tests; `variation`, largest coefficient of variation V_r that a
+    significant number of earlier tests with the same resistance function has shown. Raises
+    `InputError` for other counts.
+    """
+    if not 1 <= count <= MOST_FEW:
+        raise InputError("tests", count, "must be one to three for EN 1990 D.8.4")
+    if count == 1:
+        return 0.9 * exp(-2.31 * variation - 0.5 * variation**2)
+    return exp(-2.0 * variation - 0.5 * variation**2)
 
 
 def _variation(variations: dict[str, float], sensitivities: dict[str, float]) -> float:

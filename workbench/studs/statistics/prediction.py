@@ -1,138 +1,17 @@
-"""What a fitted mixed model says of a new test in a new campaign.
+"""Prediction of what is left out: campaigns predicted from all others, relations weighed by it."""
 
-Given the ratio of variances lambda, a new test is Student-distributed. As few campaigns hardly
-tell lambda, its restricted likelihood is integrated over sqrt(lambda) with the weakly informative
-half-Cauchy density that Gelman 2006 recommends for few groups. Three campaigns are asked for: with
-fewer the assumed density would decide, and no prediction for a new campaign is made.
-Relations are weighed by cross-validation over campaigns, and averaged.
-"""
-
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from workbench.errors import InputError, SolverError
-from workbench.studs.quantities import Array
-from workbench.studs.statistics.mixed import (
-    ROUND_OFF,
-    Estimate,
-    criterion_at,
-    fit,
-    solve_theta,
-)
+from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
+from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, predictive_quantile
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset
 
-LEAST_CAMPAIGNS = 3
-LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
-POINTS = 80
-USUAL_RATIO = 2.0  # scale of the half-Cauchy density of tau over sigma
 DRAWS = 2000  # of the weights of the left-out parts
-
-
-class _Mixture(NamedTuple):
-    """Student distributions (points,) of the parameters with `nu` degrees of freedom."""
-
-    weight: Array
-    theta: Array  # (points, p)
-    ratio: Array  # tau / sigma
-    variance: Array  # sigma^2
-    inverse: Array  # (points, p, p), of the normal matrix
-    nu: int
-
-
-def _mixture(estimate: Estimate) -> _Mixture:
-    """One distribution per ratio tau / sigma, weighing by its restricted likelihood."""
-    given = estimate.problem
-    free = np.flatnonzero(~estimate.at_bound)
-    # fine near zero, where the likelihood changes; its tail falls like a power
-    r = np.concatenate([[0.0], np.geomspace(0.02, LARGEST_RATIO, POINTS)])
-    theta, found = estimate.theta, []
-    for each in r:
-        value, variance, solved = criterion_at(given, float(each) ** 2, theta, free)
-        theta, own = solved.theta, np.flatnonzero(~solved.stuck)
-        inverse = np.zeros((len(free), len(free)))  # a parameter on its bound counts as known there
-        inverse[np.ix_(own, own)] = np.linalg.pinv(solved.normal)
-        found.append((value, theta, variance, inverse))
-    values, thetas, variances, inverses = (np.array(each) for each in zip(*found, strict=True))
-    weight = (
-        np.exp(-0.5 * (values - values.min())) * np.gradient(r) / (1.0 + (r / USUAL_RATIO) ** 2)
-    )
-    nu = given.count - len(free)
-    return _Mixture(weight / weight.sum(), thetas, r, variances, inverses, nu)
-
-
-class Part(NamedTuple):
-    """One of several candidates: its `weight`, its fit, and the new tests as it describes them."""
-
-    weight: float
-    estimate: Estimate
-    held: Problem
-
-
-def _quantile(weight: Array, nu: Array, centre: Array, scale: Array, share: float) -> float:
-    """Value which a `share` of a mixture of Student distributions (points,) lies below."""
-    from scipy.optimize import brentq
-    from scipy.special import stdtr
-
-    def below(y: float) -> float:
-        return float(weight @ stdtr(nu, (y - centre) / scale)) - share
-
-    low = high = float(weight @ centre)
-    width = 10.0 * float(np.max(scale[weight > 1e-12]))
-    while below(low) > 0.0:
-        low -= width
-    while below(high) < 0.0:
-        high += width
-    return float(brentq(below, low, high, xtol=1e-9 * width))
-
-
-def averaged_quantile(parts: Sequence[Part], shares: Sequence[float]) -> Array:
-    """Values (shares, n) that shares of new tests in a new campaign lie below, in the unit of y.
-
-    The distributions of the candidates are averaged with their weights. Raises `InputError` for
-    fewer than three campaigns behind the estimates.
-    """
-    count = parts[0].estimate.problem.campaigns
-    if count < LEAST_CAMPAIGNS:
-        reason = f"must be {LEAST_CAMPAIGNS} or more to say anything of a new campaign"
-        advice = "fewer do not tell how much campaigns differ"
-        raise InputError("campaigns", count, reason, advice)
-    weights, centres, scales, freedoms = [], [], [], []
-    for weight, estimate, held in parts:
-        free = np.flatnonzero(~estimate.at_bound)
-        middle, x = held.predict(estimate.theta), jacobian(held, estimate.theta, free)
-        mixture = _mixture(estimate)
-        spread = np.einsum("nj,kjl,nl->kn", x, mixture.inverse, x)
-        between = 1.0 + mixture.ratio[:, None] ** 2
-        scales.append(np.sqrt(mixture.variance[:, None] * (between + spread)))
-        centres.append(middle + (mixture.theta[:, free] - estimate.theta[free]) @ x.T)
-        weights.append(weight * mixture.weight)
-        freedoms.append(np.full(len(mixture.weight), float(mixture.nu)))
-    centre, scale = np.concatenate(centres), np.concatenate(scales)
-    share_of, nu = np.concatenate(weights), np.concatenate(freedoms)
-    scale = np.maximum(scale, ROUND_OFF * max(1.0, float(np.max(np.abs(centre)))))
-    columns, index = np.unique(np.vstack([centre, scale]), axis=1, return_inverse=True)
-    found = [
-        [
-            _quantile(share_of, nu, column[: len(nu)], column[len(nu) :], share)
-            for column in columns.T
-        ]
-        for share in shares
-    ]
-    return np.array(found)[:, np.ravel(index)]
-
-
-def predictive_quantile(estimate: Estimate, held: Problem, share: float) -> Array:
-    """Value (n,) below which a `share` of new tests in a new campaign lies, in the unit of y.
-
-    Arguments: `held`, a problem whose rows describe the new tests (its y is not used). Raises
-    `InputError` for fewer than three campaigns behind the estimate.
-    """
-    if estimate.is_exact and estimate.problem.campaigns >= LEAST_CAMPAIGNS:
-        return held.predict(estimate.theta)
-    return np.asarray(averaged_quantile([Part(1.0, estimate, held)], [share])[0])
 
 
 @dataclass(frozen=True, slots=True)

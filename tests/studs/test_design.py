@@ -1,0 +1,322 @@
+"""From tests to design values: bands of medians, posteriors, few tests, interaction, decks."""
+
+from __future__ import annotations
+
+import json
+from math import exp, sqrt
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from workbench.cli import run
+from workbench.errors import InputError
+from workbench.studs import fit_residual, fit_strength
+from workbench.studs.few import evaluate_few
+from workbench.studs.interaction_fit import fit_interaction, reach
+from workbench.studs.quantities import specimens
+from workbench.studs.reading import from_frame
+from workbench.studs.schema import TESTS
+from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.statistics.annex_d import few_tests_factor
+from workbench.studs.statistics.mixed import fit
+from workbench.studs.statistics.mixture import mixture_of, posterior_intervals, predictive_quantile
+from workbench.studs.statistics.problem import location
+
+Capture = pytest.CaptureFixture[str]
+
+
+def push_outs(rows: list[dict[str, object]]) -> pd.DataFrame:
+    """A table of push-outs of 19 mm studs; names where none are given."""
+    told = {"campaign": "lab", "test": "push-out", "diameter_mm": 19.0, "height_mm": 100.0,
+            "fcm_MPa": 30.0, "fu_MPa": 470.0}  # fmt: skip
+    named = [{"specimen": f"s{i}", **told, **row} for i, row in enumerate(rows)]
+    return from_frame(pd.DataFrame(named), TESTS)
+
+
+def after_fatigue(
+    sizes: list[int], quantity: str = "shear", seed: int = 4, sigma: float = 0.05
+) -> pd.DataFrame:
+    """Tests of campaigns of some sizes after fatigue, 1 - 0.4 D left."""
+    generator, rows = np.random.default_rng(seed), []
+    columns = {
+        "shear": ("shear_kN", "undamaged_shear_kN"),
+        "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
+    }
+    for j, count in enumerate(sizes):
+        effect = 0.05 * generator.normal()
+        for level in generator.uniform(0.05, 1.0, count):
+            left = 1.0 - 0.4 * level + effect + sigma * generator.normal()
+            damage = {"predamage": "fatigue", "predamage_measure": "life fraction",
+                      "predamage_level": round(level, 4), "shear_kN": 90.0}  # fmt: skip
+            value, whole = columns[quantity]
+            rows.append({"campaign": f"lab {j}", **damage, value: 100.0 * left, whole: 100.0})
+    return push_outs(rows)
+
+
+# -- what is left, for design --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("quantity", ["strength", "stiffness"])
+def test_design_rows_are_those_of_d8_and_lie_in_order(quantity: str) -> None:
+    kind = "shear" if quantity == "strength" else quantity
+    found = fit_residual(after_fatigue([6, 6, 6, 6], kind), quantity)
+    rows = found.design_rows(0.9)
+    assert rows["level"].tolist() == pytest.approx([0.25, 0.5, 0.75, found.levels[1]])
+    for smaller, larger in (
+        ("fractile", "low"), ("low", "median"), ("median", "high"),
+        ("design", "characteristic"), ("characteristic", "median"),
+    ):  # fmt: skip
+        assert (rows[smaller] < rows[larger]).all(), (smaller, larger)
+    # EN 1990 D.8 by hand: no scatter of basic variables
+    left = found.left(found.rows["level"].to_numpy(float))
+    ratio = found.rows["ratio"].to_numpy(float)
+    b = (ratio @ left) / (left @ left)
+    delta = np.log(ratio / (b * left))
+    q2, n = np.log(1.0 + np.exp(np.var(delta, ddof=1)) - 1.0), len(delta)
+    for name, p in (("characteristic", 0.95), ("design", 0.999)):
+        k = stats.t.ppf(p, n - 1) * sqrt(1.0 + 1.0 / n)
+        share = b * exp(-k * sqrt(q2) - 0.5 * q2)
+        assert rows[name].to_numpy() == pytest.approx(share * rows["median"].to_numpy(), rel=1e-4)
+
+
+def test_without_campaigns_there_is_no_band_of_the_median_but_with_a_prior() -> None:
+    table = after_fatigue([7])
+    alone = fit_residual(table)
+    assert alone.design_rows()["low"].isna().all()
+    assert alone.band([0.5]) is None
+    known = fit_residual(table, priors={"tau": (0.05, 0.3)})
+    assert known.design_rows().notna().all(axis=None)
+    wide = fit_residual(table, priors={"tau": (0.15, 0.3)})
+    bands = [found.band([0.5]) for found in (known, wide)]
+    widths = [float(high[0] - low[0]) for low, high in bands if low is not None]
+    assert widths[0] < widths[1]
+    assert any(finding.subject == "prior" for finding in known.findings)
+    with pytest.raises(InputError, match=r"must be one of tau, linear\.c"):
+        fit_residual(table, priors={"c": (0.4, 0.1)})
+
+
+# -- posterior -----------------------------------------------------------------------------------
+
+
+def test_the_posterior_of_a_median_is_that_of_plain_integration() -> None:
+    """Two campaigns of three tests, sigma and tau on a grid of their own."""
+    groups = np.repeat([0, 1], 3)
+    y = np.array([0.02, -0.05, 0.06, 0.21, 0.14, 0.16])
+    estimate = fit(location(y, groups))
+    mixture = mixture_of(estimate, {"tau": (0.1, 0.3)})
+    means = y.reshape(2, 3).mean(axis=1)
+    within = np.sum((y.reshape(2, 3) - means[:, None]) ** 2)
+    sigma, tau = np.meshgrid(np.geomspace(0.005, 1.0, 101), np.geomspace(0.03, 0.35, 101))
+    total = tau**2 + sigma**2 / 3.0
+    rest = np.sum((means - means.mean()) ** 2)
+    log = -4.0 * np.log(sigma) - 0.5 * within / sigma**2 - 0.5 * np.log(total) - 0.5 * rest / total
+    log -= 0.5 * (np.log(tau / 0.1) / 0.3) ** 2
+    weight = np.exp(log - log.max()).ravel()
+    weight /= weight.sum()
+    x = np.linspace(-0.4, 0.6, 301)
+    spread = np.sqrt(0.5 * total.ravel())
+    ends = np.interp([0.05, 0.95], stats.norm.cdf(x[:, None], means.mean(), spread) @ weight, x)
+    found = posterior_intervals(estimate, mixture, 0.9)
+    assert found["median"][:2] == pytest.approx(tuple(ends), abs=2e-3)
+    order = np.argsort(tau.ravel())
+    ends = np.interp([0.05, 0.95], np.cumsum(weight[order]), tau.ravel()[order])
+    assert found["tau"][:2] == pytest.approx(tuple(ends), abs=4e-3)
+
+
+def test_a_prior_of_a_parameter_is_weighed_by_its_precision() -> None:
+    """Many tests of one campaign, next to no campaign scatter: normal prior times likelihood."""
+    y = 0.2 + 0.3 * np.random.default_rng(1).normal(size=400)
+    estimate = fit(location(y, ["a"] * 400))
+    priors = {"tau": (0.002, 0.1), "median": (0.18, 0.01)}
+    interval = posterior_intervals(estimate, mixture_of(estimate, priors), 0.9)["median"]
+    own = 1.0 / (np.var(y, ddof=1) / 400.0 + 0.002**2)
+    mean = (own * y.mean() + 1.8e3) / (own + 1e4)
+    ends = mean + np.array([-1.0, 1.0]) * 1.6449 / np.sqrt(own + 1e4)
+    assert interval[:2] == pytest.approx(tuple(ends), abs=3e-4)
+
+
+def prior_coverage(runs: int, campaigns: int) -> float:
+    """Share of new tests of new campaigns above the 5 % fractile, tau known up to a factor."""
+    generator, below = np.random.default_rng(6), []
+    for _ in range(runs):
+        tau = 0.06 * np.exp(0.5 * generator.normal())
+        groups = np.repeat(np.arange(campaigns), 6)
+        y = tau * generator.normal(size=campaigns)[groups]
+        y = y + 0.08 * generator.normal(size=len(groups))
+        estimate = fit(location(y, groups))
+        q = predictive_quantile(estimate, estimate.problem, 0.05, {"tau": (0.06, 0.5)})[0]
+        below.append(stats.norm.cdf(q / np.hypot(tau, 0.08)))
+    return float(np.mean(below))
+
+
+def test_fractiles_under_a_true_prior_are_not_off() -> None:
+    assert prior_coverage(40, 1) == pytest.approx(0.05, abs=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("campaigns", [1, 2])
+def test_nominal_fractiles_under_a_true_prior(campaigns: int) -> None:
+    assert prior_coverage(1500, campaigns) == pytest.approx(0.05, abs=0.007)
+
+
+def test_strength_takes_priors_where_campaigns_are_few() -> None:
+    rows = [{"shear_kN": load, "campaign": c} for c in "ab" for load in (105.0, 110.0, 112.0)]
+    table = push_outs(rows)
+    assert fit_strength(table).new_campaign_factor is None
+    known = fit_strength(table, priors={"tau": (0.06, 0.5), "bias": (1.0, 0.05)})
+    factor, interval = known.new_campaign_factor, known.posterior["bias"]
+    assert factor is not None
+    assert interval.low is not None
+    assert factor < interval.low < known.bias
+
+
+# -- few tests -----------------------------------------------------------------------------------
+
+
+def test_factors_of_few_tests_are_those_of_table_d3() -> None:
+    printed = {0.05: (0.80, 0.90), 0.11: (0.70, 0.80), 0.17: (0.60, 0.70)}
+    for variation, (one, more) in printed.items():
+        assert few_tests_factor(1, variation) == pytest.approx(one, abs=7e-3)
+        assert few_tests_factor(3, variation) == pytest.approx(more, abs=7e-3)
+    with pytest.raises(InputError, match="one to three"):
+        few_tests_factor(4, 0.1)
+
+
+def test_few_tests_of_a_table() -> None:
+    damage = {"predamage": "pull-out", "predamage_measure": "load ratio", "predamage_level": 0.5,
+              "undamaged_shear_kN": 100.0}  # fmt: skip
+    loads = {"a": (100.0, 110.0), "b": (80.0, 110.0), "c": (1.0, 1.01, 0.99, 1.02)}
+    rows = [{"campaign": c, "shear_kN": 100.0 * x if c == "c" else x}
+            for c, each in loads.items() for x in each]  # fmt: skip
+    rows.append({"campaign": "a", "shear_kN": 80.0, **damage})
+    first, apart, many, left = evaluate_few(push_outs(rows), 0.11)
+    eta = exp(-0.22 - 0.5 * 0.11**2)
+    assert first.characteristic == pytest.approx(eta * 105e3, rel=1e-4)
+    assert apart.characteristic is None
+    assert "within 10 %" in apart.refusal
+    assert "D.8.2" in many.refusal
+    assert (left.kind, left.tests) == ("strength left", 1)
+    assert left.characteristic == pytest.approx(0.8 * 0.9 * exp(-2.31 * 0.11 - 0.5 * 0.11**2))
+
+
+def test_few_tests_on_the_command_line(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "lab.csv"
+    push_outs([{"shear_kN": 100.0}]).to_csv(file, index=False)
+    assert run(["fit", "few-tests", str(file)]) == 2
+    assert "--known-variation" in capsys.readouterr().err
+    assert run(["fit", "few-tests", str(file), "--known-variation", "0.11", "--json"]) == 0
+    (group,) = json.loads(capsys.readouterr().out)["groups"]
+    assert group["characteristic"] == pytest.approx(69.4e3, rel=1e-3)
+
+
+# -- tension with shear --------------------------------------------------------------------------
+
+
+def combined(exponent: float, sigma: float, campaigns: int = 3, seed: int = 5) -> pd.DataFrame:
+    generator, rows = np.random.default_rng(seed), []
+    for j in range(campaigns):
+        name = {"campaign": f"lab {j}"}
+        rows += [{**name, "shear_kN": 100.0}] * 3
+        rows += [{**name, "test": "pull-out", "tension_kN": 80.0}] * 3
+        for angle in (0.25, 0.6, 0.9, 1.3):
+            r = float(reach(np.array(angle), exponent)) * exp(sigma * generator.normal())
+            loads = {"shear_kN": 100.0 * r * np.sin(angle), "tension_kN": 80.0 * r * np.cos(angle)}
+            rows.append({**name, "test": "combined", **loads})
+    return push_outs(rows)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 5.0 / 3.0, 4.0])
+def test_the_exponent_is_found_again(exponent: float) -> None:
+    found = fit_interaction(combined(exponent, 0.0))
+    assert found.exponent == pytest.approx(exponent, rel=1e-4)
+    own = {1.0: "linear", 5.0 / 3.0: "five-thirds"}.get(exponent)
+    medians = {name: judged.bias for name, judged in found.laws}
+    if own:
+        assert medians[own] == pytest.approx(1.0, abs=1e-3)
+    noisy = fit_interaction(combined(exponent, 0.04))
+    interval = noisy.fitted.parameters["exponent"].profile
+    assert interval.low is not None
+    assert interval.high is not None
+    assert interval.low < exponent < interval.high
+    scipy_free = noisy.rows["shear"] ** noisy.exponent + noisy.rows["tension"] ** noisy.exponent
+    assert np.log(scipy_free).mean() == pytest.approx(0.0, abs=0.05)
+
+
+def test_interaction_on_the_command_line(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "lab.csv"
+    combined(1.8, 0.04).to_csv(file, index=False)
+    assert run(["fit", "interaction", str(file), "--validate", "lab 2"]) == 0
+    text = capsys.readouterr().out
+    assert "8 combined tests of lab 0, lab 1: fitted to combined tests of two campaigns" in text
+    assert "five-thirds" in text
+    assert "Unseen tests" in text
+    assert run(["fit", "interaction"]) == 2
+    error = capsys.readouterr().err
+    assert "combined tests of tension and shear: two or more are needed" in error
+
+
+def test_companions_stand_in_like_concrete() -> None:
+    table = combined(1.8, 0.0, 1)
+    table.loc[table["test"] == "combined", "fcm_MPa"] = 45.0
+    with pytest.raises(InputError, match="0 usable"):
+        fit_interaction(table)
+
+
+# -- profiled decks ------------------------------------------------------------------------------
+
+
+def in_deck(**changes: object) -> pd.DataFrame:
+    deck = {"slab": "deck transverse", "deck_depth_mm": 55.0, "deck_width_mm": 110.0,
+            "deck_thickness_mm": 1.2, "studs_per_rib": 1.0, "shear_kN": 80.0}  # fmt: skip
+    return push_outs([{**deck, **changes}])
+
+
+@pytest.mark.parametrize(
+    ("changes", "k", "steel"),
+    [
+        ({}, 1.0, 0.8),  # 0.7 x 2 x (100 / 55 - 1) = 1.15, limit 1.0; AISC 1.0 x 0.6 / 0.75
+        ({"deck_thickness_mm": 0.9}, 0.85, 0.8),
+        ({"studs_per_rib": 2.0, "deck_width_mm": 90.0}, 0.7 / sqrt(2) * 90 / 55 * (45 / 55), 0.68),
+        ({"deck_fixing": "holes"}, 0.75, 0.8),
+        ({"deck_stud_position_mm": 60.0}, 1.0, 1.0),
+        ({"slab": "deck parallel", "deck_width_mm": 60.0}, 0.6 * 60 / 55 * (100 / 55 - 1), 0.85),
+        ({"studs_per_rib": 3.0}, None, 0.7 * 0.8),
+        ({"deck_width_mm": 50.0}, None, 0.8),
+        ({"deck_depth_mm": 90.0, "deck_width_mm": 150.0}, None, 0.8),
+        ({"deck_depth_mm": np.nan}, None, None),
+    ],
+)
+def test_reductions_of_decks(
+    changes: dict[str, object], k: float | None, steel: float | None
+) -> None:
+    tests = specimens(in_deck(**changes))
+    area, concrete = 0.25 * np.pi * 0.019**2, sqrt(30e6 * 4733e6 * sqrt(30.0))
+    terms = np.array([0.8 * area * 470e6, 0.29 * 0.019**2 * concrete])
+    expected = np.nan if k is None else k * terms.min()
+    found = SHEAR_MODELS["en1994"].of(tests)[0]
+    assert found == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    expected = np.nan if steel is None else min(steel * 0.75 * area * 470e6, 0.5 * area * concrete)
+    assert SHEAR_MODELS["aisc360"].of(tests)[0] == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    assert np.isnan(SHEAR_MODELS["ollgaard"].of(tests)[0])  # no rule for decks
+
+
+def test_decks_are_fitted_apart_from_solid_slabs(tmp_path: Path, capsys: Capture) -> None:
+    decks = [in_deck(specimen=f"d{i}", shear_kN=70.0 + 3.0 * i) for i in range(4)]
+    solid = push_outs([{"specimen": f"p{i}", "shear_kN": 110.0 + i} for i in range(4)])
+    table = pd.concat([*decks, solid], ignore_index=True)
+    fit_, apart = (fit_strength(table, "en1994", slab=slab) for slab in ("deck", "solid"))
+    assert set(fit_.rows["specimen"]) == {"d0", "d1", "d2", "d3"}
+    assert set(apart.rows["specimen"]) == {"p0", "p1", "p2", "p3"}
+    tests = specimens(pd.concat(decks))
+    assert fit_.d8.r_m == pytest.approx(float(np.mean(SHEAR_MODELS["en1994"].of(tests))), rel=1e-6)
+    file = tmp_path / "lab.csv"
+    pd.concat(decks).to_csv(file, index=False)
+    assert run(["fit", "stud-strength", str(file)]) == 2
+    assert "--slab deck" in capsys.readouterr().err
+    arguments = ["--slab", "deck", "--model", "en1994", "--factor", "concrete"]
+    assert run(["fit", "stud-strength", str(file), *arguments]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "not told, so assumed: deck_fixing of 4 tests: welded through" in text

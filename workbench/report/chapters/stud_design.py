@@ -1,0 +1,110 @@
+"""Tables from fit to design: fractiles of shares left, posteriors, few tests, interaction."""
+
+from collections.abc import Iterable, Iterator
+
+from workbench.content.formatting import number, percent, share, valued
+from workbench.content.tree import Block, Cell, Column, Table
+from workbench.report.chapters.stud_tables import KILO, Content, span
+
+_KINDS = {"shear": "shear (kN)"}
+_NONE = Cell("none: fewer than three campaigns, and no prior of tau", tone="doubt")
+
+
+def residual_design(contents: Iterable[Content]) -> Iterator[Block]:
+    """What a designer takes of the shares that are left, in the tested range."""
+    rows = [
+        {"what": content["fit"]["quantity"], **row}
+        for content in contents
+        for row in content["design"]
+    ]
+
+    def bounds(row: Content) -> Cell:
+        if row["low"] is None:
+            return _NONE
+        return Cell(f"{number(row['low'], 3)} to {number(row['high'], 3)}")
+
+    columns = (
+        Column("left of", of="what"),
+        Column("damage", True, 0.7, lambda r: valued(r["level"], 3)),
+        Column("median", True, 0.7, lambda r: valued(r["median"], 3)),
+        Column("its interval", True, 1.3, bounds),
+        Column("5 % of new tests", True, 1.0, lambda r: valued(r["fractile"], 3)),
+        Column("characteristic", True, 1.0, lambda r: valued(r["characteristic"], 3)),
+        Column("design", True, 0.8, lambda r: valued(r["design"], 3)),
+    )
+    caption = (
+        "From damage to design: median share that is left with what is known of it, the share that "
+        "5 % of new tests in new campaigns fall below, and characteristic and design value by EN "
+        "1990 D.8 [@en1990], which takes all tests as independent and is unsafe where campaigns "
+        "differ: the smaller of fractile and characteristic value counts."
+    )
+    if rows:
+        yield Table.of("residual-design", caption, columns, rows)
+
+
+def posterior(contents: Iterable[Content], key: str) -> Iterator[Block]:
+    """Parameters under priors; `key`, what names a content in its fit."""
+    rows = [
+        {"of": content["fit"][key], "name": name, "interval": interval}
+        for content in contents
+        for name, interval in content["posterior"].items()
+    ]
+    columns = (
+        Column("of", of="of"),
+        Column("parameter", of="name"),
+        Column("interval", True, of=lambda r: span(r["interval"])),
+    )
+    if rows:
+        yield Table.of("posterior", "What tests and priors tell together:", columns, rows)
+
+
+def few(groups: Iterable[Content]) -> Iterator[Block]:
+    """EN 1990 D.8.4 on every group of one to three tests."""
+
+    def value(name: str, digits: int = 4) -> Column:
+        def cell(row: Content) -> Cell:
+            return valued(row[name], digits, factor=KILO if row["kind"] == "shear" else 1.0)
+
+        return Column(name, True, 1.0, cell)
+
+    columns = (
+        Column("tests", width=3.2, of="name"),
+        Column(
+            "value", width=1.2, of=lambda r: "shear (kN)" if r["kind"] == "shear" else r["kind"]
+        ),
+        Column("number", True, 0.7, "tests"),
+        value("mean"),
+        Column("farthest", True, 0.8, lambda r: share(r["deviation"])),
+        Column("η_k", True, 0.7, lambda r: valued(r["factor"], 3)),
+        value("characteristic"),
+        Column("why none", width=2.4, of="refusal"),
+    )
+    caption = (
+        "EN 1990 D.8.4 [@en1990]: characteristic value of one to three nominally equal tests, for "
+        "a scatter that earlier tests with the same resistance have shown."
+    )
+    yield Table.of("few-tests", caption, columns, list(groups))
+
+
+def interaction(content: Content) -> Iterator[Block]:
+    """The fitted exponent, and known laws on the same tests."""
+    fit = content["fit"]
+    own = {"name": "t^p + v^p = 1, fitted", "exponent": fit["exponent"]}
+    columns = (
+        Column("law", width=2.2, of="name"),
+        Column("p", True, 0.7, lambda r: valued(r["exponent"]["value"], 3)),
+        Column("interval", True, 1.2, lambda r: span(r["exponent"]["profile"])),
+        Column("within", True, 0.8, lambda r: percent(fit["sigma"]["value"], signed=False)),
+        Column("between", True, 0.8, lambda r: percent(fit["tau"]["value"], signed=False)),
+    )
+    caption = "Tension t with shear v, each over its resistance alone:"
+    yield Table.of("interaction", caption, columns, [own])
+    columns = (
+        Column("law", width=1.6, of="law"),
+        Column("median", True, of=lambda r: valued(r["test_over_prediction"], 3)),
+        Column("interval", True, 1.2, lambda r: span(r["interval"])),
+        Column("least", True, of=lambda r: valued(r["least_test_over_prediction"], 3)),
+        Column("which", width=1.6, of="worst"),
+    )
+    caption = "Laws of the codes on the same tests, test over law (below 1: unsafe):"
+    yield Table.of("interaction-laws", caption, columns, fit["laws"])

@@ -1,0 +1,93 @@
+"""What is to be said of the tests behind a fit of strength, and of their measurement."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from workbench.responses import Finding
+from workbench.studs.deck import assumed, profiled
+from workbench.studs.quantities import Specimens
+from workbench.studs.shear import ShearModel
+from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
+from workbench.studs.statistics.problem import Problem
+
+ABOVE_STEEL = 1.0
+FEW_CAMPAIGNS = 5
+
+
+def measurement_of(kept: pd.DataFrame) -> float | None:
+    """Root mean square of the relative uncertainty of the loads, if all rows report it."""
+    relative = kept["shear_uncertainty_kN"].to_numpy(float) / kept["shear_kN"].to_numpy(float)
+    return float(np.sqrt(np.mean(relative**2))) if np.all(np.isfinite(relative)) else None
+
+
+def _stiffer(tests: Specimens) -> str:
+    """By how much the modulus of EN 1992-1-1 exceeds the computed one, in words."""
+    own = ~tests.modulus_measured
+    european = 22e9 * (tests.concrete_strength[own] / 10e6) ** 0.3
+    more = 100.0 * (european / tests.concrete_modulus[own] - 1.0)
+    low, high = float(np.min(more)), float(np.max(more))
+    return f"{low:.0f} %" if high - low < 1.0 else f"{low:.0f} to {high:.0f} %"
+
+
+def strength_findings(
+    kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Problem
+) -> Iterator[Finding]:
+    """What a fit to tests warns of."""
+    yield from model.findings(tests)
+    above = int(np.sum(tests.shear / (tests.area * tests.ultimate_strength) > ABOVE_STEEL))
+    if above:
+        yield Finding(
+            "shank",
+            f"{above} of {len(tests)} tests exceed the tensile strength of their shank: part of "
+            "their load was carried otherwise (bond, friction, weld collar), and a formula "
+            "calibrated on them alone would be unsafe",
+        )
+    yield from _campaign_findings(given)
+    if given.count < LEAST_FOR_DESIGN:
+        yield Finding(
+            "tests",
+            f"{given.count} tests: EN 1990 has no factor of the design value for fewer than "
+            f"{LEAST_FOR_DESIGN} with unknown scatter",
+        )
+    if measurement_of(kept) is None:
+        text = "the uncertainty of the measured loads is not reported: it stays in sigma"
+        yield Finding("measurement", text)
+    computed = int(np.sum(~tests.modulus_measured))
+    if computed:
+        yield Finding(
+            "modulus",
+            f"the modulus of concrete is computed as 4733 sqrt(fc) MPa (ACI 318), not measured, in "
+            f"{computed} tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is {_stiffer(tests)} more and "
+            "would raise predictions that the concrete governs: give Ecm_MPa to use another",
+        )
+
+
+def deck_findings(kept: pd.DataFrame) -> Iterator[Finding]:
+    """What is assumed of profiled decks that the table does not tell."""
+    in_deck = kept[profiled(kept)]
+    if text := assumed(in_deck):
+        yield Finding("stud", f"decks: not told, so assumed: {text}")
+
+
+def left_without_value(count: int, total: int, model: ShearModel) -> Iterator[Finding]:
+    """That tests were left out, without a value of the formula."""
+    if count:
+        why = "missing values, or a stud or a deck outside its rules"
+        text = f"{count} of {total} tests left out: {model.title} has no value for them ({why})"
+        yield Finding("range", text)
+
+
+def _campaign_findings(given: Problem) -> Iterator[Finding]:
+    if given.count == given.campaigns > 1:
+        why = "one test per campaign: the scatter within and between campaigns cannot be told apart"
+        yield Finding("campaigns", why)
+    few = f"{given.campaigns} campaigns: the scatter between campaigns is hardly known"
+    texts = {
+        1: "one campaign: nothing can be said about the scatter between campaigns",
+        2: "two campaigns: nothing tells how much campaigns differ; the interval of the bias is "
+        "too narrow and without a prior of tau there is no value for a new campaign",
+    }
+    if given.campaigns < FEW_CAMPAIGNS:
+        yield Finding("campaigns", texts.get(given.campaigns, few))
