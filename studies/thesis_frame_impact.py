@@ -170,6 +170,10 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
+    quantities=(
+        *("peak_displacement", "time_of_peak", "residual_displacement", "largest_drift"),
+        *("largest_plastic_rotation", "largest_compression", "largest_tension"),
+    ),
     groups={"column of a frame, 50 m/s": (CASE,)},
     gates=gates,
     figures=figures,

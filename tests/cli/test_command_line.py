@@ -218,6 +218,8 @@ KEYS = {
         "shear_utilisation",
     ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
+    *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
+    *("places", "hinges", "drift", "struck"),
 }
 
 
@@ -234,6 +236,9 @@ def test_simulate_prints_one_object(
     assert found["energies"]["input_energy"] == 75e3
     assert found["energies"]["relative_balance_error"] < 1e-6
     assert found["shear_utilisation"]["below"] > 1.0
+    assert found["largest_drift"] is None
+    low, high = found["hinges"]["base"]["plastic_rotation"]
+    assert found["largest_plastic_rotation"] >= max(-low, high) > 0.0
     assert "shear" in [finding["subject"] for finding in found["warnings"]]
     assert found["provenance"]["options"]["beta"] == 1.3
     assert "velocity = 10" in found["provenance"]["scenario"]

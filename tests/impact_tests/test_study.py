@@ -103,8 +103,11 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert not re.findall(r'class="[^"]*\b(good|doubt|bad)\b[^"]*"[^>]*>[^<]*peak', page)
     assert "No model is validated or refuted by them" in page
     assert "Footnote: no measured impact on a steel member" in page
-    linked = (found.directory / "report" / "explorer.html").read_text(encoding="utf-8")
-    assert f"<h1>{MARK}Impacts" in linked
+    beside = (found.directory / "report" / "explorer.html").read_text(encoding="utf-8")
+    assert f"<h1>{MARK}Impacts" in beside
+    assert "No model is validated or refuted by them" in beside
+    assert not re.findall(r'<td class="[^"]*\b(good|doubt|bad)\b', beside)
+    assert set(re.findall(r'"tone":"(\w*)"', beside)) == {""}
     front = summary(found.directory, study, empty / "git").read_text(encoding="utf-8")
     assert front.startswith(f"# {MARK}")
     assert "no model is judged" in front

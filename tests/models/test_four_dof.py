@@ -328,3 +328,16 @@ def test_steps_that_no_memory_holds_are_refused_with_what_to_do(
     assert finding.subject == "steps"
     assert finding.number > 1e6
     assert "column.head_mass" in finding.remedy
+
+
+@pytest.mark.parametrize("model", [FourDof(), FourDofShear(), RigidSuperelement()])
+def test_a_touch_under_dead_load_is_answered(thesis_impact: ColumnImpact, model: FourDof) -> None:
+    column = replace(thesis_impact.column, axial_load=2e6)
+    slow, slower = (
+        model.simulate(replace(thesis_impact.at_velocity(v), column=column, duration=0.02))
+        for v in (1e-2, 1e-5)
+    )
+    # measured 6.4e-6, and 3e-10 of the frame
+    assert 1e3 * float(slower["peak_displacement"]) == pytest.approx(
+        float(slow["peak_displacement"]), rel=1.5e-5
+    )

@@ -104,6 +104,22 @@ def test_rigid_bars_are_exact_in_sway() -> None:
         assert found == pytest.approx(expected, rel=tolerance)  # measured 1.25e-3
 
 
+def test_storeys_drift_as_a_whole_and_hinges_tell_their_extremes() -> None:
+    """Both parts of a split column have the drift of its storey; the beam has none."""
+    frame = portal().split("A0-A1", 1.5, "mid")
+    push = FrameStatic("sway", frame, (Load("A1", x=1e5),), "A1", "x", (0.4, 0.1))
+    response = answered(RigidSuperelement().simulate(push))
+    drift = response["drift"].to_series()
+    assert set(drift.index) == {"A0-A1/1", "A0-A1/2", "B0-B1"}
+    assert drift["A0-A1/1"] == drift["A0-A1/2"] == pytest.approx(0.1, rel=1e-9)
+    assert drift["B0-B1"] == pytest.approx(0.1, rel=0.02)
+    assert float(response["largest_drift"]) == drift.max()
+    turned = np.abs(response["plastic_rotation"].values)
+    assert float(response["largest_plastic_rotation"]) == turned.max() > 0.05
+    assert float(response["largest_tension"]) == response["axial_force"].values.max()
+    assert float(response["largest_compression"]) == -response["axial_force"].values.min()
+
+
 @pytest.mark.parametrize("joint", [0.0, 1e5, 1e6, 1e7, None])
 def test_semi_rigid_joints(joint) -> None:
     """Portal with a beam on springs: k = 12 i / h^2 (1 + 6 r) / (2 + 3 r) and r by the springs."""

@@ -12,6 +12,7 @@ from workbench.content.terminal import render_text
 from workbench.content.tree import Bullets, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
+from workbench.report.chapters.results import numbers
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -100,6 +101,25 @@ def test_a_map_holds_every_case_against_the_reference_that_counts(ranked: Stored
     assert held == {"10": "web", "20": "reference"}
     written = {text.get_text() for panel in drawing.canvas.axes for text in panel.texts}
     assert written == {"\u221250", "+1"}  # in whole percent, in the fields
+
+
+def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored) -> None:
+    case = small.study.cases[0].name
+    width = small.number(case, "reference", "peak_displacement_uncertainty")
+    assert width == pytest.approx(small.ladder(case, "peak_displacement")["uncertainty"])
+    assert small.number(case, "four-dof", "peak_displacement_uncertainty") is None  # no mesh
+    table = next(
+        b for b in numbers(small.study, small).blocks if b.key.endswith("peak_displacement")
+    )
+    by_label = {row[0].text: row[1].text for row in table.rows}
+    assert re.fullmatch(r"[\d.]+ ± [\d.]+", by_label["reference"])
+    assert re.fullmatch(r"[\d.]+\s[+\u2212][\d.]+ ± [\d.]+\u2009%", by_label["four-dof"])
+    # of several references the one that counts in a case
+    table = next(b for b in numbers(ranked.study, ranked).blocks if isinstance(b, Table))
+    assert "reference that counts" in table.caption
+    row = next(row for row in table.rows if row[0].text == "HEB 160, 0.5 L, 20 mps")
+    assert "\u2009%" in row[1].text  # close, against the reference
+    assert "\u2009%" not in row[-1].text
 
 
 def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:

@@ -335,6 +335,7 @@ def test_boxes_show_and_hide_models(seen):
 def test_outcomes_and_warnings_stand_in_words(seen):
     rows = {row[0]: row for row in seen["rows"]}
     assert "collapse at 0.02 s and 0.5 m" in rows["falls"][1]
+    assert rows["falls"][1].endswith("; reference survives")
     assert rows["refuses"][1].startswith("refused: ")
     assert "residual 0.00032" in rows["breaks"][1]
     assert rows["reference"][3] == "the reference"

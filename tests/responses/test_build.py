@@ -16,6 +16,7 @@ from workbench.responses import (
     outcome_of,
     peak_contact_force,
     peak_of,
+    places_of,
     set_findings,
     warnings_of,
 )
@@ -104,6 +105,35 @@ def test_snapshots_of_a_frame_have_their_coordinates() -> None:
     )
     with pytest.raises(ValueError, match="snapshot"):
         build_response({"snapshot_at": [0.0, 1.0], "utilisation": np.zeros((1, 3))}, hinges=["a"])
+
+
+def test_states_of_hinges_and_storeys_imply_their_extremes_and_places() -> None:
+    response = build_response(
+        {
+            "axial_force": [[-2e5, 1e4, 0.0], [-1e5, -5e5, 3e4]],
+            "plastic_rotation": [[0.0, 0.01, 0.01], [0.0, -0.02, -0.03]],
+            "drift": [0.01, 0.004],
+        },
+        time=[0.0, 0.1, 0.2],
+        hinges=["foot", "top"],
+        uprights=["left", "right"],
+    )
+    check_response(response)
+    found = {name: float(response[name]) for name in response.data_vars if "largest" in str(name)}
+    assert found == {
+        "largest_drift": 0.01,
+        "largest_plastic_rotation": 0.03,
+        "largest_compression": 5e5,
+        "largest_tension": 3e4,
+    }
+    assert places_of(response) == {
+        "largest_drift": "left",
+        "largest_plastic_rotation": "top",
+        "largest_compression": "top",
+        "largest_tension": "top",
+    }
+    elastic = build_response({"plastic_rotation": [[0.0, 0.0]]}, steps=2, hinges=["foot"])
+    assert places_of(elastic) == {}
 
 
 @pytest.mark.parametrize("outcome", list(Outcome))

@@ -27,6 +27,7 @@ Options = Annotated[
     list[str] | None,
     typer.Option("--option", metavar="KEY=VALUE", help="Set an option of the model."),
 ]
+_SEGMENTS = 4  # the most sheared ones, which the text names
 
 
 @verb
@@ -66,7 +67,7 @@ def simulate(
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
-    from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of
+    from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of, places_of
     from workbench.responses.variables import STUD_TESTS
 
     def last(name: str) -> float | None:
@@ -87,6 +88,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "message": response.attrs["message"],
         "collapse": held("collapse"),
         **{name: last(name) for name in structural},
+        "places": places_of(response),
+        **_parts(response, scenario),
         "numerical_uncertainty": held("numerical_uncertainty"),
         "refinement": held("refinement"),
         "energies": {
@@ -113,6 +116,27 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         for name in ("displacement", "force"):
             result[name] = response[name].values.tolist() if name in response else None
     return result
+
+
+def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
+    """What hinges and storeys have gone through, and which members are struck."""
+    from workbench.scenarios import FrameImpact
+
+    hinges: dict[str, dict[str, Any]] = {}
+    for name in ("axial_force", "moment", "plastic_rotation"):
+        for table in [response[name]] if name in response else []:
+            for hinge, row in zip(table["hinge"].values, table.values + 0.0, strict=True):
+                hinges.setdefault(str(hinge), {})[name] = [float(row.min()), float(row.max())]
+    drift = dict(response["drift"].to_series()) if "drift" in response else {}
+    struck: list[str] = []
+    if isinstance(scenario, FrameImpact):
+        members, node = scenario.frame.members, scenario.striker.node
+        struck = [member.name for member in members if node in (member.start, member.end)]
+    return {
+        "hinges": hinges or None,
+        "drift": {str(upright): float(value) for upright, value in drift.items()} or None,
+        "struck": struck,
+    }
 
 
 def _blocks(name: str, found: dict[str, Any], target: Path | None) -> Iterator[Block]:
@@ -144,7 +168,9 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for name in SCALARS:
         value = energies.get(name, found.get(name))
         if value is not None:
-            yield VARIABLES[name].long_name, in_unit(value, name, width=widths.get(name, 0.0))
+            place = f" ({found['places'][name]})" if name in found["places"] else ""
+            text = in_unit(value, name, width=widths.get(name, 0.0))
+            yield VARIABLES[name].long_name.split(":")[0], f"{text}{place}"
     for name in ENERGIES:
         if energies[name] is not None:
             title = VARIABLES[name].long_name.removesuffix(" so far")
@@ -159,8 +185,21 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
                 quantity, value = point.split(" at ")[0], ladder["values"]["h"]
                 yield point, in_unit(value, quantity, width=widths[point])
         yield "points of the curve", str(len(found["force"]))
-    for segment, value in (found["shear_utilisation"] or {}).items():
+    for member in found["struck"]:
+        forces = [
+            told["axial_force"]
+            for hinge, told in (found["hinges"] or {}).items()
+            if hinge.rpartition(":")[0] == member and "axial_force" in told
+        ]
+        if forces:
+            low, high = min(low for low, _ in forces), max(high for _, high in forces)
+            ends = (in_unit(force, "axial_force", 3) for force in (low, high))
+            yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
+    shear = sorted((found["shear_utilisation"] or {}).items(), key=lambda pair: -pair[1])
+    for segment, value in shear[:_SEGMENTS]:
         yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
+    if len(shear) > _SEGMENTS:
+        yield f"largest V/V_pl, {len(shear) - _SEGMENTS} others", f"up to {shear[_SEGMENTS][1]:.3g}"
     yield "wall time", duration(found["wall_time"])
 
 

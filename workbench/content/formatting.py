@@ -85,8 +85,15 @@ def percent(value: float | None, *, signed: bool = True, rough: bool = False) ->
     return f"{text.replace('-', MINUS)}{THIN}%"
 
 
-def in_unit(value: float | None, quantity: str, digits: int = 4, width: float | None = 0.0) -> str:
-    """A value of a quantity in its display unit, with the unit.
+def in_unit(
+    value: float | None,
+    quantity: str,
+    digits: int = 4,
+    width: float | None = 0.0,
+    *,
+    named: bool = True,
+) -> str:
+    """A value of a quantity in its display unit, with the unit where that is `named`.
 
     `width` is the half-width of its uncertainty (zero: none is shown, None: unknown).
     """
@@ -96,7 +103,7 @@ def in_unit(value: float | None, quantity: str, digits: int = 4, width: float | 
     text = number(value * unit.factor, digits)
     if width != 0.0:
         text += f" {PLUS_MINUS} {'unknown' if width is None else number(width * unit.factor, 2)}"
-    return f"{text}{NO_BREAK}{unit.text}" if unit.text else text
+    return f"{text}{NO_BREAK}{unit.text}" if named and unit.text else text
 
 
 def metric_title(metric: str) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.chains import chains, named
-from workbench.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure, upright_names
 
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
@@ -40,6 +40,8 @@ class CollapseWatch:
         for row, names in zip(chained, self._chains, strict=True):
             row[[place[name] for name in names]] = 1.0
         self._chained = chained / (chained @ self._lengths)[:, None]
+        lines = ((self._chained * self._lengths) @ self._across)[chained.argmax(axis=0)]
+        self._drifting = lines[[place[name] for name in upright_names(frame)]]
 
     def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
@@ -77,6 +79,13 @@ class CollapseWatch:
                 f"{100.0 * COLLAPSE_CONTRACTION:g} %"
             )
             raise fallen(Mechanism.SQUASH, self._chains[worst], reason)
+
+    def drifts(self, moved: Array) -> Array:
+        """Drift of the straight line of members that each upright one belongs to (uprights,).
+
+        Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
+        """
+        return np.asarray(np.abs(self._drifting @ moved))
 
     def sideways(self, *, now: bool = False) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member.

@@ -36,6 +36,7 @@ class Record:
             name: [] for name in ("axial_force", "moment", "plastic_rotation")
         }
         self._shear = np.zeros(len(structure.frame.members))
+        self._drift = self.watch.drifts(self._moved)
         self.shear_strain: Array | None = None
         self._snapshots = Snapshots(structure, end)
         self._see(0.0, False)
@@ -76,6 +77,7 @@ class Record:
         self._tables["moment"].append(members.moments())
         self._tables["plastic_rotation"].append(members.plastic_rotations())
         self._shear = np.maximum(self._shear, members.shear_forces())
+        self._drift = np.maximum(self._drift, self.watch.drifts(self._moved))
         strains = members.shear_strains()
         if strains is not None:
             self.shear_strain = np.maximum(
@@ -106,6 +108,7 @@ class Record:
             **self.columns(*self.structure.watched),
             **tables,
             "shear_utilisation": self.shear_utilisation(),
+            "drift": self._drift if len(self._drift) else None,
             **self._snapshots.values(),
         }
 

@@ -11,7 +11,7 @@ from workbench.errors import SolverError
 from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
-from workbench.frames.structure import FrameStructure, hinge_names, member_names
+from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
 from workbench.structures.paths import PathStep
@@ -140,6 +140,7 @@ def _response(
         hinges=hinge_names(frame),
         segments=member_names(frame),
         members=member_names(frame),
+        uprights=upright_names(frame),
         warnings=_shear_reached(record) + warnings,
     )
     response.attrs.update(record.diagnostics(), **numbers)

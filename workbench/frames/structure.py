@@ -17,6 +17,7 @@ from workbench.structures.assembly import COMPONENTS, PlanarAssembly
 from workbench.structures.elements import ElementGroup, MemberElements
 from workbench.structures.paths import apply_loads
 
+UPRIGHT = 1e-3  # run over rise of a member that counts as upright
 POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is drawn
 
 
@@ -115,6 +116,14 @@ def hinge_names(frame: Frame) -> list[str]:
 def member_names(frame: Frame) -> list[str]:
     """Names of the members in their order."""
     return [member.name for member in frame.members]
+
+
+def upright_names(frame: Frame) -> list[str]:
+    """Names of the members that stand upright, in their order."""
+    ends = ((m.name, frame.node(m.start), frame.node(m.end)) for m in frame.members)
+    return [
+        name for name, start, end in ends if abs(end.x - start.x) < UPRIGHT * abs(end.y - start.y)
+    ]
 
 
 def nodal_loads(frame: Frame, loads: Sequence[Load]) -> Array:

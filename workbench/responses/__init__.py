@@ -10,10 +10,12 @@ from workbench.responses.build import failed_response as failed_response
 from workbench.responses.build import findings_of as findings_of
 from workbench.responses.build import is_synthetic as is_synthetic
 from workbench.responses.build import outcome_of as outcome_of
+from workbench.responses.build import places_of as places_of
 from workbench.responses.build import scalars_of as scalars_of
 from workbench.responses.build import set_findings as set_findings
 from workbench.responses.build import survives as survives
 from workbench.responses.build import warnings_of as warnings_of
+from workbench.responses.histories import open_share as open_share
 from workbench.responses.histories import peak_contact_force as peak_contact_force
 from workbench.responses.histories import peak_of as peak_of
 from workbench.responses.outcome import Finding as Finding

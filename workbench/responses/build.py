@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from xarray.indexes import PandasIndex
 
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.histories import NO_PEAK, implied
+from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
@@ -25,22 +25,24 @@ def build_response(
     hinges: Sequence[str] = (),
     segments: Sequence[str] = (),
     members: Sequence[str] = (),
+    uprights: Sequence[str] = (),
     warnings: Sequence[Finding] = (),
 ) -> Response:
     """Make a response from plain arrays, with dimensions, units and names from the table.
 
     Arguments: `values`, variable name to array in the order of its dimensions (entries that
     are None are left out: a quantity that a model cannot know is absent); `time` in s for
-    histories in time, or `steps`, the number of load steps; names of `hinges`, `segments` and
-    `members`; `warnings` met while solving. What the histories imply (see `histories.implied`)
-    is added; where a model gives it itself, also as None, that counts. Points along members are
-    evenly spaced, snapshots numbered. Raises KeyError for a variable that is not in the table.
+    histories in time, or `steps`, the number of load steps; names of `hinges`, `segments`,
+    `members` and `uprights` among them; `warnings` met while solving. What the histories imply
+    (see `histories.implied`) is added; where a model gives it itself, also as None, that counts.
+    Points along members are evenly spaced, snapshots numbered. Raises KeyError for a variable that
+    is not in the table.
     """
     instants = None if time is None else np.asarray(time, dtype=float)
     derived, findings = implied(values, instants)
     values = {**derived, **values}
     history = "time" if time is not None else "step"
-    named = {"hinge": hinges, "segment": segments, "member": members}
+    named = {"hinge": hinges, "segment": segments, "member": members, "upright": uprights}
     along: dict[str, Any] = {name: list(names) for name, names in named.items() if len(names)}
     if instants is not None:
         along["time"] = instants
@@ -167,9 +169,20 @@ def scalars_of(response: Response) -> dict[str, float]:
     return {name: float(response[name]) for name in SCALARS if name in response}
 
 
+def places_of(response: Response) -> dict[str, str]:
+    """The hinge or member of each extreme of a response that is not zero."""
+    found = {}
+    for name, (of, counted) in EXTREMES.items():
+        if name in response and of in response and float(response[name]) > 0.0:
+            parts = counted(response[of].values).reshape(response[of].shape[0], -1).max(axis=1)
+            found[name] = str(response[response[of].dims[0]].values[int(np.argmax(parts))])
+    return found
+
+
 def energy_error(response: Response) -> float | None:
-    """Largest error of the energy ledger over the input energy, None where there is neither."""
+    """Largest error of the energy ledger, see `open_share`; None where there is none."""
     if not {"balance_error", "input_energy"} <= set(response.data_vars):
         return None
+    stored = float(response["elastic"].values[0]) if "elastic" in response else 0.0
     given = float(response["input_energy"])
-    return float(np.abs(response["balance_error"].values).max()) / given if given else None
+    return open_share(response["balance_error"].values, given, stored) if given else None

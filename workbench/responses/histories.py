@@ -13,6 +13,14 @@ from workbench.arrays import Array
 from workbench.responses.outcome import Finding
 
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
+_ROUNDED = 1e-4  # of the energy stored before an impact
+# extremes over all parts of a structure: of which variable, and what of it counts
+EXTREMES = {
+    "largest_drift": ("drift", np.abs),
+    "largest_plastic_rotation": ("plastic_rotation", np.abs),
+    "largest_compression": ("axial_force", np.negative),
+    "largest_tension": ("axial_force", np.positive),
+}
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
 
@@ -42,7 +50,16 @@ def implied(
         found["impulse"] = given["percussion"].sum()
         found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
     balance = balance_error(given, static=time is None)
-    return {**found, "balance_error": balance}, findings
+    return {**found, **extremes(given), "balance_error": balance}, findings
+
+
+def extremes(values: Mapping[str, Array]) -> dict[str, float]:
+    """Largest drift, plastic rotation (rad), compression and tension (N) of all parts."""
+    return {
+        name: float(np.max(counted(values[of]), initial=0.0))
+        for name, (of, counted) in EXTREMES.items()
+        if of in values
+    }
 
 
 def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:
@@ -61,6 +78,15 @@ def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:
     spent = values["kinetic"] + gained + values["dissipated"] + values.get("contact_loss", 0.0)
     brought = (values["input_energy"] if blow else 0.0) + values.get("external_work", 0.0)
     return np.asarray(brought - spent)
+
+
+def open_share(balance: Array, given: float, stored: float) -> float:
+    """Largest error (J) of an energy `balance` over what was `given` (J).
+
+    Or over a ten-thousandth of what dead loads have `stored` (J) before, if that is more: a touch
+    of some mm/s is lost in its round-off.
+    """
+    return float(np.abs(balance).max()) / max(given, _ROUNDED * stored)
 
 
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:

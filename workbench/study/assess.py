@@ -29,6 +29,7 @@ from workbench.study.comparisons import (
     compare,
     comparison_rows,
     ladder_row,
+    of_side,
 )
 from workbench.study.definition import Study
 from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
@@ -93,6 +94,7 @@ def assess(study: Study, root: Path) -> Assessment:
     given = []
     for case in study.cases:
         responses: dict[str, Response] = {}
+        told: list[Row] = []
         asked = [cell for cell in cells if cell.case == case.name]
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
@@ -101,8 +103,9 @@ def assess(study: Study, root: Path) -> Assessment:
                 response = responses[cell.label] = store.response(cell.key)
                 row |= _numbers(response, store, cell)
                 rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]
-            rows["cells"].append({**row, **case.parameters})
+            told.append({**row, **case.parameters})
         given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
+        rows["cells"] += [{**row, **_widths(given[-1], str(row["label"]))} for row in told]
     verdicts = verdicts_of(study, given)
     rows["references"] = [standing_row(answers) for answers in given]
     rows["comparisons"] = [
@@ -119,7 +122,10 @@ def assess(study: Study, root: Path) -> Assessment:
     rows["matrix"] = list(matrix_rows(study, rows))
     rows["cost"] = list(cost_rows(study, rows))
     columns = {
-        "cells": (*_CELL, "solve_time", *names, *SCALARS, *_DERIVED, *COLLAPSE, "key"),
+        "cells": (
+            *(*_CELL, "solve_time", *names, *SCALARS, *map(width_of, study.quantities)),
+            *(*_DERIVED, *COLLAPSE, "key"),
+        ),
         "findings": ("case", "label", "model", *FINDING_COLUMNS),
         "comparisons": ("case", *names, *_COMPARISON),
         "ladder": ("case", "quantity", *study.steps, *LADDER_COLUMNS),
@@ -155,6 +161,18 @@ def _numbers(response: Response, store: Store, cell: Cell) -> Row:
     if collapse is not None:
         row |= zip(COLLAPSE, collapse, strict=True)
     return row
+
+
+def width_of(quantity: str) -> str:
+    """Column of the table of cells that holds the half-width of a scalar."""
+    return f"{quantity}_uncertainty"
+
+
+def _widths(answers: Answers, label: str) -> Row:
+    """How well the scalars of an answer are known, where refinement or its data say so."""
+    response = answers.ok(label)
+    known = [q for q in answers.study.quantities if response is not None and q in response]
+    return {width_of(q): width for q in known if (width := of_side(answers, label, q)[0])}
 
 
 def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:

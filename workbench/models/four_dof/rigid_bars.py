@@ -22,7 +22,7 @@ from workbench.models.domain import buckling_findings, count_finding, shear_find
 from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, open_share
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
@@ -199,7 +199,8 @@ class RigidBars(Declared, table="option"):
         error = np.inf
         for refinement in range(5):
             records, values = self._march(scenario, self._pace(scenario, refinement))
-            error = float(np.max(np.abs(values["balance_error"]))) / scenario.input_energy
+            stored = float(values["elastic"][0])
+            error = open_share(values["balance_error"], scenario.input_energy, stored)
             if self._fixed_step(scenario) is not None or error < self._BALANCE:
                 break
         else:

@@ -10,21 +10,22 @@ from workbench.assessment import METRICS, Scope
 from workbench.content.formatting import (
     count,
     duration,
+    in_unit,
     interval,
     metric_title,
     number,
-    percent,
     share,
     title_of,
     unit_of,
     valued,
 )
 from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Section, Table
-from workbench.report.stored import Stored
+from workbench.report.stored import BEST, Stored
+from workbench.study.assess import width_of
 from workbench.study.definition import Study, holds_data
 
 _PRINTED = 40
-_ONE_LINE = 4  # columns up to which value and deviation share a line
+_ONE_LINE = 3  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
 
 
@@ -46,7 +47,8 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
         return None
     cases = list(dict.fromkeys(case for case, _ in values))
     labels = [label for label in study.models if any(label == own for _, own in values)]
-    errors = stored.errors(quantity, "relative_error", study.reference)
+    several = len(study.ranked) > 1
+    errors = stored.errors(quantity, "relative_error", BEST if several else study.reference)
     few = len(cases) <= _WIDEST
     gap = "\n" if len(cases if few else labels) > _ONE_LINE else "\u2002"
     unit = unit_of(quantity)
@@ -54,13 +56,19 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
     def cell(case: str, label: str) -> Cell:
         if (case, label) not in values:
             return Cell("collapse") if stored.collapses(case, label) else ABSENT
-        text = number(values[case, label] * unit.factor)
-        if (case, label) in errors and label != study.reference:
-            text += f"{gap}{percent(errors[case, label]['error'])}"
+        width = stored.number(case, label, width_of(quantity)) or 0.0
+        text = in_unit(values[case, label], quantity, width=width, named=False)
+        if (case, label) in errors:
+            row = errors[case, label]
+            said = interval("relative_error", quantity, row["error"], row["uncertainty"])
+            text += f"{gap}{said.replace(' (uncertainty unknown)', '')}"
         return Cell(text, values[case, label])
 
     shown = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
-    caption = f"{shown}, and deviation from {study.reference}."
+    what = "the reference that counts in a case, which has none" if several else study.reference
+    caption = (
+        f"{shown}, with its numerical uncertainty or that of the data, and deviation from {what}."
+    )
     rows, columns = labels, [Column("model", width=2.0, of=str)]
     if few:
         columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)

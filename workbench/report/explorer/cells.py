@@ -1,5 +1,6 @@
 """What the page holds of one answer: its histories, its shapes, its numbers, what it says."""
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +16,10 @@ from workbench.report.drawing.sheet import evenly, thinned
 from workbench.report.explorer.packing import DETAILS, ROUGH, Detail, packed
 from workbench.report.figures.energy import ledger
 from workbench.report.stored import CellState
-from workbench.responses import Response
+from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
 from workbench.scenarios import ColumnImpact, FrameImpact
-from workbench.study.definition import Case
+from workbench.study.definition import DATA, Case
 from workbench.study.matrix import RESIDUAL
 from workbench.study.standing import PEAK
 
@@ -116,9 +117,18 @@ def _track(moved: Points, bow: float) -> Points:
 
 
 def numbers_of(
-    cell: CellState, response: Response | None, errors: Mapping[str, Mapping[str, Any]]
+    cell: CellState,
+    response: Response | None,
+    errors: Mapping[str, Mapping[str, Any]],
+    *,
+    best: CellState | None,
+    sure: bool,
 ) -> dict[str, Any]:
-    """What the page says of a cell: outcome, numbers and their `errors` by quantity."""
+    """What the page says of a cell: outcome, numbers and their `errors` by quantity.
+
+    `best`, the reference that counts (None: none may judge, as it is made of no tests); `sure`,
+    whether it is inside its domain.
+    """
     found: dict[str, Any] = {"outcome": cell.outcome, "text": dict(_texts(cell, response, errors))}
     if not cell.ok:
         found["message"] = cell.message.removeprefix(f"{cell.case}: ")
@@ -131,7 +141,9 @@ def numbers_of(
             found[name] = _short(cell.numbers[quantity])
     if PEAK in errors:
         error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
-        found |= {"error": _short(error), "tone": _tone(error, width)}
+        found |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
+    if best is not None and {cell.outcome, best.outcome} == {Outcome.OK, Outcome.COLLAPSE}:
+        found["apart"] = f"{best.label} {'survives' if best.ok else 'collapses'}"
     return found
 
 
@@ -139,27 +151,36 @@ def _texts(
     cell: CellState, response: Response | None, errors: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[tuple[str, str]]:
     """The numbers of a cell as the reader sees them; those that it does not know are absent."""
-    refined = response is not None and bool(directions_of(response))
     for quantity in SHOWN:
         if quantity not in cell.numbers:
             continue
-        width = uncertainty_of(response, quantity) if response is not None and refined else 0.0
-        yield quantity, in_unit(cell.numbers[quantity], quantity, 4, width)
+        yield quantity, in_unit(cell.numbers[quantity], quantity, 4, _width(response, quantity))
         if quantity in errors:
             row = errors[quantity]
             told = interval("relative_error", quantity, row["error"], row["uncertainty"])
             yield f"{quantity} error", told
     took = cell.numbers.get("solve_time", cell.numbers.get("wall_time"))
-    if took is not None:
+    looked_up = response is not None and response.attrs.get("model") in DATA
+    if took is not None and not looked_up:
         yield "cost", "may hold compiling" if cell.numbers.get("cold") else duration(took)
 
 
-def _tone(error: float, width: float | None) -> str:
-    """Of one error; an unknown uncertainty leaves it doubtful at best."""
+def _width(response: Response | None, quantity: str) -> float | None:
+    """Half-width of a number: of the runs behind it, or of data as stated; zero: none is shown."""
+    if response is None:
+        return 0.0
+    if directions_of(response):
+        return uncertainty_of(response, quantity)
+    stated: float = json.loads(response.attrs.get("data_uncertainty", "{}")).get(quantity, 0.0)
+    return stated
+
+
+def _tone(error: float, width: float | None, sure: bool) -> str:
+    """Of one error, as the matrix has it: doubtful at best with an unknown width or not `sure`."""
     far = abs(error) + (width or 0.0)
-    if far <= GOOD and width is not None:
+    if far <= GOOD and width is not None and sure:
         return "good"
-    return "doubt" if far <= FAIR else "bad"
+    return "bad" if far > FAIR and sure else "doubt"
 
 
 def _short(value: float) -> float:

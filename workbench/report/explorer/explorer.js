@@ -319,10 +319,10 @@ const tellCase = () => {
   here.cells.forEach((one) => {
     const text = one.text, best = one.model === here.reference;
     const line = row(body, [
-      one.model, one.message ? `${outcome(one)}: ${one.message}` : outcome(one), text.peak_displacement,
+      one.model, [outcome(one), one.message && `: ${one.message}`, one.apart && `; ${one.apart}`].filter(Boolean).join(""), text.peak_displacement,
       best ? "the reference" : text["peak_displacement error"], text.residual_displacement,
       best ? "the reference" : text["residual_displacement error"], text.time_of_peak, text.cost,
-    ], ["", one.outcome === "ok" ? "" : "doubt", "", one.tone || ""]);
+    ], ["", one.apart ? "bad" : one.outcome === "ok" ? "" : "doubt", "", one.tone || ""]);
     if (!state.shown.has(one.model)) line.className = "off";
     if (!state.shown.has(one.model)) return;
     one.says.forEach(([sentence, remedy]) => {
@@ -420,7 +420,7 @@ const choose = (name, { wanted = null, time = NaN } = {}) => {
   const here = cases.get(name), fresh = name !== state.case, open = inGroup();
   stop();
   state.case = name;
-  const best = cell(here, here.reference) || here.cells.find((one) => one.top !== undefined);
+  const best = [cell(here, here.reference), ...here.cells].find((one) => one && one.top !== undefined);
   if (Number.isFinite(time)) state.time = time;
   else if (fresh) state.time = (best && best.top) || 0;
   if (at("group")) at("group").value = state.group;
@@ -490,7 +490,7 @@ document.querySelectorAll("#matrix button").forEach((button) => button.addEventL
   state.shown.add(model);
   enter(at("group") ? group : "");
   const worst = inGroup().map((each) => ({ each, one: cell(each, model) })).filter(({ one }) => one);
-  const badness = ({ one }) => (one.outcome === "collapse" ? 1e9 : Math.abs(one.error ?? -1));
+  const badness = ({ one }) => (one.apart || one.outcome === "collapse" ? 1e9 : Math.abs(one.error ?? -1));
   const top = worst.reduce((a, b) => (a === null || badness(b) > badness(a) ? b : a), null);
   choose(top ? top.each.name : state.case);
 }));

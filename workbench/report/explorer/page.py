@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from workbench.content.formatting import brief, count
 from workbench.content.html import STYLE, templates
-from workbench.content.tree import Cell, Table
+from workbench.content.tree import Callout, Cell, Table
 from workbench.report.chapters import answer, measured
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
@@ -43,7 +43,9 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     cases = tuple(_cases(study, stored))
     if not any(cell.record for case in cases for cell in case.cells):
         return None
-    shown = {"study": study, "file": f"{study.name}.csv", **_seen(study, stored, cases)}
+    made = [block.text for block in measured.made(stored) if isinstance(block, Callout)]
+    title = f"{measured.MARK if made else ''}{study.title}"
+    shown = {"study": study, "title": title, "made": made, **_seen(study, stored, cases)}
     text = ""
     for detail in DETAILS:
         texts: dict[str, int] = {"": 0}
@@ -103,6 +105,8 @@ def _cases(study: Study, stored: Stored) -> Iterator[_Asked]:
         if case.scenario.STATIC is not False:
             continue
         standing = standings.get(case.name, {})
+        best = stored.cells.get((case.name, standing.get("label", "")))
+        best = None if stored.synthetic else best
         cells = []
         for label in study.models:
             state = stored.cells.get((case.name, label))
@@ -110,9 +114,10 @@ def _cases(study: Study, stored: Stored) -> Iterator[_Asked]:
                 continue
             response = stored.response(case.name, label, keep=False)
             own = errors.get((case.name, label), {})
-            best = label == standing.get("label")
-            record = None if response is None else record_of(case, response, band=best)
-            cells.append(_Answer(state, numbers_of(state, response, own), record))
+            counts = label == standing.get("label")
+            record = None if response is None else record_of(case, response, band=counts)
+            numbers = numbers_of(state, response, own, best=best, sure=bool(standing.get("inside")))
+            cells.append(_Answer(state, numbers, record))
         yield _Asked(case, standing, tuple(cells))
 
 
@@ -137,7 +142,7 @@ def _fixed(study: Study, stored: Stored) -> dict[str, Any]:
     """What the script needs to know besides the cases."""
     groups = dict(study.groups) or {ALL: tuple(case.name for case in study.cases)}
     return {
-        "study": study.name,
+        "study": f"{'SYNTHETIC ' if stored.synthetic else ''}{study.name}",
         "models": _models(study),
         "groups": {name: list(cases) for name, cases in groups.items()},
         "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
@@ -197,7 +202,6 @@ def _seen(study: Study, stored: Stored, cases: Sequence[_Asked]) -> dict[str, An
     matrix = _matrix(stored, study)
     names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
     return {
-        "mark": measured.MARK if stored.synthetic else "",
         "matrix": matrix,
         "groups": list(study.groups),
         "heads": [cell["group"] for cell in matrix[0]["cells"]] if matrix else [],
