@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -379,3 +380,13 @@ def test_any_usual_stud_can_be_pulled_and_pushed(
     if after is not None:
         assert np.all(np.isfinite(after.load))
         assert after.strength > 0.1 * stud.shear_strength
+
+
+def test_friction_needs_no_run_of_its_own() -> None:
+    stud, around = Stud.of_concrete(0.019, 0.1, 30e6, 450e6), Surroundings()
+    unit = push_out(stud, replace(around, friction=1.0), steps=20)
+    for coefficient in (0.0, 0.4):
+        own = push_out(stud, replace(around, friction=coefficient), steps=20)
+        shown = unit.rubbing(coefficient)
+        assert shown.load == pytest.approx(own.load, rel=1e-12)
+        assert shown.friction == pytest.approx(own.friction, rel=1e-12)

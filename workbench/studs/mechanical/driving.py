@@ -34,6 +34,14 @@ class ShearCurve:
         """Largest load, in N."""
         return float(np.max(self.load))
 
+    def rubbing(self, coefficient: float) -> "ShearCurve":
+        """The curve, driven with a friction of 1, with another coefficient.
+
+        Friction adds to the load and is no part of the equilibrium: no other run is needed.
+        """
+        friction = coefficient * self.friction
+        return replace(self, load=self.load - self.friction + friction, friction=friction)
+
     def limited(self, load: float) -> "ShearCurve":
         """The curve with a plateau at a load (N) that it would exceed."""
         return replace(self, load=np.minimum(self.load, load))

@@ -15,7 +15,13 @@ import numpy as np
 
 from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
-from workbench.studs.mechanical.driving import PullCurve, pull_out, pull_then_push, push_out
+from workbench.studs.mechanical.driving import (
+    PullCurve,
+    ShearCurve,
+    pull_out,
+    pull_then_push,
+    push_out,
+)
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve
@@ -56,7 +62,21 @@ def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
     return level * float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
 
 
-@lru_cache(maxsize=128)  # strength and stiffness come from the same runs
+@lru_cache(maxsize=128)  # strength and stiffness, and all frictions, come from the same runs
+def _runs(
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str, steps: int
+) -> tuple[ShearCurve, tuple[ShearCurve | None, ...]]:
+    """The push-out of the undamaged stud and those after each level (None: torn)."""
+    whole, pulled = push_out(stud, around, steps=steps), pull_out(stud, around, steps=steps)
+    after = [
+        pull_then_push(stud, around, uplift_at(pulled, float(level), measure), steps=steps)[1]
+        if level > 0.0
+        else whole
+        for level in levels
+    ]
+    return whole, tuple(after)
+
+
 def residual_ratios(
     stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str, steps: int = STEPS
 ) -> tuple[Array, Array]:
@@ -65,18 +85,15 @@ def residual_ratios(
     Strength counts up to the slip at which the undamaged stud tears. A stud torn in the pull-out
     has nothing left.
     """
-    whole = push_out(stud, around, steps=steps)
-    end = float(whole.slip[-1])
-    pulled = pull_out(stud, around, steps=steps)
-    strength, stiffness = np.ones(len(levels)), np.ones(len(levels))
-    for i, level in enumerate(levels):
-        if level == 0.0:
-            continue
-        uplift = uplift_at(pulled, float(level), measure)
-        _, after = pull_then_push(stud, around, uplift, steps=steps)
-        strength[i] = 0.0 if after is None else after.strength_within(end) / whole.strength
-        stiffness[i] = 0.0 if after is None else after.chord() / whole.chord()
-    return strength, stiffness
+    whole, after = _runs(stud, replace(around, friction=1.0), levels, measure, steps)
+    whole = whole.rubbing(around.friction)
+    curves = [None if each is None else each.rubbing(around.friction) for each in after]
+    end, strength, chord = float(whole.slip[-1]), whole.strength, whole.chord()
+    left = [
+        (0.0, 0.0) if c is None else (c.strength_within(end) / strength, c.chord() / chord)
+        for c in curves
+    ]
+    return np.array(left).T[0], np.array(left).T[1]
 
 
 def _at_corner(
