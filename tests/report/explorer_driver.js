@@ -118,7 +118,7 @@
   location.hash = kept;
   await wait(100);
   found.restored = [before, between, view()];
-  location.hash = "#case=nobody&m=nobody&f=nobody&g=nobody&c=x&t=nan&x=no&y=no&times=-3";
+  location.hash = "#case=nobody&m=nobody&f=nobody&g=constructor&c=x&t=nan&x=no&y=no&times=-3";
   await wait(100);
   found.nonsense = at("which").textContent;
   found.after = document.documentElement.scrollWidth - innerWidth;

@@ -394,7 +394,7 @@ const settle = () => {
 };
 const restore = () => {
   const said = new URLSearchParams(location.hash.slice(1)), known = said.getAll("m").filter((label) => models.has(label));
-  state.group = data.groups[said.get("g")] && at("group") ? said.get("g") : "";
+  state.group = at("group") && Object.hasOwn(data.groups, said.get("g")) ? said.get("g") : "";
   const open = inGroup(), answered = open.find((each) => each.cells.some((one) => one.t));
   const wanted = open.find((each) => each.name === said.get("case")) || answered || open[0] || data.cases[0];
   state.shown = new Set(known.length ? known : data.models.filter((model) => model.shown).map((model) => model.label));

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from workbench.content.formatting import brief, count
+from workbench.content.formatting import count
 from workbench.content.html import STYLE, templates
 from workbench.content.tree import Callout, Cell, Table
 from workbench.report.chapters import answer, measured
@@ -220,7 +220,7 @@ def _axis(name: str, cases: Sequence[_Asked]) -> Iterator[dict[str, Any]]:
     if len(values) < 2:
         return
     if any(isinstance(value, str) for value in values):
-        yield {"name": name, "texts": [str(value) for value in values], "stops": values}
+        yield {"name": name, "stops": [v if isinstance(v, str) else f"{v:g}" for v in values]}
         return
     low, high = min(values), max(values)
     log = bool(low > 0.0 and high > _WIDE * low)
@@ -228,13 +228,13 @@ def _axis(name: str, cases: Sequence[_Asked]) -> Iterator[dict[str, Any]]:
     if len(values) > _STOPS:
         spaced = np.geomspace if log else np.linspace
         values = [float(f"{value:.4g}") for value in spaced(low, high, _STOPS)]
-    yield {"name": name, "texts": list(map(brief, values)), "stops": values, "log": log}
+    yield {"name": name, "stops": values, "log": log}
 
 
 def _plain(value: Any) -> float | str:
-    """A parameter as JSON holds it: a number of five digits, else its text."""
+    """A parameter as JSON holds it: a finite number of five digits, else its text."""
     number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    return float(f"{float(value):.5g}") if number else str(value)
+    return float(f"{float(value):.5g}") if number and np.isfinite(value) else str(value)
 
 
 def _thinned(cases: Sequence[_Asked], detail: Detail) -> str:
