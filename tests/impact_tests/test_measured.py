@@ -14,7 +14,7 @@ from workbench.evidence import dataset
 from workbench.impact_tests import impact_tests
 from workbench.impact_tests.measured import Measured
 from workbench.intake import add_table
-from workbench.responses import Outcome, findings_of, outcome_of
+from workbench.responses import Outcome, collapse_of, findings_of, outcome_of
 
 
 @pytest.fixture(autouse=True)
@@ -28,6 +28,7 @@ def added(*changes: dict[str, str]) -> str:
     text = dataset("synthetic-impacts").path.read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
     base = {**rows[0], "campaign": "lab", "role": "validate", "source": "R", "specimen": "A"}
+    base["collapse"] = "none"
     with Path("lab.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(base))
         writer.writeheader()
@@ -68,6 +69,30 @@ def test_equal_tests_are_one_answer_that_holds_them_all() -> None:
     assert test.name == "lab A and 1 equal"
     assert test.measured["peak_displacement"] == pytest.approx((0.045, 0.005))
     assert test.measured["residual_displacement"] == (0.0341, 0.0034)
+
+
+def test_a_member_that_did_not_survive_is_an_answer() -> None:
+    fallen = {"collapse": "buckling", "residual_m": "", "residual_uncertainty_m": ""}
+    name = added(fallen, {"specimen": "B", "velocity_m_per_s": "4.5"})
+    test, other = impact_tests(name)
+    response = Measured(name).simulate(test.scenario)
+    collapse = collapse_of(response)
+    assert (collapse.mechanism, collapse.displacement) == ("buckling", 0.0464)
+    assert "the member did not survive the test" in response.attrs["message"]
+    assert outcome_of(Measured(name).simulate(other.scenario)) is Outcome.OK
+    with pytest.raises(InputError, match=r"residual_m = 0\.0341: is no result of a collapse"):
+        added({"collapse": "buckling"})
+    with pytest.raises(InputError, match=r"peak_m.*the displacement reached in the collapse"):
+        added({**fallen, "peak_m": ""})
+
+
+def test_equal_tests_that_ended_differently_are_refused() -> None:
+    fallen = {"collapse": "squash", "residual_m": "", "residual_uncertainty_m": ""}
+    name = added({}, {**fallen, "specimen": "B"})
+    (test,) = impact_tests(name)
+    refused = Measured(name).simulate(test.scenario)
+    assert outcome_of(refused) is Outcome.OUT_OF_DOMAIN
+    assert "ended differently: 1 of 2 collapsed" in refused.attrs["message"]
 
 
 def test_simulate_says_that_a_number_is_made(capsys: pytest.CaptureFixture[str]) -> None:

@@ -102,7 +102,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
         assert MARK.strip() in caption
     assert not re.findall(r'class="[^"]*\b(good|doubt|bad)\b[^"]*"[^>]*>[^<]*peak', page)
     assert "No model is validated or refuted by them" in page
-    assert "Footnote: no measured impact on a steel member" in page
+    assert "No tests here: no measured impact on a steel member" in page
     beside = (found.directory / "report" / "explorer.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in beside
     assert "No model is validated or refuted by them" in beside
@@ -158,7 +158,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     assert "tests" not in {row["label"] for row in found.tables["cost"]}
     page = render_markdown(document(study, Stored(found.directory, study), []))
     assert "SYNTHETIC" not in page
-    assert "Footnote: no measured impact" not in page
+    assert "No tests here: no measured impact" not in page
     assert "Models over tests" in page
     assert "Where the tests are from." in page
 
@@ -190,7 +190,7 @@ def test_studies_of_impacts_without_tests_carry_the_footnote(empty: Path) -> Non
         return list(footnote(study, stored))
 
     (told,) = notes("column_sweep")
-    assert told.text.startswith("Footnote: no measured impact on a steel member")
+    assert told.text.startswith("No tests here: no measured impact on a steel member")
     assert "workbench data add" in told.text
     assert notes("studs") == notes("cyclic_clamped_beam") == []
 

@@ -5,7 +5,7 @@ import json
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from workbench.errors import OutOfDomainError
+from workbench.errors import CollapseError, OutOfDomainError
 from workbench.fields import Declared, Text, checked
 from workbench.impact_tests.rows import ImpactTest, impact_tests, tables
 from workbench.models.base import respond
@@ -62,6 +62,10 @@ class Measured(Declared, table="option"):
             text = f"no test of this scenario is in the tables of impact tests ({names})"
             remedy = "add one: workbench data add TESTS.csv"
             return [Finding("measured", text, refusal=True, remedy=remedy)]
+        if 0 < test.collapsed < len(test.names):
+            ended = f"{test.collapsed} of {len(test.names)} collapsed"
+            text = f"equal tests of this scenario ended differently: {ended}"
+            return [Finding("measured", text, refusal=True)]
         if test.synthetic:
             text = "SYNTHETIC: made numbers, no test; they show the form and validate nothing"
             return [Finding(SYNTHETIC, text)]
@@ -84,6 +88,8 @@ class Measured(Declared, table="option"):
         test = self._test(scenario)
         if test is None:
             raise OutOfDomainError("nothing was measured for this scenario")
+        if test.collapse is not None:
+            raise CollapseError(test.collapse, "the member did not survive the test")
         response = build_response({name: value for name, (value, _) in test.measured.items()})
         widths = {name: width for name, (_, width) in test.measured.items()}
         response.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from workbench.errors import InputError
+from workbench.errors import Collapse, InputError, Mechanism
 from workbench.evidence import Dataset, dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, SYNTHETIC
-from workbench.impact_tests.schema import IMPACTS, MEASURED, known, scenario_of
+from workbench.impact_tests.schema import IMPACTS, MEASURED, STANDS, known, scenario_of
 from workbench.scenarios import ColumnImpact, scenario_hash
 from workbench.studs.reading import examine
 from workbench.studs.schema import Row
@@ -23,7 +23,8 @@ class ImpactTest:
     """One test, or several of one scenario: their `names`, `scenario`, `campaign` and `entries`.
 
     `measured` gives the mean of each quantity with its half-width (95 %): that of single tests, as
-    equal tests share their systematic errors, or the farthest of them if that is wider.
+    equal tests share their systematic errors, or the farthest of them if that is wider. It is empty
+    where the member collapsed, in `collapsed` of the tests: `collapse` says how.
     """
 
     names: tuple[str, ...]
@@ -31,6 +32,8 @@ class ImpactTest:
     scenario: ColumnImpact
     measured: dict[str, tuple[float, float]]
     entries: tuple[Dataset, ...]
+    collapse: Collapse | None = None
+    collapsed: int = 0
 
     @property
     def name(self) -> str:
@@ -87,16 +90,27 @@ def records(rows: pd.DataFrame) -> Iterator[Row]:
 def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:
     real = [part for part in group if part[0].role != SYNTHETIC] or group
     measured = {}
+    fallen = [row for _, row, _ in real if row["collapse"] != STANDS]
     for quantity, columns in MEASURED.items():
         pairs = [[known(row, column) or nan for column in columns] for _, row, _ in real]
         told = [(value, width) for value, width in pairs if value == value]
-        if told:
+        if told and not fallen:
             mean = sum(value for value, _ in told) / len(told)
             single = sum(width for _, width in told) / len(told)
             farthest = max(abs(value - mean) for value, _ in told)
             measured[quantity] = (mean, max(single, farthest))
     entries = {entry.name: entry for entry, _, _ in real}
     names = tuple(scenario.name for _, _, scenario in real)
+    collapse = None
+    for row in fallen[:1]:
+        reached = max(known(each, "peak_m") or 0.0 for each in fallen)
+        collapse = Collapse(Mechanism(str(row["collapse"])), ("member",), reached)
     return ImpactTest(
-        names, str(real[0][1]["campaign"]), real[0][2], measured, tuple(entries.values())
+        names,
+        str(real[0][1]["campaign"]),
+        real[0][2],
+        measured,
+        tuple(entries.values()),
+        collapse,
+        len(fallen),
     )

@@ -18,6 +18,7 @@ MEASURED = {
     "peak_displacement": ("peak_m", "peak_uncertainty_m"),
     "residual_displacement": ("residual_m", "residual_uncertainty_m"),
 }
+STANDS = "none"  # in the column collapse: the member survived
 LARGEST_SHARE = 0.5  # of the span that a peak may reach: beyond, a unit is meant otherwise
 _DIMENSIONS = ("height", "width", "web", "flange", "fillet", "side", "wall", "diameter")
 _COLUMN = {
@@ -89,6 +90,12 @@ def _contradictions(row: Row) -> Iterator[RowFinding]:
 
 def _measured(row: Row, span: float) -> Iterator[RowFinding]:
     values = {name: known(row, column) for name, (column, _) in MEASURED.items()}
+    if row.get("collapse", STANDS) != STANDS:
+        if values["residual_displacement"] is not None:
+            yield "residual_m", values["residual_displacement"], "is no result of a collapse", ""
+        if values["peak_displacement"] is None:
+            yield "peak_m", "", "must be given: the displacement reached in the collapse", ""
+        return
     if not any(value is not None for value in values.values()):
         yield "peak_m", "", "must be given, or residual_m: a test without a result is none", ""
     for name, (column, width) in MEASURED.items():

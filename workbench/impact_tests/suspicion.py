@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.impact_tests.rows import records
-from workbench.impact_tests.schema import known, scenario_of
+from workbench.impact_tests.schema import STANDS, known, scenario_of
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.responses import Finding, Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
@@ -71,7 +71,7 @@ def _energies(campaign: str, rows: list[Row]) -> Iterator[str]:
     peaks = {}
     for number, row in enumerate(rows):
         peak = known(row, "peak_m")
-        if peak is not None:
+        if peak is not None and row["collapse"] == STANDS:
             peaks[number] = peak
     if not peaks:
         return

@@ -18,6 +18,7 @@ TEMPLATE = Template(
     (
         *("height_m", "width_m", "web_m", "flange_m", "side_m", "wall_m", "diameter_m"),
         *("restraint_N_per_m", "head_mass_kg", "elastic_modulus_Pa", "restitution", "duration_s"),
+        "collapse",
         *("source_locator", "flag"),
     ),
     "data add FILE.csv",

@@ -46,8 +46,8 @@ def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section
     shown = [Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures]
     found = tuple(matrix(study, stored))
     title = "The answer" if found or shown else "What was asked"
-    blocks = (Paragraph(study.question), *measured.made(stored), *found, *shown)
-    return Section("answer", title, (*blocks, *measured.footnote(study, stored)))
+    said = (*measured.made(stored), *measured.footnote(study, stored))
+    return Section("answer", title, (Paragraph(study.question), *said, *found, *shown))
 
 
 def decisive(study: Study) -> str:

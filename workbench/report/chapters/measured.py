@@ -12,9 +12,8 @@ from workbench.study.validation import MEASURED
 
 MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
 _NONE = (
-    "Footnote: no measured impact on a steel member with all inputs (section, supports, axial "
-    "load, striker, steel, result with its uncertainty) could be found under an open licence; "
-    "models are held against models here. `workbench data add` makes tests a side of every study."
+    "No tests here: no measured impact on a steel member with all inputs could be found under an "
+    "open licence. `workbench data add` makes tests a side of every study."
 )
 _MADE = (
     "SYNTHETIC rows, no tests: made numbers that show the form of the comparison. No model is "
@@ -23,7 +22,8 @@ _MADE = (
 _CAPTION = (
     "Models over tests: median of test over prediction with its 95 % interval, scatter of that "
     "ratio and that of the measurement, and how many tests lie inside the stated interval, "
-    "measurement and numerical uncertainty, with the 95 % interval of that share."
+    "measurement and numerical uncertainty, with the 95 % interval of that share. Few campaigns "
+    "hardly tell how much campaigns differ, and make the interval of the median wide."
 )
 
 
