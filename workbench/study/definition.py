@@ -11,6 +11,7 @@ from workbench.assessment import METRICS, Gate, Scope
 from workbench.errors import InputError
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
+from workbench.study.mistakes import refuse_mistakes
 
 if TYPE_CHECKING:
     from workbench.models.base import Model
@@ -93,6 +94,7 @@ class Study:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        refuse_mistakes(self, {"cases": Case, "gates": Gate, "figures": Figure})
         names = [case.name for case in self.cases]
         for name in names:
             if names.count(name) > 1:
