@@ -139,6 +139,8 @@ def numbers_of(
     for name, quantity in (("peak", PEAK), ("top", "time_of_peak")):
         if quantity in cell.numbers:
             found[name] = _short(cell.numbers[quantity])
+    if (width := _width(response, PEAK)) and PEAK in cell.numbers:
+        found["width"] = _short(width)
     if PEAK in errors:
         error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
         found |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
