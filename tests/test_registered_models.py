@@ -12,7 +12,7 @@ from workbench.evidence.published import Published
 from workbench.impact_tests import impact_tests
 from workbench.models.base import Model
 from workbench.registry import make_model, model_kind, model_names
-from workbench.scenarios import ColumnPushover, StudTests, frame_scenario
+from workbench.scenarios import ColumnPushover, ImpactProblem, StudTests, frame_scenario
 from workbench.testing import check_model
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -31,6 +31,8 @@ THEORY = {
     "solid-plane-stress": "solid-plane-stress.md",
     "published": "published.md",
     "measured": "measured.md",
+    "impact-integrator": "integrators.md",
+    "impact-exact": "integrators.md",
     "stud-measured": "studs.md",
     "stud-strength": "studs.md",
     "stud-series": "studs-statistics.md",
@@ -84,6 +86,7 @@ def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
     scenarios.append(StudTests("studs", question, curves=("stud-load-slip",), **studs))
     if name == "column-of-frame":  # answers frames only
         scenarios.append(frame_scenario(thesis_impact.at_velocity(10.0)))
+    scenarios.append(ImpactProblem("two masses", "two-masses"))
     answered = [s for s in scenarios if s.KIND in model.answers]
     check_model(model, answered, LEDGER.get(name, 1e-6))
 

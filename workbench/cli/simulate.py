@@ -68,7 +68,7 @@ def simulate(
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     """A response as one JSON object; what the model cannot know is null."""
     from workbench.responses import ENERGIES, SCALARS, energy_error, findings_of, places_of
-    from workbench.responses.variables import STUD_TESTS
+    from workbench.responses.variables import INTEGRATORS, STUD_TESTS
 
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None
@@ -81,7 +81,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     if "shear_utilisation" in response:
         series = response["shear_utilisation"].to_series()
         shear = {str(segment): float(value) for segment, value in series.items()}
-    structural = [name for name in SCALARS if name not in (*STUD_TESTS, "input_energy")]
+    special = (*STUD_TESTS, *INTEGRATORS, "input_energy")
+    structural = [name for name in SCALARS if name not in special]
     result: dict[str, Any] = {
         "model": response.attrs["model"],
         "outcome": response.attrs["outcome"],
@@ -112,6 +113,8 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     if scenario.KIND == "stud-tests":
         result |= {name: last(name) for name in STUD_TESTS}
         result["answer"] = held("answer")
+    if scenario.KIND == "impact-problem":
+        result |= {name: last(name) for name in INTEGRATORS}
     if scenario.STATIC:
         for name in ("displacement", "force"):
             result[name] = response[name].values.tolist() if name in response else None

@@ -1,5 +1,6 @@
 """A run of an integrator over a record, with every condition of contact checked at every step."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import ceil
@@ -98,7 +99,7 @@ def run(
     stepper: Stepper,
     system: System,
     law: Restitution,
-    start: tuple[Array, Array],
+    start: tuple[Sequence[float] | Array, Sequence[float] | Array],
     duration: float,
     h: float,
     compiled: bool = False,

@@ -50,8 +50,7 @@ class Problem:
         if self.exact is not None:
             return self.exact(times)
         h = float(times[1] - times[0]) / _FINER
-        start = np.array(self.start[0]), np.array(self.start[1])
-        found = run(event_driven(), self.system(), self.law, start, self.duration, h)
+        found = run(event_driven(), self.system(), self.law, self.start, self.duration, h)
         return found.q[::_FINER]
 
 

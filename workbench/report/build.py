@@ -15,6 +15,7 @@ from workbench.fields import Choice
 from workbench.report.chapters import (
     answer,
     configuration,
+    integrators,
     limits,
     measured,
     reference,
@@ -90,6 +91,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         answer.answer(study, stored, (p for _, p in drawn if p.key == first)),
         measured.validation(study, stored),
         stud_evidence.in_short(study, stored),
+        integrators.in_short(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),
         limits.missing(study, stored),

@@ -1,7 +1,8 @@
 """The standard variables of a response; ``variables.csv`` holds them all.
 
 Names, dimensions, SI units, meanings, and what each belongs to: ``coordinate``, ``structure``, or
-``stud-tests``, the pure numbers by which models of studs are judged. Dimension ``history`` is
+``stud-tests`` and ``integrators``, the pure numbers by which models of studs and schemes of time
+integration are judged. Dimension ``history`` is
 `time` in an impact and `step` in a pushover.
 """
 
@@ -34,8 +35,8 @@ def _read(*of: str) -> dict[str, Variable]:
     }
 
 
-COORDINATES, VARIABLES = _read("coordinate"), _read("structure", "stud-tests")
-STUD_TESTS = tuple(_read("stud-tests"))
+COORDINATES, VARIABLES = _read("coordinate"), _read("structure", "stud-tests", "integrators")
+STUD_TESTS, INTEGRATORS = tuple(_read("stud-tests")), tuple(_read("integrators"))
 SCALARS = tuple(name for name, variable in VARIABLES.items() if not variable.dims)
 ENERGIES = tuple(n for n, v in VARIABLES.items() if v.units == "J" and v.dims == (HISTORY,))
 

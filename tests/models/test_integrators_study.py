@@ -1,0 +1,92 @@
+"""Integrators as models, their study and its page, on problems of a few steps."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from workbench.content.tree import Bullets, Table, walk
+from workbench.errors import InputError
+from workbench.impact.problems import PROBLEMS as BUILT
+from workbench.models.integrators import ImpactExact, ImpactIntegrator
+from workbench.report.build import document
+from workbench.report.gallery import draw_all
+from workbench.report.stored import Stored
+from workbench.responses import outcome_of
+from workbench.scenarios import ImpactProblem, scenario_from, to_tables
+from workbench.scenarios.impact_problem import PROBLEMS
+from workbench.study import Case, Figure, Study, run_study
+from workbench.study.assess import assess
+
+LABELS = ("event-driven", "midpoint", "newmark")
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory) -> Stored:
+    """Two problems by three schemes."""
+    figures = (
+        Figure("precision", "work-precision", "Work", "Errors."),
+        Figure("records", "place", "Places", "Records."),
+    )
+    study = Study(
+        name="small",
+        title="Small",
+        question="Which?",
+        cases=tuple(Case(n, ImpactProblem(n, n)) for n in ("two-masses", "grazing")),
+        models={"exact": ImpactExact(4)} | {n: ImpactIntegrator(n, 3) for n in LABELS},
+        reference="exact",
+        quantities=("relative_error",),
+        figures=figures,
+    )
+    root = tmp_path_factory.mktemp("integrators")
+    directory = run_study(study, root, jobs=0).directory
+    assess(study, root)
+    return Stored(directory, study)
+
+
+def test_scenarios_name_the_problems_of_the_laboratory() -> None:
+    assert tuple(BUILT) == PROBLEMS
+    scenario = ImpactProblem("mine", "ball")
+    assert scenario_from(to_tables(scenario)) == scenario
+    with pytest.raises(InputError, match=r"impact.problem = 'bal': must be one of ball, "):
+        ImpactProblem("mine", "bal")
+    with pytest.raises(InputError, match=r"option.scheme = 'euler': must be one of moreau-jean"):
+        ImpactIntegrator("euler")
+
+
+def test_a_ladder_is_stored_with_its_errors_and_cost(stored: Stored) -> None:
+    response = stored.response("two-masses", "midpoint")
+    assert response is not None
+    error = response["ladder.error"].values
+    np.testing.assert_allclose(error[:-1] / error[1:], 2.0, rtol=1e-6)
+    assert float(response["observed_order"]) == pytest.approx(1.0, abs=1e-6)
+    assert response["ladder.evaluations"].values.tolist() == [80.0, 160.0, 320.0]
+    assert stored.number("two-masses", "event-driven", "relative_error") < 1e-12
+    assert "observed_order" not in stored.response("two-masses", "event-driven")
+    assert stored.number("two-masses", "newmark", "relative_error") > 1.0
+
+
+def test_an_exact_answer_states_its_uncertainty() -> None:
+    exact = ImpactExact(2).simulate(ImpactProblem("x", "ball"))
+    assert outcome_of(exact) == "ok"
+    assert json.loads(exact.attrs["data_uncertainty"])["relative_error"] == 0.0
+
+
+def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
+    plates = draw_all(stored.study, stored)
+    drawn = {plate.figure.kind: plate.drawing for plate in plates}
+    assert set(drawn["work-precision"].data["label"]) == set(LABELS)
+    assert {"time", "place"} <= set(drawn["place"].data)
+    page = document(stored.study, stored, [])
+    section = next(part for part in page.sections if part.key == "schemes")
+    table = next(block for block in walk((section,)) if isinstance(block, Table))
+    assert [column.title for column in table.columns] == ["scheme", "two-masses", "grazing"]
+    rows = {row[0].text: row[1:] for row in table.rows}
+    assert rows["newmark"][0].tone == "bad"
+    assert rows["newmark"][1].tone == "good"
+    assert rows["event-driven"][0].text == "≤ 240\nexact"
+    said = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
+    assert any(text.startswith("two-masses: ") for text in said)
+    assert any(text.startswith("newmark is over 10 % off on two-masses; ") for text in said)

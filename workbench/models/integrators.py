@@ -1,0 +1,176 @@
+"""Integrators as models: each answers an impact problem over a ladder of steps.
+
+A cell of a study is one integrator on one problem; its response holds the errors, the cost and
+the conditions of contact of every step size, and the record of the finest.
+"""
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.errors import SolverError
+from workbench.fields import Choice, Declared, Number, checked
+from workbench.impact.march import Run, run
+from workbench.impact.problems import Problem, problem
+from workbench.impact.schemes import SCHEMES
+from workbench.models.base import respond
+from workbench.responses import Finding, Response, build_response
+from workbench.scenarios import ImpactProblem, Scenario
+
+LADDER = {
+    "ladder.step": ("s", "time step"),
+    "ladder.error": ("1", "largest error of the places over the largest place"),
+    "ladder.evaluations": ("1", "evaluations of the forces"),
+}
+_POINTS = 800
+_ROUNDING = 1e-10
+_CERTIFIED = 1e-6  # of the largest place; tests find less than a hundredth of it
+
+
+@cache
+def _answer(name: str, steps: int) -> Array:
+    given = problem(name)
+    return given.answer(np.linspace(0.0, given.duration, steps + 1))
+
+
+def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], **scalars: Any):  # type: ignore[no-untyped-def]
+    """A response with the numbers of a ladder, and records of the last unknown."""
+    steps = len(next(iter(places.values()))) - 1
+    pick = np.unique(np.linspace(0, steps, min(steps, _POINTS) + 1).round().astype(int))
+    time = np.linspace(0.0, given.duration, steps + 1)[pick]
+    response = build_response(scalars, time=time)
+    for name, values in places.items():
+        response[name] = ("time", values[pick], {"units": "m", "long_name": "place"})
+    for name, (unit, meaning) in LADDER.items() if ladder else ():
+        response[name] = ("run", ladder[name], {"units": unit, "long_name": meaning})
+    return response
+
+
+@dataclass(frozen=True)
+class ImpactIntegrator(Declared, table="option"):
+    """One integrator of the impact laboratory.
+
+    Options: `scheme`, its name; `runs`, step sizes of the ladder, each half the one before.
+    """
+
+    scheme: str = checked(Choice(tuple(SCHEMES)), "moreau-jean")
+    runs: int = checked(Number(2, 10, integer=True), 6)
+
+    name: ClassVar[str] = "impact-integrator"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ImpactProblem.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Unilateral contact without friction; restitution by the law of the problem, which schemes "
+        "with contact at the end position do not know.",
+        "Plain Python: compare costs by evaluations of the forces, times only among these schemes.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("heng2017", "moreau1988")
+
+    def domain(self, scenario: ImpactProblem) -> list[Finding]:
+        """Every scheme takes every problem: failures are what the study is about."""
+        return []
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer an impact problem."""
+        return respond(self, scenario, self._solve)
+
+    def _solve(self, scenario: ImpactProblem) -> Response:
+        given = problem(scenario.problem)
+        finest = given.steps * 2 ** (self.runs - 1)
+        exact = _answer(scenario.problem, finest)
+        size = float(np.abs(exact).max())
+        ladder: dict[str, Any] = {name: np.full(self.runs, np.nan) for name in LADDER}
+        found: Run | None = None
+        lost = ""
+        for level in range(self.runs):
+            steps = given.steps * 2**level
+            h = given.duration / steps
+            ladder["ladder.step"][level] = h
+            system, stepper = given.system(), SCHEMES[self.scheme].stepper
+            try:
+                found = run(stepper, system, given.law, given.start, given.duration, h)
+            except SolverError as error:
+                found, lost = None, str(error)
+                continue
+            off = np.abs(found.q - exact[:: finest // steps]).max()
+            ladder["ladder.error"][level] = off / size
+            ladder["ladder.evaluations"][level] = found.evaluations
+        if found is None:
+            raise SolverError(f"the finest of {self.runs} runs", np.inf, lost)
+        response: Response = _response(
+            given,
+            {"record.place": found.q[:, -1], "record.exact": exact[:, -1]},
+            ladder,
+            relative_error=ladder["ladder.error"][-1],
+            observed_order=_order(ladder["ladder.error"]),
+            **_scalars(given, found),
+        )
+        response.attrs["solve_time"] = found.seconds
+        return response
+
+
+def _order(errors: Array) -> float | None:
+    """Order over the ladder, None where the answer is exact but for round-off."""
+    known = np.isfinite(errors)
+    if errors[known].max() < _ROUNDING or known.sum() < 2:
+        return None
+    level = np.flatnonzero(known)
+    slope = np.polyfit(level, np.log2(np.maximum(errors[known], _ROUNDING)), 1)[0]
+    return float(-slope)
+
+
+def _scalars(given: Problem, found: Run) -> dict[str, float | None]:
+    """Conditions of contact in the finest run."""
+    told = given.impacts is not None
+    return {
+        "energy_drift": found.drift if given.conservative else None,
+        "largest_penetration": found.conditions.penetration,
+        "missed_impacts": max((given.impacts or 0) - found.impacts, 0) if told else None,
+        "spurious_impacts": max(found.impacts - (given.impacts or 0), 0) if told else None,
+        "chatter": found.chatter,
+    }
+
+
+@dataclass(frozen=True)
+class ImpactExact(Declared, table="option"):
+    """The known answer of an impact problem.
+
+    Option: `steps`, times at which it is told, as a multiple of those of the coarsest run.
+    """
+
+    steps: int = checked(Number(1, 1024, integer=True), 32)
+
+    name: ClassVar[str] = "impact-exact"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ImpactProblem.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Closed forms; where there is none, event-driven steps of fourth order at half the finest "
+        "step, which tests hold to an independent integration from event to event.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    def domain(self, scenario: ImpactProblem) -> list[Finding]:
+        """Every problem has an answer."""
+        return []
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer an impact problem."""
+        return respond(self, scenario, self._solve)
+
+    def _solve(self, scenario: ImpactProblem) -> Response:
+        given = problem(scenario.problem)
+        exact = _answer(scenario.problem, given.steps * self.steps)
+        nothing = dict.fromkeys(("relative_error", "largest_penetration"), 0.0)
+        if given.impacts is not None:
+            nothing |= dict.fromkeys(("missed_impacts", "spurious_impacts"), 0.0)
+        if given.conservative:
+            nothing["energy_drift"] = 0.0
+        found: Response = _response(given, {"record.exact": exact[:, -1]}, {}, **nothing)
+        width = 0.0 if given.exact is not None else _CERTIFIED
+        widths = {name: width if name == "relative_error" else 0.0 for name in nothing}
+        found.attrs["data_uncertainty"] = json.dumps(widths, sort_keys=True)
+        return found

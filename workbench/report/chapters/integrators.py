@@ -1,0 +1,136 @@
+"""Which integrator for which problem: a matrix of the work that one percent of error takes."""
+
+from collections.abc import Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.content.formatting import number
+from workbench.content.tree import ABSENT, Block, Bullets, Cell, Column, Section, Table
+from workbench.report.stored import Stored
+from workbench.responses import Response
+from workbench.study.definition import Study
+
+GOOD = 0.01  # error of the places over the largest place
+_POOR, _BLOWN = 0.1, 10.0
+_CALM, _CHATTER = 0.1, 0.3  # of a lasting contact; a single blow has 1
+_CAPTION = (
+    "Evaluations of the forces that an error of 1 % takes (largest error of the places over the "
+    "largest place, kept by all finer steps too; ≤: the coarsest step has it); below, the order p "
+    "over the ladder, or exact for errors of round-off, and the error of the finest step. Good: "
+    "reached; doubtful: the finest step is below 10 %; bad: beyond, or no answer. Hatched: impacts "
+    "missed (−) or invented (+) by the finest step."
+)
+
+
+class _Entry(NamedTuple):
+    """What a scheme does on a problem; `work` in evaluations, None if 1 % is not reached.
+
+    `at_once`: it is reached by the coarsest step already.
+    """
+
+    work: int | None
+    at_once: bool
+    error: float
+    order: float | None
+    missed: int
+    spurious: int
+    chatter: float
+
+
+def in_short(study: Study, stored: Stored) -> Section | None:
+    """The matrix and what it says; None for a study without integrators."""
+    found: dict[str, dict[str, _Entry | None]] = {}
+    for case in study.cases:
+        for label in study.models:
+            cell = stored.cells.get((case.name, label))
+            response = stored.response(case.name, label)
+            if response is not None and "ladder.error" in response:
+                found.setdefault(label, {})[case.name] = _entry(response)
+            elif cell is not None and cell.outcome == "not-converged":
+                found.setdefault(label, {})[case.name] = None
+    if not found:
+        return None
+    problems = [
+        case.name for case in study.cases if any(case.name in row for row in found.values())
+    ]
+    columns = (
+        Column("scheme", width=2.0, of=lambda item: str(item[0])),
+        *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
+    )
+    blocks: tuple[Block, ...] = (
+        Table.of("integrators", _CAPTION, columns, found.items()),
+        Bullets((*(_best(name, found) for name in problems), *_told(found))),
+    )
+    return Section("schemes", "Which scheme for which problem", blocks)
+
+
+def _entry(response: Response) -> _Entry:
+    error, work = (response[f"ladder.{name}"].values for name in ("error", "evaluations"))
+    bad = np.flatnonzero(~(error <= GOOD))
+    first = int(bad[-1]) + 1 if bad.size else 0
+
+    def scalar(name: str) -> float | None:
+        return float(response[name]) if name in response else None
+
+    return _Entry(
+        int(work[first]) if first < error.size else None,
+        first == 0,
+        float(error[-1]),
+        scalar("observed_order"),
+        int(scalar("missed_impacts") or 0),
+        int(scalar("spurious_impacts") or 0),
+        scalar("chatter") or 0.0,
+    )
+
+
+def _cell(problem: str, item: tuple[str, dict[str, _Entry | None]]) -> Cell:
+    if problem not in item[1]:
+        return ABSENT
+    entry = item[1][problem]
+    if entry is None:
+        return Cell("no answer", None, "bad")
+    order = "exact" if entry.order is None else f"p {entry.order:.1f}"
+    error = f"{entry.error:.1g}" if entry.error < _BLOWN else "blows up"
+    lines = [_words(entry), order, *([] if entry.order is None else [error])]
+    if entry.missed or entry.spurious:
+        lines.append(f"−{entry.missed} +{entry.spurious}")
+    tone = "good" if entry.work is not None else "doubt" if entry.error <= _POOR else "bad"
+    return Cell("\n".join(lines), entry.work, tone, bool(entry.missed or entry.spurious))
+
+
+def _words(entry: _Entry) -> str:
+    if entry.work is None:
+        return "never"
+    return f"{'≤ ' if entry.at_once else ''}{number(entry.work, 2)}"
+
+
+def _best(problem: str, found: dict[str, dict[str, _Entry | None]]) -> str:
+    """The schemes that need least work."""
+    able = [(e.work, n, e) for n, row in found.items() if (e := row.get(problem)) and e.work]
+    if not able:
+        return f"{problem}: no scheme reaches 1 % on this ladder."
+    words = [f"{name} {_words(entry)}" for _, name, entry in sorted(able)[:3]]
+    return f"{problem}: {', '.join(words)} evaluations for 1 %."
+
+
+def _told(found: dict[str, dict[str, _Entry | None]]) -> Iterator[str]:
+    """Who never converges, and who lets the force of a lasting contact chatter."""
+    for label, row in found.items():
+        known = [entry for entry in row.values() if entry is not None]
+        lost = [n for n, e in row.items() if e is None or (e.work is None and e.error > _POOR)]
+        if lost:
+            worst = number(max((entry.error for entry in known), default=np.inf), 2)
+            places = ", ".join(lost)
+            yield f"{label} is over 10 % off on {places}; its worst error is {worst} times the place."
+    for name in dict.fromkeys(name for row in found.values() for name in row):
+        chatter = {n: e.chatter for n, row in found.items() if (e := row.get(name))}
+        least = min(chatter.values(), default=0.0)
+        loud = {n: c for n, c in chatter.items() if 0.0 < least < _CALM < _CHATTER < c}
+        if loud:
+            words = ", ".join(f"{n} {number(c, 2)}" for n, c in loud.items())
+            yield (
+                f"Contact forces on {name} chatter (half the variation of the impulses over their "
+                f"sum; {number(least, 1)} at best): {words}."
+            )

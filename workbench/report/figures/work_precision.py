@@ -1,0 +1,36 @@
+"""Error against work of integrators: one panel per problem, one line per scheme."""
+
+import numpy as np
+
+from workbench.content.formatting import number
+from workbench.report.drawing.sheet import Drawing, Request, Sheet
+from workbench.report.drawing.style import entry, logarithmic
+
+_FLOOR, _CEILING = 1e-12, 1e2
+
+
+def draw(request: Request) -> Drawing:
+    """Ladders of steps on logarithmic axes."""
+    said: list[str] = []
+    cases = request.chosen(said)
+    sheet = Sheet.grid(len(cases), said, sharey=False)
+    for case, panel in zip(cases, sheet.panels, strict=True):
+        needed = {"ladder.error", "ladder.evaluations"}
+        for label, response in request.answers(case, sheet.absent, needed, "ladder").items():
+            error, work = response["ladder.error"].values, response["ladder.evaluations"].values
+            known = np.isfinite(error)
+            sheet.record(case=case.name, label=label, evaluations=work[known], error=error[known])
+            look = request.looks[label]
+            shown = np.clip(error[known], _FLOOR, _CEILING)
+            panel.plot(work[known], shown, **look.curve(linewidth=0.9))
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        logarithmic(panel.xaxis, lambda value: number(value, 1))
+        logarithmic(panel.yaxis, lambda value: f"{value:.0e}".replace("e-0", "e-"))
+        sheet.name(panel, case.name, "evaluations of the forces", "relative error")
+    sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
+    sheet.said.append(f"Errors below {_FLOOR:g} are drawn there: they are round-off.")
+    return sheet.finish(
+        "error against evaluations of the forces, a panel per problem",
+        empty="No integrator has answered a problem.",
+    )

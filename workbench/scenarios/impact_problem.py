@@ -1,0 +1,22 @@
+"""Impact problems with known answers, by name: scenarios of the impact laboratory."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from workbench.fields import Choice, Declared, Text, checked
+
+PROBLEMS = (
+    *("ball", "ball-lively", "ball-elastic", "table", "two-masses", "cradle", "oscillator"),
+    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing"),
+)
+
+
+@dataclass(frozen=True)
+class ImpactProblem(Declared, table="impact"):
+    """A problem of `workbench.impact.problems`. Raises `InputError` for an unknown one."""
+
+    name: str = checked(Text(), path="name")
+    problem: str = checked(Choice(PROBLEMS))
+
+    KIND: ClassVar[str] = "impact-problem"
+    STATIC: ClassVar[bool | None] = None  # no structure, and no peak to compare
