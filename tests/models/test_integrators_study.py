@@ -89,4 +89,4 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert rows["event-driven"][0].text == "≤ 240\nexact"
     said = [text for b in walk((section,)) if isinstance(b, Bullets) for text in b.items]
     assert any(text.startswith("two-masses: ") for text in said)
-    assert any(text.startswith("newmark is over 10 % off on two-masses; ") for text in said)
+    assert any(text.startswith("newmark is over 10 % off on two-masses: ") for text in said)

@@ -123,7 +123,7 @@ def _told(found: dict[str, dict[str, _Entry | None]]) -> Iterator[str]:
         if lost:
             worst = number(max((entry.error for entry in known), default=np.inf), 2)
             places = ", ".join(lost)
-            yield f"{label} is over 10 % off on {places}; its worst error is {worst} times the place."
+            yield f"{label} is over 10 % off on {places}: at worst {worst} times the place."
     for name in dict.fromkeys(name for row in found.values() for name in row):
         chatter = {n: e.chatter for n, row in found.items() if (e := row.get(name))}
         least = min(chatter.values(), default=0.0)
