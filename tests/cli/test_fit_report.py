@@ -107,6 +107,37 @@ def test_influence_is_that_of_leaving_a_test_out(reports: Path, tmp_path: Path) 
     assert own["without"] == pytest.approx(rest["value"].iloc[0], rel=1e-8)  # of CSV digits
 
 
+COMBINED = """campaign,specimen,test,diameter_mm,fcm_MPa,shear_kN,tension_kN
+TU lab,V1,push-out,19,31,104.5,
+TU lab,T1,pull-out,19,31,,72.0
+TU lab,C1,combined,19,31,88.0,28.0
+TU lab,C2,combined,19,31,70.0,48.0
+TU lab,C3,combined,19,31,45.0,61.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("verb", "text", "more", "said"),
+    [
+        ("interaction", COMBINED, [], "t^p + v^p = 1, fitted"),
+        ("few-tests", "\n".join(STRENGTH.splitlines()[:3]) + "\n",
+         ["--known-variation", "0.1"], "rests on a scatter that is taken as known, V_r = 0.1"),
+    ],
+)  # fmt: skip
+def test_interaction_and_few_tests_have_reports_too(
+    tmp_path: Path, verb: str, text: str, more: list[str], said: str
+) -> None:
+    (tmp_path / "lab.csv").write_text(text)
+    out = tmp_path / "out.html"
+    assert run(["fit", verb, str(tmp_path / "lab.csv"), *more, "--report", str(out)]) == 0
+    shown = words_of(out.read_text())
+    assert said in shown
+    assert "None of the checks" not in shown
+    data = shown.partition("The tests as they stand in the table")[2]
+    assert data.count("companion") == (2 if verb == "interaction" else 0)
+    assert (tmp_path / "out-curves" / "tests.csv").is_file()
+
+
 def test_unseen_tests_are_shown_as_such(tmp_path: Path) -> None:
     file, out = tmp_path / "two.csv", tmp_path / "two.html"
     lines = STRENGTH.splitlines()

@@ -96,14 +96,14 @@ class ResidualOptions(Reported):
 
 
 @dataclass(frozen=True)
-class InteractionOptions(Common):
+class InteractionOptions(Reported):
     """Options of `workbench fit interaction`."""
 
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
 
 
 @dataclass(frozen=True)
-class FewOptions(Common):
+class FewOptions(Reported):
     """Options of `workbench fit few-tests`."""
 
     known_variation: float | None = _option("V_r that earlier tests have shown; needed.", None, "V")

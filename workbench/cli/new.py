@@ -59,7 +59,10 @@ def mapping(as_json: Json = False) -> Answer:
 @verb
 def studs(
     kind: Annotated[
-        str, typer.Option(metavar="NAME", help="strength, load-slip, residual or fatigue.")
+        str,
+        typer.Option(
+            metavar="NAME", help="strength, load-slip, residual, fatigue, combined or deck."
+        ),
     ] = "strength",
     as_json: Json = False,
 ) -> Answer:

@@ -28,7 +28,13 @@ from workbench.report.chapters.stud_tables import Content
 from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
 from workbench.report.drawing.studs import table_of
-from workbench.report.figures import stud_curves, stud_guideline, stud_residuals, stud_scatter
+from workbench.report.figures import (
+    stud_curves,
+    stud_guideline,
+    stud_interaction,
+    stud_residuals,
+    stud_scatter,
+)
 from workbench.report.gallery import Plate, to_csv
 from workbench.responses.provenance import provenance
 from workbench.studs.load_slip_curves import first_loading
@@ -41,11 +47,14 @@ _TITLES = {
     "stud-strength": "Shear strength of headed studs",
     "load-slip": "Load and slip of headed studs",
     "residual": "What is left of headed studs after damage",
+    "interaction": "Tension and shear of headed studs together",
+    "few-tests": "Characteristic values of few tests on headed studs",
 }
 _TABLES = {
     "stud-strength": stud_answer.strength_tables,
     "load-slip": stud_answer.load_slip_tables,
     "residual": stud_answer.residual_tables,
+    "interaction": stud_answer.unseen_tables,
 }
 _TESTS = "tests"  # name of the file with the rows
 _SOFTWARE = ("workbench", "commit", "requirements_lock", "python", "numpy", "scipy")
@@ -99,7 +108,7 @@ def document(
         Section("basis", "What it rests on", tuple(_basis(result))),
         Section("warnings", "Warnings, the decisive ones first", tuple(_warnings(result))),
         Section("figures", "Figures", pictures),
-        Section("numbers", "Numbers", tuple(_TABLES[kind](result))),
+        Section("numbers", "Numbers", tuple(_TABLES[kind](result)) if kind in _TABLES else ()),
         Section("method", "Formulas and method", tuple(fit_answer.method(result))),
         Section("tests", "The tests", tuple(rows_of)),
         Section("software", "Software", (_software(),)),
@@ -143,6 +152,10 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
             yield "left", "What is left", caption, drawn(stud_guideline.plot, panels)
             single = len(set(titles)) == 1
             titles = [q if single else f"{q}, {t}" for q, t, _ in panels]
+        case "interaction":
+            caption = "Tension and shear over the resistances under one of them alone."
+            (content,) = contents
+            yield "interaction", "Law", caption, drawn(stud_interaction.plot, content)
     told = {
         (title if len(set(rows["answer"])) == 1 else f"{title}, {answer}"): own
         for title, content in zip(titles, contents, strict=True)
@@ -161,11 +174,11 @@ def _with_unseen(named: Mapping[str, Content]) -> dict[str, Content]:
 
 
 def _basis(result: Content) -> Iterator[Block]:
-    fit = stud_answer.contents_of(result)[0]["fit"]
+    campaigns = {name for c in stud_answer.contents_of(result) for name in c["fit"]["campaigns"]}
     options = ", ".join(f"{name} = {_words(v)}" for name, v in result["options"].items())
     pairs = [
         ("tests", fit_answer.size(result)),
-        ("campaigns", ", ".join(fit["campaigns"]) or "none"),
+        *([("campaigns", ", ".join(sorted(campaigns)))] if campaigns else []),
         ("held out to judge the fit", ", ".join(result["validate"]) or "none"),
         ("the grade holds", fit_answer.holds(result)),
         ("table", stud_answer.sources_of(result)),
@@ -186,7 +199,7 @@ def _warnings(result: Content) -> Iterator[Block]:
     warnings = stud_answer.warnings_of(result)
     if warnings:
         yield Bullets(tuple(map(str, warnings)))
-    else:
+    elif stud_answer.contents_of(result):
         yield Callout("good", "None of the checks found anything to warn of.")
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.studs.damage import damage_of
 from workbench.studs.damaged import QUANTITIES, damaged_rows
 from workbench.studs.quantities import Array, undamaged_headed_studs
 from workbench.studs.schema import NO_PREDAMAGE
@@ -55,7 +56,8 @@ def _groups(table: pd.DataFrame) -> Iterator[tuple[str, str, Array]]:
         undamaged = table.iloc[:0]
     for group in equal_tests(undamaged):
         yield title_of(group), "shear", 1e3 * group["shear_kN"].to_numpy(float)
-    damaged = table[table["predamage"] != NO_PREDAMAGE]
+    damaged = table.assign(predamage_measure=damage_of(table)["measure"])
+    damaged = damaged[damaged["predamage"] != NO_PREDAMAGE]
     kinds = damaged[["predamage", "predamage_measure"]].drop_duplicates()
     for quantity in QUANTITIES:
         for kind in kinds.itertuples(index=False):

@@ -13,6 +13,7 @@ from workbench.studs.schema import POINTS, TESTS, Table
 _TEST = ("campaign", "specimen", "test")
 _STUD = ("diameter_mm", "height_mm", "fcm_MPa", "fu_MPa")
 _DAMAGE = ("predamage", "predamage_measure", "predamage_level")
+_DECK = ("deck_depth_mm", "deck_width_mm", "deck_thickness_mm", "studs_per_rib", "deck_fixing")
 _CYCLES = (
     *("predamage", "predamage_cycles", "predamage_range_kN", "predamage_peak_kN"),
     *("predamage_frequency_Hz", "predamage_life_cycles"),
@@ -110,6 +111,34 @@ TEMPLATES = {
             "Damage is predamage_cycles over predamage_life_cycles. Where no equal stud was cycled",
             "to failure leave the latter empty in all rows: the life is then that of EN 1994-1-1,",
             "6.8.3 for the range of the load. Or give predamage_level and predamage_measure.",
+        ),
+    ),
+    "combined": Template(
+        "Tests under tension and shear together, with those under one of them alone",
+        TESTS,
+        (*_TEST, *_STUD, "shear_kN", "tension_kN"),
+        ("embedment_mm", "head_diameter_mm", "shear_uncertainty_kN", "tension_uncertainty_kN"),
+        "fit interaction FILE.csv --report FILE.html",
+        (
+            "our lab,V1,push-out,19,100,31.2,472,104.5,",
+            "our lab,T1,pull-out,19,100,31.2,472,,72.0",
+            "our lab,C1,combined,19,100,31.2,472,88.0,28.0",
+            "our lab,C2,combined,19,100,31.2,472,70.0,48.0",
+            "our lab,C3,combined,19,100,31.2,472,45.0,61.0",
+        ),
+        ("Each combined test needs push-outs and pull-outs of its campaign and diameter.",),
+    ),
+    "deck": Template(
+        "Push-out tests of headed studs in profiled deck, one row per specimen",
+        TESTS,
+        (*_TEST, *_STUD, "slab", *_DECK, "shear_kN"),
+        ("deck_stud_position_mm", "slip_at_max_mm", "failure_mode"),
+        "fit stud-strength FILE.csv --slab deck --report FILE.html",
+        (
+            "our lab,E1,push-out,19,125,31.2,472,deck transverse,60,120,1.0,1,welded through,71",
+            "our lab,E2,push-out,19,125,31.2,472,deck transverse,60,120,1.0,1,welded through,76",
+            "our lab,E3,push-out,19,125,31.2,472,deck transverse,60,120,1.0,2,welded through,58",
+            "our lab,E4,push-out,19,125,31.2,472,deck transverse,60,120,1.0,2,welded through,55",
         ),
     ),
 }

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from workbench.content.bibliography import cited
 from workbench.content.formatting import count, number, percent
 from workbench.content.tree import Block, Bullets, Callout, Definitions, Paragraph
+from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_answer import contents_of, named_of
 from workbench.report.chapters.stud_evidence import judged, reference_stud
@@ -30,6 +31,8 @@ _MIXED = (
 def size(result: Content) -> str:
     """How much was fitted."""
     fits = [content["fit"] for content in contents_of(result)]
+    if not fits:
+        return count(len(result["groups"]), "group") + " of nominally equal tests"
     what = "curve" if result["fit"] == "load-slip" else "test"
     most = max(fits, key=lambda fit: int(fit[f"{what}s"]))
     after = " after pre-damage" if result["fit"] == "residual" else ""
@@ -41,7 +44,8 @@ def size(result: Content) -> str:
 
 def holds(result: Content) -> str:
     """Where the grade holds."""
-    return "; ".join(dict.fromkeys(content["fit"]["holds"] for content in contents_of(result)))
+    told = dict.fromkeys(c["fit"].get("holds", "for these tests") for c in contents_of(result))
+    return "; ".join(told) or "for these tests"
 
 
 def stud_of(content: Content) -> str:
@@ -58,6 +62,11 @@ def formula(result: Content) -> tuple[str, Content]:
 def grade(result: Content) -> Iterator[Block]:
     """The grade of the evidence, and where it holds."""
     contents = contents_of(result)
+    if not contents:
+        known = number(result["known_variation"], 3)
+        text = f"rests on a scatter that is taken as known, V_r = {known}, not on these tests"
+        yield Callout("doubt", f"Grade: {text}.")
+        return
     grades = "; ".join(dict.fromkeys(content["fit"]["grade"] for content in contents))
     tone = "doubt"
     if result["fit"] == "residual":
@@ -76,6 +85,10 @@ def answer(result: Content) -> Iterator[Block]:
             yield from tables.residual(contents_of(result))
             if items := tuple(_left(result)):
                 yield Bullets(items)
+        case "interaction":
+            yield from stud_design.interaction(contents_of(result)[0])
+        case "few-tests":
+            yield from stud_design.few(result["groups"])
     told = [
         f"{name}: {judged(content['judgement'])}."
         for name, content in named_of(result).items()
@@ -86,22 +99,17 @@ def answer(result: Content) -> Iterator[Block]:
 
 
 def _left(result: Content) -> Iterator[str]:
-    """What is left at the largest tested damage, and its shares for design."""
+    """What a designer takes at the end of the tested damage."""
     for content in contents_of(result):
-        fit, curve = content["fit"], content["curve"]
-        if not fit["tests"]:
-            continue
-        at = max(i for i, beyond in enumerate(curve["extrapolated"]) if not beyond)
-        text = f"{fit['quantity']}: {number(curve['left'][at], 3)} left"
-        if curve["low"] is not None:
-            text += f" ({number(curve['low'][at], 2)} to {number(curve['high'][at], 2)})"
-        text += f" at damage {curve['level'][at]:.3g}, about the largest tested"
-        if fit["design_share"] is not None:
-            shares = (number(fit[f"{name}_share"], 3) for name in ("characteristic", "design"))
-            text += "; of that {} is characteristic and {} design by EN 1990 D.8 [@en1990]".format(
-                *shares
-            )
-        yield f"{text}."
+        for row in content["design"][-1:]:
+            shares = [row[name] for name in ("fractile", "characteristic") if row[name] is not None]
+            text = f"{content['fit']['quantity']} at damage {row['level']:.3g}, the largest "
+            text += f"tested: {number(row['median'], 3)} left in the median"
+            if shares:
+                text += f", {number(min(shares), 3)} as characteristic value"
+            if row["design"] is not None:
+                text += f", {number(row['design'], 3)} for design by EN 1990 D.8 [@en1990]"
+            yield f"{text}."
 
 
 def _strength(result: Content) -> Iterator[str]:
@@ -162,6 +170,20 @@ def method(result: Content) -> Iterator[Block]:
                 "averaged by how well they predict campaigns (with one campaign specimens) that "
                 "are left out; the band is that of a new test of a new campaign. Shares for design "
                 f"follow EN 1990 D.8. {_MIXED} Sources: {sources}."
+            )
+        case "interaction":
+            sources = " ".join(map(cited, ("aisc360-22", "aci318-19")))
+            yield Paragraph(
+                "Tension t and shear v, each over the mean resistance of pull-outs and push-outs "
+                "of the same campaign and diameter. The logarithm of how far out a test lies in "
+                f"its direction is regressed on that of t^p + v^p = 1. {_MIXED} Laws of the codes: "
+                f"{sources}."
+            )
+        case "few-tests":
+            yield Paragraph(
+                "EN 1990 D.8.4 [@en1990]: the characteristic value is the mean times η_k, which "
+                "the scatter known from earlier tests with the same resistance gives for one to "
+                "three tests within 10 % of their mean. These tests do not tell that scatter."
             )
 
 

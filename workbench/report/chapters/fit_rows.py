@@ -33,17 +33,21 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
     if result["fit"] == "load-slip":
         yield from _curves(result)
         return
-    uses, rows = _uses(result), pd.DataFrame(pd.concat(tables))
+    rows = pd.DataFrame(pd.concat(tables))
+    uses = _uses(result) if "groups" not in result else dict.fromkeys(_keys(rows), "in the table")
     if not uses:
         yield Paragraph(f"None of the {len(rows)} rows entered the answer.")
         return
-    if result["fit"] == "residual":
-        campaigns = {campaign for campaign, _ in uses}
-        whole = rows[(rows["predamage"] == NO_PREDAMAGE) & rows["campaign"].isin(campaigns)]
-        uses |= dict.fromkeys(_keys(whole), "undamaged")
+    companions = {
+        "residual": rows["predamage"] == NO_PREDAMAGE,
+        "interaction": rows["test"] != "combined",
+    }
+    if result["fit"] in companions:
+        own = rows["campaign"].isin([campaign for campaign, _ in uses])
+        uses |= dict.fromkeys(_keys(rows[companions[result["fit"]] & own]), "companion")
     rows["use"] = [uses.get(key, "not used") for key in _keys(rows)]
-    own = (str(name) for name in rows if name not in (*_NAMES, *_HIDDEN))
-    told = [name for name in own if _told(rows[name])]
+    shown = (str(name) for name in rows if name not in (*_NAMES, *_HIDDEN))
+    told = [name for name in shown if _told(rows[name])]
     same = [name for name in told if len(set(rows[name].astype(str))) == 1]
     if len(set(rows["campaign"])) == 1:
         same.insert(0, "campaign")
@@ -53,11 +57,11 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
     parts = -(-len(varying) // _MOST_COLUMNS) or 1
     each = -(-len(varying) // parts)
     for start in range(0, max(len(varying), 1), max(each, 1)):
-        shown = [*names, *varying[start : start + each]]
-        columns = [Column(_title(name), rows[name].dtype == float, 1.0, name) for name in shown]
+        part = [*names, *varying[start : start + each]]
+        columns = [Column(_title(name), rows[name].dtype == float, 1.0, name) for name in part]
         records = [
             {str(name): _cell(value) for name, value in row.items()}
-            for row in rows[shown].to_dict("records")
+            for row in rows[part].to_dict("records")
         ]
         more = "" if start == 0 else ", further columns"
         caption = f"The tests as they stand in the table{more}; a dash is not reported."

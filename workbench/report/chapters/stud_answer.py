@@ -31,6 +31,8 @@ _LABELS = {
 
 def labelled(result: Content) -> Content:
     """The content with formulas under the names of their sources; `key` keeps their own."""
+    if result["fit"] not in _PLACES:
+        return result
     place, name = _PLACES[result["fit"]]
     contents = [
         {**each, "fit": {**each["fit"], name: _LABELS.get(key, key), "key": key}}
@@ -41,20 +43,23 @@ def labelled(result: Content) -> Content:
 
 
 def contents_of(result: Content) -> list[Content]:
-    """The contents of all that was fitted."""
-    return list(result[_PLACES[result["fit"]][0]])
+    """The contents of all that was fitted; none where nothing is."""
+    return list(result[_PLACES[result["fit"]][0]] if result["fit"] in _PLACES else ())
 
 
 def named_of(result: Content) -> Mapping[str, Content]:
     """The contents by the names of formulas, laws or quantities."""
-    name = _PLACES[result["fit"]][1]
-    return {content["fit"][name]: content for content in contents_of(result)}
+    return {content["fit"][_name(result)]: content for content in contents_of(result)}
+
+
+def _name(result: Content) -> str:
+    return _PLACES.get(result["fit"], ("", ""))[1]
 
 
 def warnings_of(result: Content) -> list[Finding]:
     """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
     owners: dict[Finding, list[str]] = {}
-    contents, name = contents_of(result), _PLACES[result["fit"]][1]
+    contents, name = contents_of(result), _name(result)
     for content in contents:
         for each in dict.fromkeys(map(Finding.from_dict, content["findings"])):
             owners.setdefault(each, []).append(content["fit"][name])
@@ -71,7 +76,8 @@ def sources_of(result: Content) -> str:
 
 def left_out(result: Content) -> Iterator[str]:
     """Rows, curves and formulas that were left out, and why."""
-    for text in (*result["rows_left_out"], *contents_of(result)[0]["fit"].get("skipped", ())):
+    skipped = (text for each in contents_of(result)[:1] for text in each["fit"].get("skipped", ()))
+    for text in (*result["rows_left_out"], *skipped):
         yield f"left out: {text}"
     for name, why in result.get("not_fitted", {}).items():
         yield f"not fitted: {name}: {why}"
@@ -128,13 +134,15 @@ def load_slip_tables(result: Content) -> Iterator[Block]:
 def interaction(result: Content) -> Iterator[Block]:
     """The exponent of tension with shear, and the laws of the codes on the same tests."""
     (content,) = contents_of(result)
-    fit, named = content["fit"], named_of(result)
-    yield from _shown(
-        result,
-        f"{fit['tests']} combined tests of {', '.join(fit['campaigns'])}: {fit['grade']}",
-        *stud_design.interaction(content),
-        *tables.unseen(named, {"judgement": "as fitted"}, "Unseen tests, test over prediction:"),
-    )
+    fit = content["fit"]
+    what = f"{fit['tests']} combined tests of {', '.join(fit['campaigns'])}: {fit['grade']}"
+    yield from _shown(result, what, *stud_design.interaction(content), *unseen_tables(result))
+
+
+def unseen_tables(result: Content) -> Iterator[Block]:
+    """Unseen tests under what was fitted."""
+    caption = "Unseen tests, test over prediction:"
+    yield from tables.unseen(named_of(result), {"judgement": "as fitted"}, caption)
 
 
 def few_tests(result: Content) -> Iterator[Block]:
@@ -166,5 +174,4 @@ def residual_tables(result: Content) -> Iterator[Block]:
     yield from tables.relations(contents_of(result))
     yield from stud_design.residual_design(contents_of(result))
     yield from stud_design.posterior(contents_of(result), "relation")
-    caption = "Unseen tests, test over prediction:"
-    yield from tables.unseen(named_of(result), {"judgement": "as fitted"}, caption)
+    yield from unseen_tables(result)
