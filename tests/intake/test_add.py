@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import random
 import runpy
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -366,6 +368,35 @@ def test_nothing_is_left_where_a_write_fails(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(InputError, match=r"lab_data.*cannot be written: No space left"):
         add_table(push_outs(), mapping=mapping())
     assert {path.name: path.read_bytes() for path in Path("lab_data").iterdir()} == before
+
+
+PIECES = (
+    *("", "nan", "inf", "-1", "1e400", "mm", "kN", "ksi", "%", "1,5", "n/a", "-", "synthetic"),
+    *("HEB 220", "pinned", '"', "\n", "\u0663", "\u00b2", "99999999999999999999", "#", "0"),
+)
+
+
+def test_mutilated_tables_end_in_one_message_or_in_a_good_catalogue() -> None:
+    drawn = random.Random(7)
+    taken = 0
+    for _ in range(25):
+        studs = drawn.random() < 0.5
+        table = push_outs() if studs else impacts()
+        lines = [line.split(",") for line in table.read_text(encoding="utf-8").splitlines()]
+        for _ in range(drawn.randint(0, 2)):
+            line = drawn.choice(lines)
+            line[drawn.randrange(len(line))] = drawn.choice(PIECES)
+        table.write_text("\n".join(map(",".join, lines)), encoding="utf-8")
+        given = mapping() if studs else None
+        try:
+            add_table(table, mapping=given, despite_doubts=drawn.random() < 0.5)
+        except InputError:
+            assert not Path("lab_data").exists()
+            continue
+        taken += 1
+        assert check() == problems_of_own() == []
+        shutil.rmtree("lab_data")
+    assert taken > 3
 
 
 def test_a_broken_catalogue_of_ones_own_is_named(capsys: pytest.CaptureFixture[str]) -> None:
