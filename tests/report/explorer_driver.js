@@ -52,7 +52,7 @@
 
   found.matrix = all("#matrix button").map((button) => {
     button.click();
-    return { ...button.dataset, pressed: all("#matrix [aria-pressed='true']").map((one) => one === button), told: at("cell").textContent, case: at("case").value, open: [...at("case").options].map((one) => one.value), group: at("group")?.value, focus: at("focus").value };
+    return { ...button.dataset, text: button.textContent, pressed: all("#matrix [aria-pressed='true']").map((one) => one === button), told: at("cell").textContent, case: at("case").value, open: [...at("case").options].map((one) => one.value), group: at("group")?.value, focus: at("focus").value };
   });
   if (at("group")) set(at("group"), "", "change");
   set(at("case"), found.cases[0], "change");

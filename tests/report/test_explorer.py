@@ -363,6 +363,7 @@ def test_cells_of_the_matrix_lead_to_their_worst_case(seen, stored):
         assert tuple(each["open"]) == stored.study.groups[each["group"]]
         assert each["case"] in each["open"]
         if each["model"] == "falls":
+            assert "1 collapsed" in each["text"]
             assert each["case"].endswith(" 20 m/s")
 
 

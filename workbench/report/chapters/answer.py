@@ -187,10 +187,7 @@ def _tone(row: Row) -> str:
 def _counts(row: Row) -> Iterator[str]:
     """How many cases were asked, how those without an answer ended, what is outside a domain."""
     yield count(row["asked"], "case")
-    for name in ("collapsed", "refused", "failed", "not_run"):
-        if row[name]:
-            yield f"{row[name]} {name.replace('_', ' ')}"
-    yield from _collapses(row)
+    yield from ends(row)
     if row["outside"]:
         yield f"{_of(row['outside'], row['answered'])}outside its domain"
     if row["synthetic"]:
@@ -198,6 +195,14 @@ def _counts(row: Row) -> Iterator[str]:
     if row["against_outside"]:
         some = _of(row["against_outside"], row[f"{PEAK}_count"])
         yield f"{some}with the reference outside its own"
+
+
+def ends(row: Row) -> Iterator[str]:
+    """How the cases without a number ended, and where the reference ended otherwise."""
+    for name in ("collapsed", "refused", "failed", "not_run"):
+        if row[name]:
+            yield f"{row[name]} {name.replace('_', ' ')}"
+    yield from _collapses(row)
 
 
 def _collapses(row: Row) -> Iterator[str]:

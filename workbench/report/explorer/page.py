@@ -178,12 +178,15 @@ def _dash(look: Look) -> str:
 def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:
     """The matrix of the first page by rows: `label`, `cells` by group, `time` and `words`."""
     tables = (block for block in answer.matrix(study, stored) if isinstance(block, Table))
-    labels = dict.fromkeys(row["label"] for row in stored.rows["matrix"])
-    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
+    known = {(row["label"], row["group"]): row for row in stored.rows["matrix"]}
+    labels, groups = (dict.fromkeys(key[i] for key in known) for i in (0, 1))
     return [
         {
             "label": label,
-            "cells": [_shown(group, cell) for group, cell in zip(groups, row[1:], strict=False)],
+            "cells": [
+                _shown(group, cell, known.get((label, group)))
+                for group, cell in zip(groups, row[1:], strict=False)
+            ],
             "time": row[-2].text,
             "words": row[-1].text,
         }
@@ -192,9 +195,10 @@ def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:
     ]
 
 
-def _shown(group: str, cell: Cell) -> dict[str, Any]:
-    lines = cell.text.split("\n")
-    return {"group": group, "lines": lines, "tone": cell.tone, "hatched": cell.hatched}
+def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, Any]:
+    ends = ", ".join(answer.ends(dict(row))) if row else ""
+    look = {"tone": cell.tone, "hatched": cell.hatched}
+    return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
 
 
 def _seen(study: Study, stored: Stored, cases: Sequence[_Asked]) -> dict[str, Any]:
