@@ -262,6 +262,30 @@ def test_simulate_prints_a_short_table_and_writes_the_response(
     assert {path.name for path in target.parent.iterdir()} == {"scenario.toml", "run.nc"}
 
 
+def test_simulate_with_its_error_budget(
+    scenario_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["simulate", str(scenario_file), "--model", "single-dof", "--budget"]
+    arguments += ["--option", "resistance=analytic", "--spread", "velocity=0.1"]
+    assert run([*arguments, "--json"]) == 0
+    terms = json.loads(capsys.readouterr().out)["budget"]["peak_displacement"]
+    assert [term["term"] for term in terms][-2:] == ["best reference", "total"]
+    assert terms[1]["low"] > 0.2  # the web yields, the model does not know
+    assert not any(term["collapses"] for term in terms)
+    assert run(arguments) == 0
+    shown = capsys.readouterr().out
+    assert "velocity ±10 %" in shown
+    assert "===" in shown
+    assert run([*arguments[:-1], "speed=0.1"]) == 2
+    assert run([*arguments[:4], "--spread", "velocity=0.1"]) == 2
+    assert run([*arguments[:5], "--spread", "velocity"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 3
+    assert said[0].startswith("workbench: spread.speed: unknown key; known are velocity")
+    assert "is for --budget" in said[1]
+    assert "must look like velocity=0.1" in said[2]
+
+
 def test_simulate_a_pushover(
     thesis_impact: ColumnImpact, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -31,11 +31,12 @@ def request(stored, kind, cases=None, labels=None, **options) -> Request:
 MEMBERS = [
     kind for kind in KINDS if not kind.startswith("stud-")
 ]  # studs have studies of their own
+ELSEWHERE = ("sweep", "domain-map", "shear-domain", "meshes", "budget")
 
 
 @pytest.mark.parametrize(
     "kind",
-    [kind for kind in MEMBERS if kind not in ("sweep", "domain-map", "shear-domain", "meshes")],
+    [kind for kind in MEMBERS if kind not in ELSEWHERE],
 )
 def test_every_kind_draws(small, kind):
     drawing = draw(request(small, kind))

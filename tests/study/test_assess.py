@@ -332,6 +332,7 @@ def test_an_assessment_reads_the_store_only(
     tables = tmp_path / "toy" / "tables"
     first = {path.name: path.read_bytes() for path in tables.iterdir()}
     assert set(first) == {
+        "budget.csv",
         "cells.csv",
         "findings.csv",
         "comparisons.csv",

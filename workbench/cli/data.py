@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from workbench.cli.output import Answer, verb
+from workbench.cli.studies import StoreRoot, StudyName
 from workbench.content.tree import (
     Block,
     Bullets,
@@ -127,6 +128,41 @@ def _added(added: Any) -> Iterator[Block]:
         yield Paragraph(f"Next: {added.then}")
     else:
         yield Callout("note", f"The catalogue reads this folder with WORKBENCH_DATA={entry.folder}")
+
+
+@app.command("measure")
+@verb
+def measure(
+    study: StudyName,
+    store: StoreRoot = "reports",
+    out: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Where to write.  [default: the tables of the program]"),
+    ] = None,
+    earlier: Annotated[
+        bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
+    ] = False,
+) -> Answer:
+    """Measure the model form in a stored study of columns: bias and scatter by region.
+
+    Writes the tables from which `workbench simulate --budget` knows the model form.
+    """
+    from workbench.assessment.model_form import RANGES, TABLE
+    from workbench.evidence import dataset
+    from workbench.study import assess, load_study
+    from workbench.study.model_form import COLUMNS, RANGE_COLUMNS, model_form_rows, range_rows
+    from workbench.study.store import csv_bytes, write_atomically
+
+    chosen = load_study(study).study
+    rows = list(model_form_rows(chosen, assess(chosen, Path(store), earlier=earlier)))
+    tables = {TABLE: (rows, COLUMNS), RANGES: (list(range_rows(chosen)), RANGE_COLUMNS)}
+    written = []
+    for name, (table, columns) in tables.items():
+        path = dataset(name).path if out is None else Path(out) / dataset(name).path.name
+        write_atomically(path, csv_bytes(table, columns))
+        written.append(str(path))
+    text = f"{len(rows)} rows on {len({row['model'] for row in rows})} models in {written[0]}."
+    return Answer({"rows": len(rows), "files": written}, [Paragraph(text)])
 
 
 @app.command("check")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from workbench.cli.budget import budget_blocks, budget_from, budgeted, plain
 from workbench.cli.output import Answer, verb, writable
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from workbench.responses import Response
     from workbench.scenarios import Scenario
 
+_KIND = "numerical"  # what stands after ±
 
 ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
 Settings = Annotated[
@@ -39,6 +41,13 @@ def simulate(
     out: Annotated[
         str | None, typer.Option(metavar="RUN.nc", help="Write the whole response as netCDF.")
     ] = None,
+    budget: Annotated[
+        bool, typer.Option("--budget", help="Add what the errors of the answer may be, by source.")
+    ] = False,
+    spread: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=SHARE", help="How well an input is known, for the budget."),
+    ] = None,
 ) -> Answer:
     """Answer one scenario with one model.
 
@@ -50,7 +59,12 @@ def simulate(
     from workbench.scenarios import load_scenario
 
     target = None if out is None else writable("--out", out)
+    if spread and not budget:
+        raise InputError("--spread", spread[0], "is for --budget")
+    asked = budget_from(spread or []) if budget else None
     given = load_scenario(scenario, settings or [])
+    if asked is not None:
+        asked.variations(given)
     chosen = make_model(model, options_from(options or []))
     response = chosen.simulate(given)
     outcome = outcome_of(response)
@@ -61,7 +75,11 @@ def simulate(
 
         write_atomically(target, to_netcdf_bytes(response))
     found = as_object(response, given)
-    shown = _blocks(given.name, found, target)
+    shown = list(_blocks(given.name, found, target))
+    if asked is not None:
+        terms = budgeted(asked, chosen, given, response)
+        found["budget"] = plain(terms)
+        shown += budget_blocks(response, terms)
     return Answer(found, shown, int(not outcome.is_answer))
 
 
@@ -172,7 +190,7 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
         value = energies.get(name, found.get(name))
         if value is not None:
             place = f" ({found['places'][name]})" if name in found["places"] else ""
-            text = in_unit(value, name, width=widths.get(name, 0.0))
+            text = in_unit(value, name, width=widths.get(name, 0.0), kind=_KIND)
             yield VARIABLES[name].long_name.split(":")[0], f"{text}{place}"
     for name in ENERGIES:
         if energies[name] is not None:
@@ -186,7 +204,7 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
         for point, ladder in (found["refinement"] or {}).get("quantities", {}).items():
             if " at " in point and point in widths:
                 quantity, value = point.split(" at ")[0], ladder["values"]["h"]
-                yield point, in_unit(value, quantity, width=widths[point])
+                yield point, in_unit(value, quantity, width=widths[point], kind=_KIND)
         yield "points of the curve", str(len(found["force"]))
     for member in found["struck"]:
         forces = [

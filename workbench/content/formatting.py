@@ -92,10 +92,12 @@ def in_unit(
     width: float | None = 0.0,
     *,
     named: bool = True,
+    kind: str = "",
 ) -> str:
     """A value of a quantity in its display unit, with the unit where that is `named`.
 
-    `width` is the half-width of its uncertainty (zero: none is shown, None: unknown).
+    `width` is the half-width of its uncertainty (zero: none is shown, None: unknown), which is of
+    a `kind` such as numerical.
     """
     if value is None or not math.isfinite(value):
         return number(value)
@@ -103,7 +105,8 @@ def in_unit(
     text = number(value * unit.factor, digits)
     if width != 0.0:
         text += f" {PLUS_MINUS} {'unknown' if width is None else number(width * unit.factor, 2)}"
-    return f"{text}{NO_BREAK}{unit.text}" if named and unit.text else text
+    text = f"{text}{NO_BREAK}{unit.text}" if named and unit.text else text
+    return f"{text} ({kind})" if kind and width != 0.0 else text
 
 
 def metric_title(metric: str) -> str:

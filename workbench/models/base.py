@@ -112,6 +112,13 @@ def options_of(model: Model) -> dict[str, Any]:
     return {f.name: getattr(model, f.name) for f in dataclasses.fields(model)}  # type: ignore[arg-type]
 
 
+def on_one_mesh(model: Model) -> Model:
+    """The model without the coarser meshes of a reference: the same numbers, without an error."""
+    if not hasattr(model, "levels"):
+        return model
+    return dataclasses.replace(model, levels=1)  # type: ignore[type-var]
+
+
 def with_options(kind: type[Any], options: Mapping[str, Any]) -> Any:
     """A model of this kind with options checked by name and value. Raises `InputError`."""
     known = [f.name for f in dataclasses.fields(kind)]

@@ -14,6 +14,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.chapters import (
     answer,
+    budgets,
     configuration,
     integrators,
     limits,
@@ -98,6 +99,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         limits.domain(stored, shear),
         limits.notes(study),
         Section("results", "Results", tuple(pictures)),
+        budgets.budget_tables(stored),
         stud_evidence.design(study, stored),
         results.numbers(study, stored),
         reference.convergence(study, stored, own["convergence"]),

@@ -40,6 +40,13 @@ _STANDARD = {
     ),
 }
 
+_BUDGET = (
+    "Each bar is one source of error by itself; blue bars are sums. A white line shows where a "
+    "measured bias moves the answer. Numerical errors, model form and inputs add in quadrature "
+    "about it; strain rate, which the models leave out, can only make the answer smaller, and its "
+    "estimate adds in full."
+)
+
 
 @dataclass(frozen=True)
 class Plate:
@@ -118,12 +125,27 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
         if wanted[kind] and kind not in kinds
     }
     front = [own.pop("structure")] if "structure" in own else []
-    whole = (*front, *study.figures, *own.values())
+    whole = (*front, *_budgets(study), *study.figures, *own.values())
     keys = [figure.key for figure in whole]
     for key in keys:
         if keys.count(key) > 1 or not key.replace("-", "").replace("_", "").isalnum():
             raise InputError("figure.key", key, "must be unique letters, digits, - and _")
     return whole
+
+
+def _budgets(study: Study) -> list[Figure]:
+    """A figure for every case whose errors are budgeted."""
+    return [
+        Figure(
+            f"budget-{number}",
+            "budget",
+            f"What the errors may make of the answers: {budget.case}",
+            _BUDGET,
+            budget.models,
+            {"case": budget.case},
+        )
+        for number, budget in enumerate(study.budgets, 1)
+    ]
 
 
 def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:

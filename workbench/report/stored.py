@@ -19,19 +19,20 @@ BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
-    *("references", "validation", "matrix", "cost"),
+    *("references", "validation", "matrix", "cost", "budget"),
 )
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
-        *("doubt", "group", "reason", "worst"),
+        *("doubt", "group", "reason", "worst", "term"),
     ),
     str,
 )
 _LISTS = dict.fromkeys(
-    ("reasons", "collapsed", "collapse_parts"), lambda text: json.loads(text) if text else None
+    ("reasons", "collapsed", "collapse_parts", "lacks"),
+    lambda text: json.loads(text) if text else None,
 )
 
 

@@ -1,6 +1,7 @@
 """Studies: cases answered by models, the runner, the result store, the assessment of it."""
 
 from workbench.assessment.gates import Gate as Gate
+from workbench.assessment.variations import Budget as Budget
 from workbench.study.assess import Assessment as Assessment
 from workbench.study.assess import assess as assess
 from workbench.study.cells import cells_of as cells_of

@@ -6,8 +6,10 @@ The verdict of a gate counts all cases that are asked; the rule itself stands in
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from workbench.assessment import METRICS
+from workbench.assessment.budget import COLUMNS as TERM_COLUMNS
 from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
 from workbench.errors import Collapse, InputError
 from workbench.responses import (
@@ -31,7 +33,8 @@ from workbench.study.comparisons import (
     ladder_row,
     of_side,
 )
-from workbench.study.definition import Study
+from workbench.study.definition import Study, varied_case
+from workbench.study.manifest import as_answered
 from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
 from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
 from workbench.study.store import NOT_RUN, Presence, Row, Store, csv_bytes, write_atomically
@@ -57,6 +60,7 @@ COLLAPSE = tuple(f"collapse_{name}" for name in Collapse._fields)
 # of a cell: `outside`, how many warnings place it outside the domain; `cold`, whether its times may
 # hold compilation
 _DERIVED = ("shear_utilisation", "energy_error", "outside", "cold")
+BUDGET_COLUMNS = ("case", "label", "quantity", "value", *TERM_COLUMNS)
 _FEWEST_FOR_BIAS = 3  # cases
 
 
@@ -74,11 +78,12 @@ class Assessment:
         return any(found.verdict is Verdict.FAIL for found in self.verdicts)
 
 
-def assess(study: Study, root: Path) -> Assessment:
+def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     """Compare what is stored under ``root/<study name>`` and write the tables there.
 
     Cells that are not stored count as not run. Arguments: `study` (in its quick form, if that is
-    what was run); `root`, the directory of all stores. Raises `InputError` if nothing has been
+    what was run); `root`, the directory of all stores; `earlier`: answers of other versions of a
+    model count where there is none of this one. Raises `InputError` if nothing has been
     stored yet or a parameter of the study has the name of a column.
     """
     store = Store(Path(root) / study.name)
@@ -86,6 +91,7 @@ def assess(study: Study, root: Path) -> Assessment:
     if not store.keys():
         advice = f"run it first: workbench run {study.name}"
         raise InputError("study", study.name, "has no stored cells yet", advice)
+    cells = as_answered(cells, store) if earlier else cells
     names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
     for name in names:
         if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
@@ -98,7 +104,7 @@ def assess(study: Study, root: Path) -> Assessment:
         asked = [cell for cell in cells if cell.case == case.name]
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
-            row = {**who, "model_version": cell.model.version, "outcome": NOT_RUN, "key": cell.key}
+            row = {**who, "model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
             if store.presence(cell.key, cell.ingredients) is Presence.FINISHED:
                 response = responses[cell.label] = store.response(cell.key)
                 row |= _numbers(response, store, cell)
@@ -121,6 +127,7 @@ def assess(study: Study, root: Path) -> Assessment:
     rows["validation"] = list(validation_rows(study, given))
     rows["matrix"] = list(matrix_rows(study, rows))
     rows["cost"] = list(cost_rows(study, rows))
+    rows["budget"] = list(_budget_rows(study, cells, store))
     columns = {
         "cells": (
             *(*_CELL, "solve_time", *names, *SCALARS, *map(width_of, study.quantities)),
@@ -136,6 +143,7 @@ def assess(study: Study, root: Path) -> Assessment:
         "validation": VALIDATION_COLUMNS,
         "matrix": MATRIX_COLUMNS,
         "cost": COST_COLUMNS,
+        "budget": BUDGET_COLUMNS,
     }
     store.prepare()
     for name, table in rows.items():
@@ -186,6 +194,32 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
         if len(rows) < _FEWEST_FOR_BIAS:
             continue
         yield {"model": model, "against": reference, "quantity": quantity, **pooled(rows)}
+
+
+def _budget_rows(study: Study, cells: Sequence[Cell], store: Store) -> Iterator[Row]:
+    """A row for every term and sum of every budget, per label and quantity."""
+    stored = {
+        (cell.case, cell.label): cell
+        for cell in cells
+        if store.presence(cell.key, cell.ingredients) is Presence.FINISHED
+    }
+    for budget in study.budgets:
+        scenario: Any = next(case.scenario for case in study.cases if case.name == budget.case)
+        for label in budget.models:
+            answer = stored.get((budget.case, label))
+            if answer is None:
+                continue
+            varied = {
+                key: store.response(cell.key)
+                for key in budget.variations(scenario)
+                if (cell := stored.get((varied_case(budget.case, key), label))) is not None
+            }
+            response = store.response(answer.key)
+            found = budget.terms(study.models[label], scenario, response, varied)
+            for quantity, terms in found.items():
+                who = {"case": budget.case, "label": label, "quantity": quantity}
+                value = float(response[quantity])
+                yield from ({**who, "value": value, **term.as_dict()} for term in terms)
 
 
 def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:

@@ -10,7 +10,7 @@ from importlib import metadata
 from typing import Any
 
 from workbench.errors import InputError
-from workbench.models.base import Model, options_of
+from workbench.models.base import Model, on_one_mesh, options_of
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients
@@ -37,6 +37,11 @@ class Cell:
     def name(self) -> str:
         """``case/label``, as patterns and messages use it."""
         return f"{self.case}/{self.label}"
+
+    @property
+    def version(self) -> int:
+        """Version of the model that answers, or has answered."""
+        return int(self.ingredients["model_version"])
 
 
 def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
@@ -86,8 +91,10 @@ def cells_of(study: Study) -> list[Cell]:
     for label, model in study.models.items():
         _check_model(label, model)
     cells = []
-    for case, label in study.cells():
-        model = study.models[label]
+    asked = [(case, label, study.models[label]) for case, label in study.cells()]
+    for case, label in study.varied_cells():
+        asked.append((case, label, on_one_mesh(study.models[label])))
+    for case, label, model in asked:
         ingredients = ingredients_of(case.scenario, model)
         cells.append(Cell(case.name, label, case.scenario, model, ingredients, key_of(ingredients)))
     if not cells:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from workbench.assessment import METRICS, Gate, Scope
+from workbench.assessment.variations import Budget
 from workbench.errors import InputError
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
@@ -42,6 +43,11 @@ class Case:
     quick: bool = True
 
 
+def varied_case(case: str, variation: str) -> str:
+    """Name of the case that is varied for the budget of another one."""
+    return f"{case}: {variation}"
+
+
 @dataclass(frozen=True)
 class Figure:
     """A figure of the report.
@@ -71,9 +77,10 @@ class Study:
     `references`, labels from best to worst, the best of which inside its domain counts in each
     case (empty: the reference); `groups` of cases that the answer tells apart, names to names of
     cases (empty: one of all); `quantities` compared; `gates`; `figures`; `decisive`, key of the
-    figure of the first page (empty: the first that shows all cases at once); `quick_models`,
-    labels that the quick form keeps (empty: all); `notes`, paragraphs for the report about what
-    is reconstructed, inferred or outside a domain.
+    figure of the first page (empty: the first that shows all cases at once); `budgets`, answers
+    whose errors are budgeted: their varied runs are stored, and compared with nothing else;
+    `quick_models`, labels that the quick form keeps (empty: all); `notes`, paragraphs for the
+    report about what is reconstructed, inferred or outside a domain.
     Raises `InputError` for labels or names that do not fit together, and for unknown metrics.
     """
 
@@ -90,16 +97,22 @@ class Study:
     gates: tuple[Gate, ...] = ()
     figures: tuple[Figure, ...] = ()
     decisive: str = ""
+    budgets: tuple[Budget, ...] = ()
     quick_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        refuse_mistakes(self, {"cases": Case, "gates": Gate, "figures": Figure})
+        kinds = {"cases": Case, "gates": Gate, "figures": Figure, "budgets": Budget}
+        refuse_mistakes(self, kinds)
         names = [case.name for case in self.cases]
         for name in names:
             if names.count(name) > 1:
                 raise InputError("study.cases", name, "case names must be unique")
-        for where, of in (("gate", [g.cases for g in self.gates]), ("group", self.groups.values())):
+        for where, of in (
+            ("gate", [g.cases for g in self.gates]),
+            ("group", self.groups.values()),
+            ("budget", [[budget.case] for budget in self.budgets]),
+        ):
             for name in (name for cases in of for name in cases):
                 if name not in names:
                     raise InputError(f"{where}.cases", name, "is not a case of the study")
@@ -107,6 +120,7 @@ class Study:
             raise InputError("study.decisive", self.decisive, "is not a figure of the study")
         labels = [*self.ladder, *self.references, *self.quick_models, self.reference]
         labels += [label for case in self.cases for label in case.models]
+        labels += [label for budget in self.budgets for label in budget.models]
         labels += [label for figure in self.figures for label in figure.models]
         labels += [label for gate in self.gates for label in (gate.model, gate.against)]
         for label in labels:
@@ -139,6 +153,17 @@ class Study:
         for case, label in self._pairs():
             if case.scenario.KIND in self.models[label].answers:
                 yield case, label
+
+    def varied_cells(self) -> Iterator[tuple[Case, str]]:
+        """The varied runs of all budgets, as cases of their own with every label of the budget.
+
+        Raises `InputError` for a budget of what is no impact on a column.
+        """
+        for budget in self.budgets:
+            scenario = next(case.scenario for case in self.cases if case.name == budget.case)
+            for key, varied in budget.variations(scenario).items():
+                case = Case(varied_case(budget.case, key), varied)
+                yield from ((case, label) for label in budget.models)
 
     def unasked(self) -> dict[tuple[str, str], list[str]]:
         """Cases that a label is not asked, as its model does not answer their kind.
@@ -190,6 +215,11 @@ class Study:
             for figure in self.figures
             if not figure.models or kept(figure.models)
         )
+        budgets = tuple(
+            dataclasses.replace(budget, models=kept(budget.models))
+            for budget in self.budgets
+            if budget.case in names and kept(budget.models)
+        )
         groups = {
             group: tuple(name for name in of if name in names) for group, of in self.groups.items()
         }
@@ -213,5 +243,6 @@ class Study:
             decisive=self.decisive if self.decisive in {f.key for f in figures} else "",
             gates=gates,
             figures=figures,
+            budgets=budgets,
             quick_models=(),
         )

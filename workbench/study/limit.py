@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from workbench.models.base import Model
+from workbench.models.base import Model, on_one_mesh
 from workbench.responses import Outcome, collapse_of, outcome_of, survives, warnings_of
 from workbench.responses.histories import NO_PEAK
 from workbench.scenarios import Scenario
@@ -77,7 +77,7 @@ def find_limit(
     `ends` of the range, the one that survives first; `tolerance`, width of the bracket over its
     larger value.
     """
-    alone = replace(model, levels=1) if hasattr(model, "levels") else model  # type: ignore[type-var]
+    alone = on_one_mesh(model)
     trials: dict[float, Trial] = {}
 
     def tried(value: float) -> bool | None:

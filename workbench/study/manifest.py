@@ -3,7 +3,7 @@
 import json
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -72,6 +72,20 @@ def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
         return CellStatus(cell, State.TO_DO, reason=reason)
 
     return [status(cell) for cell in cells]
+
+
+def as_answered(cells: list[Cell], store: Store) -> list[Cell]:
+    """Cells as they were last answered, where only the version of the model is another now."""
+    answered = _last_answers(read_manifest(store), store)
+
+    def earlier(cell: Cell) -> Cell:
+        last = answered.get((cell.case, cell.label), cell.ingredients)
+        version = cell.ingredients["model_version"]
+        if store.holds(cell.key) or {**last, "model_version": version} != cell.ingredients:
+            return cell
+        return replace(cell, ingredients=last, key=key_of(last))
+
+    return [earlier(cell) for cell in cells]
 
 
 def read_manifest(store: Store) -> Manifest:

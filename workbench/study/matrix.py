@@ -9,13 +9,12 @@ from dataclasses import asdict
 from statistics import median
 
 from workbench.assessment import bias_and_scatter
+from workbench.assessment.budget import PEAK, REMAINS, RESIDUAL
 from workbench.responses import Outcome
 from workbench.study.definition import Study, holds_data
-from workbench.study.standing import PEAK
 from workbench.study.store import NOT_RUN, Row
 from workbench.study.validation import MEASURED
 
-RESIDUAL = "residual_displacement"
 ALL = "all cases"
 _POOLED = ("count", "bias", "low", "high", "worst", "within")
 _ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
@@ -44,9 +43,9 @@ MATRIX_COLUMNS = (
     ),
 )
 COST_COLUMNS = ("label", "against", "count", "ratio")
-_REMAINS = 0.1  # of the peak: below, the ratio of residual displacements says nothing
 
 Tables = Mapping[str, Sequence[Row]]
+Pairs = Mapping[tuple[str, str, str], Row]
 
 
 def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
@@ -55,7 +54,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     Published and measured numbers have none, unless tests are the reference.
     """
     cells = {(row["case"], row["label"]): row for row in tables["cells"]}
-    standings = {row["case"]: row for row in tables["references"] if row.get("label")}
+    standings = standings_of(tables)
     pairs = against_best(tables, standings)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
@@ -85,7 +84,12 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
             }
 
 
-def against_best(tables: Tables, standings: Mapping[str, Row]) -> dict[tuple[str, str, str], Row]:
+def standings_of(tables: Tables) -> dict[str, Row]:
+    """The references that count, by case, where one answered."""
+    return {row["case"]: row for row in tables["references"] if row.get("label")}
+
+
+def against_best(tables: Tables, standings: Mapping[str, Row]) -> Pairs:
     """Comparisons with the reference that counts, by case, label and quantity."""
     return {
         (row["case"], row["model"], row["quantity"]): row
@@ -127,25 +131,27 @@ def _compared(
     label: str,
     cases: Sequence[str],
     standings: Mapping[str, Row],
-    pairs: Mapping[tuple[str, str, str], Row],
+    pairs: Pairs,
 ) -> Row:
     """Bias of the peak and of the residual displacement over the cases of a group."""
     row: dict[str, object] = {}
     for quantity in (PEAK, RESIDUAL):
-        found = []
-        for case in cases:
-            pair, peak = (pairs.get((case, label, name)) for name in (quantity, PEAK))
-            if pair is None or min(pair["value"], pair["against_value"]) <= 0.0:
-                continue
-            if peak is None or pair["against_value"] < _REMAINS * peak["against_value"]:
-                continue
-            found.append(pair)
+        told = (telling(pairs, case, label, quantity) for case in cases)
+        found = [pair for pair in told if pair is not None]
         if found:
             numbers = pooled(found)
             row |= {f"{quantity}_{name}": numbers[name] for name in _POOLED}
         if quantity == PEAK:
             row["against_outside"] = sum(not standings[pair["case"]]["inside"] for pair in found)
     return row
+
+
+def telling(pairs: Pairs, case: str, label: str, quantity: str) -> Row | None:
+    """The comparison of a case, None where its ratio says nothing or there is none."""
+    pair, peak = (pairs.get((case, label, name)) for name in (quantity, PEAK))
+    if pair is None or peak is None or min(pair["value"], pair["against_value"]) <= 0.0:
+        return None
+    return pair if pair["against_value"] >= REMAINS * peak["against_value"] else None
 
 
 def pooled(rows: Sequence[Row]) -> dict[str, object]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from workbench.assessment import METRICS
+from workbench.assessment.budget import PEAK
 from workbench.assessment.gates import CaseVerdict, Gate, Verdict, judge
 from workbench.errors import InputError
 from workbench.responses import Finding, Response, findings_of, is_synthetic
@@ -11,7 +12,6 @@ from workbench.study.comparisons import Answers, compare, of_side
 from workbench.study.store import Row
 
 STANDING_COLUMNS = ("case", "label", "inside", "synthetic", "uncertainty", "reason")
-PEAK = "peak_displacement"
 FORM = "synthetic, shows the form only,"
 BOTH = "within the bound, but both sides are outside their domain,"
 

@@ -6,6 +6,7 @@ from functools import partial
 from math import ceil
 from typing import Any
 
+from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import count, part, percent, several
 from workbench.content.tree import (
     ABSENT,
@@ -20,11 +21,10 @@ from workbench.content.tree import (
     marked,
 )
 from workbench.report.chapters import measured, verdicts
+from workbench.report.chapters.budgets import budgets
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Study
-from workbench.study.matrix import RESIDUAL
-from workbench.study.standing import PEAK
 
 GOOD, FAIR = 0.05, 0.10  # bounds of what may be relied on, and of what may do
 _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
@@ -44,7 +44,7 @@ Row = dict[str, Any]
 def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
     """The question, the matrix with what places models outside their domain, and `pictures`."""
     shown = [Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures]
-    found = tuple(matrix(study, stored))
+    found = (*matrix(study, stored), *budgets(stored))
     title = "The answer" if found or shown else "What was asked"
     said = (*measured.made(stored), *measured.footnote(study, stored))
     return Section("answer", title, (Paragraph(study.question), *said, *found, *shown))
@@ -90,6 +90,7 @@ def in_brief(study: Study, stored: Stored) -> Iterator[Block]:
 
 def _brief(study: Study, stored: Stored) -> Iterator[Block]:
     yield from matrix(study, stored)
+    yield from budgets(stored)
     rows = stored.rows["verdicts"]
     yield verdicts.headline(rows)
     if rows:
@@ -149,7 +150,7 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
             lines.append(f"residual {_bias(row, RESIDUAL)}")
     elif own:
         known = row["known"]
-        within = "" if known is None else f", known within {_up(known)}"
+        within = "" if known is None else f", numerically within {_up(known)}"
         lines.append(f"the reference{within}")
     else:
         told = "not compared" if row["answered"] else "no answer"

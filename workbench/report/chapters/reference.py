@@ -57,7 +57,10 @@ def _convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Iter
     yield from figures
     rows = [row for row in stored.rows["ladder"] if _has(study, stored, row)]
     if rows:
-        caption = f"Refinement ladder of {study.reference}: values, observed order, uncertainty."
+        caption = (
+            f"Refinement ladder of {study.reference}: values, observed order, numerical "
+            "uncertainty."
+        )
         yield Table.of("ladder", caption, _columns(study), rows, 40)
     else:
         yield Callout("doubt", "No case has answers on two levels of the ladder.")
@@ -82,7 +85,7 @@ def _columns(study: Study) -> Iterator[Column]:
     yield Column("order", True, 0.7, lambda row: valued(row["order"], 3))
     yield Column("extrapolated", True, 1.1, value("extrapolated"))
     yield Column(
-        *("uncertainty", True, 1.05),
+        *("numerical uncertainty", True, 1.05),
         lambda row: share(row["relative"], "" if row["accepted"] == "true" else "doubt"),
     )
     yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))

@@ -92,7 +92,7 @@ def summary_table(rows: list[dict[str, Any]]) -> Table:
         _VERDICT,
         Column("no.", width=0.4, of="number"),
         Column("what is judged", width=3.4, of=question_of),
-        Column("critical value ± uncertainty", True, 2.4, _critical),
+        Column("critical value ± numerical or data uncertainty", True, 2.4, _critical),
         Column("bound", True, 0.9, _bound),
         Column("cases passed", True, 0.9, _passed),
     )
@@ -139,6 +139,10 @@ def _interval(row: dict[str, Any]) -> str:
     return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
 
 
+def _judged(row: dict[str, Any]) -> Cell:
+    return Cell(_interval(row), row["value"])
+
+
 def _bound(row: dict[str, Any]) -> Cell:
     bound = metric_value(row["metric"], row["quantity"], row["bound"], bound=True)
     return Cell(f"±{bound}", row["bound"])
@@ -162,7 +166,7 @@ def _every_case(rows: list[dict[str, Any]]) -> Table:
         _VERDICT,
         Column("what is judged", width=2.8, of=question_of),
         Column("case", width=1.6, of="case"),
-        Column("value ± uncertainty", True, 1.8, lambda row: Cell(_interval(row), row["value"])),
+        Column("value ± numerical or data uncertainty", True, 1.8, _judged),
         Column("where the uncertainty comes from", width=3.0, of=_note),
     )
     return Table.of("gate-cases", "Every case of every gate.", columns, rows, _PRINTED)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, in_unit, interval
 from workbench.report.chapters.answer import FAIR, GOOD
 from workbench.report.drawing.multiples import YIELDS
@@ -20,8 +21,6 @@ from workbench.responses import Outcome, Response
 from workbench.responses.uncertainty import directions_of, estimate, uncertainty_of, variants
 from workbench.scenarios import ColumnImpact, FrameImpact
 from workbench.study.definition import DATA, Case
-from workbench.study.matrix import RESIDUAL
-from workbench.study.standing import PEAK
 
 _BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
 SHOWN = (PEAK, RESIDUAL, "time_of_peak")
@@ -139,7 +138,7 @@ def numbers_of(
     for name, quantity in (("peak", PEAK), ("top", "time_of_peak")):
         if quantity in cell.numbers:
             found[name] = _short(cell.numbers[quantity])
-    if (width := _width(response, PEAK)) and PEAK in cell.numbers:
+    if (width := _width(response, PEAK)[0]) and PEAK in cell.numbers:
         found["width"] = _short(width)
     if PEAK in errors:
         error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
@@ -156,7 +155,8 @@ def _texts(
     for quantity in SHOWN:
         if quantity not in cell.numbers:
             continue
-        yield quantity, in_unit(cell.numbers[quantity], quantity, 4, _width(response, quantity))
+        width, kind = _width(response, quantity)
+        yield quantity, in_unit(cell.numbers[quantity], quantity, width=width, kind=kind)
         if quantity in errors:
             row = errors[quantity]
             told = interval("relative_error", quantity, row["error"], row["uncertainty"])
@@ -167,14 +167,14 @@ def _texts(
         yield "cost", "may hold compiling" if cell.numbers.get("cold") else duration(took)
 
 
-def _width(response: Response | None, quantity: str) -> float | None:
-    """Half-width of a number: of the runs behind it, or of data as stated; zero: none is shown."""
+def _width(response: Response | None, quantity: str) -> tuple[float | None, str]:
+    """Half-width of a number (zero: none is shown) and what it is of: the runs behind it, data."""
     if response is None:
-        return 0.0
+        return 0.0, ""
     if directions_of(response):
-        return uncertainty_of(response, quantity)
+        return uncertainty_of(response, quantity), "numerical"
     stated: float = json.loads(response.attrs.get("data_uncertainty", "{}")).get(quantity, 0.0)
-    return stated
+    return stated, "data"
 
 
 def _tone(error: float, width: float | None, sure: bool) -> str:

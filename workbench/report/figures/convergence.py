@@ -35,7 +35,7 @@ def draw(request: Request) -> Drawing:
     sheet.legend(
         entry("levels", color=INK, marker="o"),
         entry("Richardson extrapolation", **_EXTRAPOLATED),
-        Patch(**INTERVAL, label="interval around the reference"),
+        Patch(**INTERVAL, label="numerical uncertainty of the reference"),
     )
     return sheet.finish(
         f"{title_of(quantity)} against element size for the ladder {', '.join(steps)}"

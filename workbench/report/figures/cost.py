@@ -35,7 +35,7 @@ def draw(request: Request) -> Drawing:
                 sheet.record(case=case.name, label=label, wall_time_s=seconds, error=float(error))
         if not points:
             if label == against:
-                sheet.said.append(f"{label} is not refined: its own uncertainty is unknown.")
+                sheet.said.append(f"{label} is not refined: its numerical uncertainty is unknown.")
             elif any(request.stored.expects(case.name, label) for case in request.cases):
                 sheet.said.append(f"{label} has no {title_of(quantity)} to compare.")
             continue
@@ -45,7 +45,7 @@ def draw(request: Request) -> Drawing:
             panel.plot(x, np.maximum(y, _FLOOR), **look.points(markersize=2.5, alpha=0.35))
             x, y = np.array([np.median(x)]), np.array([np.median(y)])
         panel.plot(x, np.maximum(y, _FLOOR), **look.points())
-        name = f"{label} (its own uncertainty)" if label == against else label
+        name = f"{label} (its numerical uncertainty)" if label == against else label
         sheet.legend(entry(name, **look.points()))
     panel.set_xscale("log")
     panel.set_yscale("log")

@@ -31,9 +31,9 @@ def draw(request: Request) -> Drawing:
         sheet.record(case=case.name, label=label, size_m=size, **{f"{quantity}_SI": value})
     band = request.interval(case, quantity)
     if band is None:
-        sheet.said.append(f"The uncertainty of {reference} is unknown.")
+        sheet.said.append(f"The numerical uncertainty of {reference} is unknown.")
     else:
-        name = f"{reference}, with its uncertainty"
+        name = f"{reference}, with its numerical uncertainty"
         panel.axhspan(unit * band[0], unit * band[1], **INTERVAL, zorder=0, label=name)
     panel.set_xlim(0.0, 1.3 * points[-1][0])
     sheet.name(panel, case.name, "element size (m)", axis_label(quantity))

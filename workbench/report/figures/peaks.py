@@ -7,6 +7,7 @@ reference), `cases`.
 import textwrap
 
 import pandas as pd
+from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
@@ -30,7 +31,8 @@ def draw(request: Request) -> Drawing:
     top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=[1.15, 1.0])
     sheet, unit = Sheet(canvas, (top, bottom), said), unit_of(quantity).factor
     labels = [label for label in request.labels if label in set(table["label"])]
-    _bands(request, sheet, cases, quantity)
+    if _bands(request, sheet, cases, quantity):
+        sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
     for i, label in enumerate(labels):
         own, look = table[table["label"] == label], request.looks[label].points()
         x = own.pop("slot") + _ROOM * ((i + 0.5) / len(labels) - 0.5)
@@ -90,8 +92,9 @@ def _values(request: Request, cases: list[Case], quantity: str) -> pd.DataFrame:
     return table.astype(dict.fromkeys(names[2:], float))
 
 
-def _bands(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> None:
-    """Intervals that the refinement ladder leaves around the reference, above and below."""
+def _bands(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> bool:
+    """Intervals that refinement leaves around the reference, above and below; whether there are."""
+    drawn = False
     top, bottom = sheet.panels
     for i, case in enumerate(cases):
         where, row = [i - 0.46, i + 0.46], request.stored.ladder(case.name, quantity)
@@ -99,9 +102,11 @@ def _bands(request: Request, sheet: Sheet, cases: list[Case], quantity: str) -> 
         if band is not None:
             low, high = (unit_of(quantity).factor * end for end in band)
             top.fill_between(where, low, high, **_BAND)
+            drawn = True
         if request.against == request.study.reference and row and row["relative"] is not None:
             share = 100.0 * row["relative"]
             bottom.fill_between(where, -share, share, **_BAND)
+    return drawn
 
 
 def _slots(sheet: Sheet, names: list[str]) -> None:

@@ -1,0 +1,146 @@
+"""Model form: how far a model was off in columns like this one, as the shipped studies measured it.
+
+`workbench data measure` writes the table from a stored study, `study/model_form` says how. A row
+holds the trend over V/Vpl and the scatter of the log ratio of a model to the best reference in the
+columns of a region; regions are told apart by what a scenario says before anything is run. Outside
+what was sampled nothing is known, and nothing is extrapolated.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+from functools import lru_cache
+from math import expm1, log, sqrt
+from typing import Any
+
+from workbench.assessment.budget import COVERAGE, MODEL_FORM, Term
+from workbench.evidence import dataset, load
+from workbench.models.base import Model, options_of
+from workbench.models.domain import euler_load, shear_demand
+from workbench.models.hit_mass import elastic_energy
+from workbench.scenarios import ColumnImpact
+
+TABLE, RANGES = "model-form", "model-form-ranges"
+FEWEST = 6  # columns of a region
+DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
+BOUNDS = (DEMAND, YIELDING, STRIKER)  # descriptors that tell regions apart
+_NO_NUMBERS = ("levels",)  # options that leave the answer as it is
+
+
+def descriptors(scenario: ColumnImpact) -> dict[str, float]:
+    """What tells columns and hits apart, without a run and without units.
+
+    V/Vpl of the bending mechanism; energy after the hit over that of the column at its mechanism;
+    lengths over the height of the section; axial load over squash and Euler load; velocity over
+    (fy / rho)^½; striker over lumped mass; restraint over axial stiffness of the column; shape
+    factor of the section; restitution, mass at the head, and whether the head is fixed.
+    """
+    column, striker = scenario.column, scenario.striker
+    properties, section, steel = column.properties, column.section, column.steel
+    lumped = properties.impact_mass / striker.mass
+    axial = steel.elastic_modulus * properties.area / column.length
+    return {
+        DEMAND: max(shear_demand(scenario).values()),
+        YIELDING: scenario.input_energy / (1.0 + lumped) / elastic_energy(scenario),
+        "below_over_height": column.length_below / section.height,
+        "above_over_height": column.length_above / section.height,
+        "axial_over_squash": column.axial_load / properties.squash_load,
+        "axial_over_euler": column.axial_load / euler_load(scenario),
+        "velocity_over_plastic": striker.velocity / sqrt(steel.yield_stress / steel.density),
+        STRIKER: 1.0 / lumped,
+        "restraint_over_axial": column.restraint_stiffness / axial,
+        "shape_factor": section.plastic_section_modulus / section.elastic_section_modulus,
+        "restitution": striker.restitution,
+        "head_mass_over_striker": column.head_mass / striker.mass,
+        "fixed_head": float(column.head == "fixed"),
+    }
+
+
+def variant_of(model: Model) -> str:
+    """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
+    usual = {
+        f.name: f.default
+        for f in dataclasses.fields(model)  # type: ignore[arg-type]
+    }
+    own = {name: value for name, value in options_of(model).items() if value != usual[name]}
+    return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)
+
+
+@dataclass(frozen=True, slots=True)
+class Trend:
+    """A straight line through log ratios of a region over V/Vpl, fitted by least squares.
+
+    `bias`, the ratio at the `centre` of the V/Vpl of `count` columns, `slope` of the log ratio;
+    `scatter`, its standard deviation about the line; `spread`, the root of the summed squares of
+    the distances to the centre.
+    """
+
+    count: int
+    bias: float
+    slope: float
+    scatter: float
+    centre: float
+    spread: float
+
+    def expected(self, demand: float) -> float:
+        """The log ratio of a new column."""
+        return log(self.bias) + self.slope * (demand - self.centre)
+
+    def half_width(self, demand: float) -> float:
+        """Half-width of the interval in which the log ratio of a new column lies."""
+        from scipy.stats import t as student
+
+        quantile = float(student.ppf(0.5 * (1.0 + COVERAGE), self.count - 2))
+        away = (demand - self.centre) / self.spread
+        return quantile * self.scatter * sqrt(1.0 + 1.0 / self.count + away**2)
+
+
+TREND = tuple(f.name for f in dataclasses.fields(Trend))
+
+
+def model_form(model: Model, scenario: ColumnImpact, quantity: str) -> Term:
+    """What the model form leaves open in a quantity: a prediction interval for a new column.
+
+    The reference is expected where the measured trend puts it.
+    """
+    title = dataset(TABLE).title
+    own = descriptors(scenario)
+    outside = [name for name, (low, high) in _ranges().items() if not low <= own[name] <= high]
+    if outside:
+        text = f"not measured here: {', '.join(outside)} outside the columns of the study"
+        return Term(MODEL_FORM, text, title, 0.0, None, None)
+    variant = variant_of(model)
+    for row in _rows():
+        same = (row["model"], row["options"], row["quantity"]) == (model.name, variant, quantity)
+        if same and all(row[f"{name}_low"] <= own[name] < row[f"{name}_high"] for name in BOUNDS):
+            trend = Trend(**{name: row[name] for name in TREND})
+            off, width = trend.expected(own[DEMAND]), trend.half_width(own[DEMAND])
+            source = f"study {row['study']}"
+            return Term(MODEL_FORM, _said(row, off, model), source, -off, width, width)
+    text = f"not measured here: the study has no {model.name} {variant}".rstrip()
+    text += f" with {quantity.replace('_', ' ')} in such columns"
+    return Term(MODEL_FORM, text, title, 0.0, None, None)
+
+
+def _said(row: dict[str, Any], expected: float, model: Model) -> str:
+    """Where the numbers of a row are from, and by how much the model is off, in words."""
+    off = 100.0 * expm1(expected)
+    bias = f"{abs(off):.0f} % {'low' if off < 0 else 'high'}" if abs(off) >= 0.5 else "no bias"
+    text = (
+        f"{bias}, scatter {100.0 * row['scatter']:.0f} %, {row['count']} columns, {row['region']}"
+    )
+    if row["outside"]:
+        text += f"; {row['outside']} of the references outside their domain"
+    if row["model_version"] != model.version:
+        text += f"; measured with version {row['model_version']} of the model"
+    return text
+
+
+@lru_cache(maxsize=1)
+def _rows() -> tuple[dict[str, Any], ...]:
+    table = load(TABLE).fillna({"options": ""})
+    return tuple({str(name): v for name, v in row.items()} for row in table.to_dict("records"))
+
+
+@lru_cache(maxsize=1)
+def _ranges() -> dict[str, tuple[float, float]]:
+    return {row["descriptor"]: (row["low"], row["high"]) for _, row in load(RANGES).iterrows()}

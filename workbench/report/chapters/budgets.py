@@ -1,0 +1,51 @@
+"""What all errors together may make of an answer: a sentence on the first page, tables behind."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from workbench.assessment.budget import PEAK
+from workbench.content.budgets import budget_sentence, budget_table
+from workbench.content.tree import Block, Bullets, Paragraph, Section
+from workbench.report.stored import Stored
+
+Row = dict[str, Any]
+_WHAT = (
+    "Half-widths of what scatters add as squares about the measured bias; the strain rate pulls "
+    "one way only and adds in full. The best reference is where a reference would answer, given "
+    "the same input; the total has all terms that are known."
+)
+
+
+def budgets(stored: Stored) -> Iterator[Block]:
+    """A sentence on the peak of every answer whose errors are budgeted."""
+    told = tuple(
+        f"{case}, {label}: {budget_sentence(rows[0]['value'], quantity, rows)}."
+        for (case, label, quantity), rows in _groups(stored).items()
+        if quantity == PEAK
+    )
+    if told:
+        yield Paragraph("What all errors together may make of an answer:")
+        yield Bullets(told)
+
+
+def budget_tables(stored: Stored) -> Section | None:
+    """Every term with its reason; None without a budget."""
+    tables = [
+        Section(
+            f"terms-{number}",
+            f"{case}, {label}",
+            (budget_table(f"budget-terms-{number}", quantity, rows[0]["value"], rows),),
+        )
+        for number, ((case, label, quantity), rows) in enumerate(_groups(stored).items(), 1)
+    ]
+    if not tables:
+        return None
+    return Section("budgets", "Error budgets", (Paragraph(_WHAT), *tables))
+
+
+def _groups(stored: Stored) -> dict[tuple[str, str, str], list[Row]]:
+    """Rows of the table by case, label and quantity."""
+    found: dict[tuple[str, str, str], list[Row]] = {}
+    for row in stored.rows["budget"]:
+        found.setdefault((row["case"], row["label"], row["quantity"]), []).append(row)
+    return found
