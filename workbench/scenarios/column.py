@@ -18,7 +18,7 @@ from workbench.sections import SECTION, Section
 MASS = Number(0.0, 1e7, "kg", low_included=False)
 VELOCITY = Number(0.0, 300.0, "m/s", low_included=False, advice="velocities are in m/s, not km/h")
 RESTITUTION = Number(0.0, 1.0)
-DURATION = Number(0.0, 10.0, "s", low_included=False, advice="durations are in seconds")
+DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
 
 
 @dataclass(frozen=True)
