@@ -329,7 +329,7 @@ REFUSED = [
     (lambda: _shake(time_step=20.0), "ground.time_step", "in seconds"),
     (lambda: _shake(node="foot"), "ground.direction", "cannot move"),
     (lambda: _shake(damping=-1.0), "ground.damping", "from 0"),
-    (lambda: _shake(duration=0.0), "time.duration", "above 0"),
+    (lambda: _shake(duration=0.0), "time.duration", "from 1e-09"),
     (lambda: regular_frame((), (4.0,), SECTION, SECTION), "frame.bays", "1 to 100"),
     (lambda: regular_frame((3000.0,), (4.0,), SECTION, SECTION), "frame.bays.0", "millimetres"),
     (lambda: regular_frame((3.0,), (4.0,), "HEB 220", SECTION), "frame.column", "find(name)"),
