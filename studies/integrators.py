@@ -4,9 +4,8 @@ import sys
 
 from workbench.assessment import Gate
 from workbench.cli import main
-from workbench.impact.problems import problem
 from workbench.impact.schemes import CLASSICAL, SCHEMES
-from workbench.models.integrators import ImpactExact, ImpactIntegrator
+from workbench.models.integrators import ImpactExact, ImpactIntegrator, problem_of
 from workbench.scenarios import ImpactProblem
 from workbench.scenarios.impact_problem import PROBLEMS
 from workbench.study import Case, Figure, Study
@@ -16,7 +15,8 @@ QUICK = ("ball", "two-masses", "cradle", "oscillator", "grazing", "soft-impact")
 QUICK_LADDER = 6
 
 cases = tuple(
-    Case(name, ImpactProblem(problem(name).title, name), quick=name in QUICK) for name in PROBLEMS
+    Case(name, ImpactProblem(problem_of(name).title, name), quick=name in QUICK)
+    for name in PROBLEMS
 )
 models = {EXACT: ImpactExact(2 ** (QUICK_LADDER - 1))} | {
     name: ImpactIntegrator(name, QUICK_LADDER) for name in SCHEMES
@@ -65,9 +65,10 @@ figures = (
         "records",
         "place",
         "What the finest runs answer",
-        "Place of the last unknown in the finest run of every scheme, and the exact one.",
+        "Place of the last unknown (of columns: their striker) in the finest runs, and the exact "
+        "one. What leaves the frame is cut.",
         (*CLASSICAL, "moreau-jean", "midpoint", "event-driven"),
-        {"cases": ("ball", "oscillator", "table", "bar"), "summary": True},
+        {"cases": ("ball", "table", "bar", "column"), "summary": True},
     ),
 )
 
@@ -89,7 +90,8 @@ study = Study(
         "number between 0 and 9 that depends on where in its step the body arrives, 3.37 in the "
         "mean (derived in `docs/theory/integrators.md`, measured by a test): repeated impacts blow "
         "up. HHT- and generalized-alpha damp what the grid puts in, and do not converge either. "
-        "Restitution is unknown to all three.",
+        "Restitution is unknown to all three. On the column of the thesis the striker bounces in "
+        "every other step, and the peak is off by half and more at any step.",
         "Impulses between velocities (Moreau-Jean, the midpoint schemes, generalized-alpha with "
         "velocities updated at impact, central differences) misplace an impact by up to a step: "
         "first order, however smooth the motion between.",

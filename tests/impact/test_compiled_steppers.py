@@ -10,13 +10,14 @@ import pytest
 from workbench.impact import restitution as contact
 from workbench.impact.laws import Restitution
 from workbench.impact.march import run
+from workbench.impact.schemes import scheme
 from workbench.impact.schemes.central_differences import central_differences
 from workbench.impact.schemes.energy_midpoint import energy_midpoint
 from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
 from workbench.impact.schemes.moreau_jean import moreau_jean
 from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
 from workbench.models.four_dof import FourDof
-from workbench.models.impact_systems import ColumnSystem, StructureSystem
+from workbench.models.impact_systems import ColumnSystem, StructureSystem, column_problem
 from workbench.models.single_dof import SingleDof, kernels
 from workbench.scenarios import ColumnImpact, Striker
 from workbench.structures.assembly import PlanarAssembly
@@ -143,3 +144,13 @@ def test_structures(integrator: str, stepper, restitution: float) -> None:
     place = int(np.flatnonzero(system.free == dof)[0])
     np.testing.assert_allclose(found.q[1:, place], [q for q, _ in expected], **CLOSE)
     np.testing.assert_allclose(found.v[1:, -1], [v for _, v in expected], rtol=1e-8)
+
+
+def test_classical_contact_makes_the_striker_bounce_on_the_column() -> None:
+    given = column_problem()
+    found = {
+        name: run(scheme(name).stepper, given.system(), given.law, given.start, 0.01, 1e-4)
+        for name in ("moreau-jean", "newmark")
+    }
+    assert found["moreau-jean"].impacts == given.impacts
+    assert found["moreau-jean"].chatter < 0.3 < 0.8 < found["newmark"].chatter

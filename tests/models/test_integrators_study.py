@@ -47,7 +47,7 @@ def stored(tmp_path_factory) -> Stored:
 
 
 def test_scenarios_name_the_problems_of_the_laboratory() -> None:
-    assert tuple(BUILT) == PROBLEMS
+    assert (*BUILT, "column") == PROBLEMS
     scenario = ImpactProblem("mine", "ball")
     assert scenario_from(to_tables(scenario)) == scenario
     with pytest.raises(InputError, match=r"impact.problem = 'bal': must be one of ball, "):

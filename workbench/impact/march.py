@@ -70,10 +70,10 @@ class Run:
         reach = np.abs(self.rates).max() * (self.t[1] - self.t[0])
         size = max(float(np.abs(P).max() * reach), 1e-300)
         return Conditions(
-            float(max(-self.gaps.min(), 0.0)),
-            float(max(-P.min(), 0.0)),
+            0.0 - min(float(self.gaps.min()), 0.0),
+            0.0 - min(float(P.min()), 0.0),
             float(np.abs(P[1:] * np.maximum(apart - reach, 0.0)).max() / size),
-            float(max(-self.contact_loss.min(), 0.0)),
+            0.0 - min(float(self.contact_loss.min()), 0.0),
         )
 
     @property

@@ -31,7 +31,8 @@ class Problem:
     Arguments: `title`; `source` of the answer in words; `system` makes it new; `law`; `start`, q
     and v (n,); `duration` in s; `exact`, places (k, n) at times (k,), None where the answer is
     certified; `steps` of the coarsest of a ladder; `impacts`, how often a contact begins (None:
-    without end, or not known); `conservative`, whether no energy comes or goes.
+    without end, or not known); `conservative`, whether no energy comes or goes;
+    `certified`, how far off an answer that is not exact may be, over the largest place.
     """
 
     title: str
@@ -44,6 +45,7 @@ class Problem:
     steps: int = 40
     impacts: int | None = None
     conservative: bool = False
+    certified: float = 1e-6
 
     def answer(self, times: Array) -> Array:
         """Places (k, n) at equidistant times (k,) from 0 to the duration."""

@@ -7,13 +7,16 @@ from workbench.fields import Choice, Declared, Text, checked
 
 PROBLEMS = (
     *("ball", "ball-lively", "ball-elastic", "table", "two-masses", "cradle", "oscillator"),
-    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing"),
+    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing", "column"),
 )
 
 
 @dataclass(frozen=True)
 class ImpactProblem(Declared, table="impact"):
-    """A problem of `workbench.impact.problems`. Raises `InputError` for an unknown one."""
+    """A problem of `workbench.impact.problems`, or the column of four unknowns.
+
+    Raises `InputError` for an unknown one.
+    """
 
     name: str = checked(Text(), path="name")
     problem: str = checked(Choice(PROBLEMS))
