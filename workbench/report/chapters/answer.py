@@ -42,12 +42,13 @@ Row = dict[str, Any]
 
 
 def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
-    """The question, the matrix with what places models outside their domain, and `pictures`."""
-    shown = [Section(f"figure-{picture.key}", picture.title, (picture,)) for picture in pictures]
-    found = (*matrix(study, stored), *budgets(stored))
+    """The question, the matrix, `pictures`, what places models outside their domain, budgets."""
+    shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
+    found = [*matrix(study, stored), *budgets(stored)]
+    after = next((i for i, block in enumerate(found) if isinstance(block, Table)), -1) + 1
     title = "The answer" if found or shown else "What was asked"
-    said = (*measured.made(stored), *measured.footnote(study, stored))
-    return Section("answer", title, (Paragraph(study.question), *said, *found, *shown))
+    said = (Paragraph(study.question), *measured.made(stored), *measured.footnote(study, stored))
+    return Section("answer", title, (*said, *found[:after], *shown, *found[after:]))
 
 
 def decisive(study: Study) -> str:
@@ -67,10 +68,10 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
     costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
     times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
     columns = (
-        Column("model", width=1.5, of=lambda item: _name(study, item[0])),
-        *(Column(_title(stored, group), width=1.9, of=partial(_cell, group)) for group in groups),
+        Column("model", width=1.4, of=lambda item: _name(study, item[0])),
+        *(Column(_title(stored, group), width=2.1, of=partial(_cell, group)) for group in groups),
         Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0]))),
-        Column("in words", width=2.4, of=lambda item: _sentence(item[1])),
+        Column("in words", width=3.0, of=lambda item: _sentence(item[1])),
     )
     yield Bullets(tuple(_trusted(study, stored.rows["matrix"], group) for group in groups))
     yield Table.of("matrix", _CAPTION, columns, by_label.items())

@@ -221,11 +221,15 @@ class Sheet:
             panel.set_ylabel(y)
 
     def level(self, most: float = 4.0) -> None:
-        """One scale up for all panels whose ranges differ by no more than a factor `most`."""
+        """One scale up for all panels; if their ranges differ by a factor above `most`, say so."""
         limits = np.array([panel.get_ylim() for panel in self.panels if panel.lines])
-        if len(limits) and np.ptp(limits, axis=1).max() <= most * np.ptp(limits, axis=1).min():
+        if not len(limits):
+            return
+        if np.ptp(limits, axis=1).max() <= most * np.ptp(limits, axis=1).min():
             for panel in self.panels:
                 panel.set_ylim(limits.min(), limits.max())
+        else:
+            self.said.append("Each panel has an upright scale of its own.")
 
     def record(self, table: pd.DataFrame | None = None, /, **columns: Any) -> None:
         """Numbers for the data file: a table, or columns with single values repeated."""

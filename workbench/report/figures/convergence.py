@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from workbench.content.formatting import axis_label, title_of, unit_of
+from workbench.content.formatting import in_unit, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, INTERVAL, MUTED, Style, entry
 
@@ -17,7 +17,10 @@ _EXTRAPOLATED: Style = {"color": INK, "linestyle": "--", **_WHITE}
 
 
 def draw(request: Request) -> Drawing:
-    """One panel per case: the levels, the Richardson value at size zero, the interval."""
+    """One panel per case: the levels, the Richardson value at size zero, the interval.
+
+    All panels have one scale: percent of the value on the finest mesh.
+    """
     steps, quantity = request.study.steps, request.quantity
     if len(steps) < 2:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
@@ -28,10 +31,11 @@ def draw(request: Request) -> Drawing:
     ]
     if not laddered:
         return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *said)
-    sheet = Sheet.grid(len(laddered), said, sharey=False)
+    sheet = Sheet.grid(len(laddered), said)
     for (case, row), panel in zip(laddered, sheet.panels, strict=True):
-        _ladder(request, row, panel, sheet)
-        sheet.name(panel, case.name, "element size (finest = 1)", axis_label(quantity))
+        base = _ladder(request, row, panel, sheet)
+        title = f"{case.name}: {in_unit(base, quantity)}"
+        sheet.name(panel, title, "element size (finest = 1)", "off the finest mesh (%)")
     sheet.legend(
         entry("levels", color=INK, marker="o"),
         entry("Richardson extrapolation", **_EXTRAPOLATED),
@@ -42,26 +46,32 @@ def draw(request: Request) -> Drawing:
     )
 
 
-def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) -> None:
-    unit, steps = unit_of(request.quantity).factor, request.study.steps
+def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) -> float:
+    """Draw a ladder in percent of the value on its finest mesh, which is returned."""
+    steps = request.study.steps
     sizes = {label: 2.0**i for i, label in enumerate(reversed(steps))}
     known = {label: row[label] for label in steps if row[label] is not None}
     case, column = row["case"], f"{request.quantity}_SI"
-    values = [unit * value for value in known.values()]
+    base = float([*known.values()][-1])
+
+    def off(value: float) -> float:
+        return 100.0 * (value - base) / abs(base) if base else 0.0
+
+    values = [off(value) for value in known.values()]
     panel.plot([sizes[label] for label in known], values, color=INK, marker="o", zorder=3)
     for label, value in known.items():
         sheet.record(case=case, label=label, size=sizes[label], **{column: value})
     finest, uncertainty, limit = known.get(steps[-1]), row["uncertainty"], row["extrapolated"]
     if uncertainty is not None and finest is not None:
-        low, high = (unit * (finest + sign * uncertainty) for sign in (-1.0, 1.0))
+        low, high = (off(finest + sign * uncertainty) for sign in (-1.0, 1.0))
         panel.axhspan(low, high, **INTERVAL, zorder=0)
     if limit is not None and finest is not None:
-        ends = [unit * finest, unit * limit]
+        ends = [off(finest), off(limit)]
         panel.plot([1.0, 0.0], ends, **_EXTRAPOLATED, markevery=[1], zorder=3)
         sheet.record(case=case, label="extrapolated", size=0.0, **{column: limit})
     panel.axvline(0.0, color=MUTED, linewidth=0.6)
     panel.set_xticks([0.0, *sorted(sizes.values())])
     panel.xaxis.set_major_formatter("{x:g}")
     panel.set_xlim(-0.04 * max(sizes.values()), 1.06 * max(sizes.values()))
-    panel.ticklabel_format(axis="y", useOffset=False)
     sheet.said.append(f"{case}: {row['note'] or 'no note'}.")
+    return base

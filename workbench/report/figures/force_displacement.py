@@ -47,6 +47,8 @@ def draw(request: Request) -> Drawing:
         _finish(panel, turning)
         height = f"{shown} ({up.text})" if up.text else shown
         sheet.name(panel, case.name, f"{turned} ({along.text})", height)
+    if len({_axes(case, quantity)[1][0].text for case in cases}) == 1:  # forces beside forces
+        sheet.level()
     return sheet.finish(
         f"{title_of(quantity)} over displacement for {', '.join(case.name for case in cases)}",
         empty="No model answered these cases with a curve.",
