@@ -89,6 +89,8 @@ def test_without_campaigns_there_is_no_band_of_the_median_but_with_a_prior() -> 
     assert alone.band([0.5]) is None
     known = fit_residual(table, priors={"tau": (0.05, 0.3)})
     assert known.design_rows().notna().all(axis=None)
+    moved = known.influence()
+    assert moved["without"].min() < moved["value"].iloc[0] < moved["without"].max()
     wide = fit_residual(table, priors={"tau": (0.15, 0.3)})
     bands = [found.band([0.5]) for found in (known, wide)]
     widths = [float(high[0] - low[0]) for low, high in bands if low is not None]

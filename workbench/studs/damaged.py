@@ -9,7 +9,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.damage import damage_of
-from workbench.studs.quantities import LIKE_CONCRETE, specimens
+from workbench.studs.quantities import equal_studs, specimens
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, PREDICTED
 from workbench.studs.shear import shear_model
 
@@ -31,11 +31,7 @@ def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
     undamaged = table[(table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)]
     values, own = (table[name].astype(float) for name in (column, reference))
     for index in table.index[own.isna()]:
-        row = table.loc[index]
-        same = (undamaged[name] == row[name] for name in ("campaign", "diameter_mm"))
-        near = undamaged[np.logical_and.reduce(list(same))]
-        other = np.abs(near["fcm_MPa"].astype(float) / row["fcm_MPa"] - 1.0) > LIKE_CONCRETE
-        own[index] = near.loc[~other, column].astype(float).mean()  # an unknown one counts as alike
+        own[index] = equal_studs(undamaged, table.loc[index])[column].astype(float).mean()
     return values / own
 
 

@@ -215,14 +215,18 @@ class ResidualFit(Fit):
         }
 
     def influence(self) -> pd.DataFrame:
-        """How every test moves what is left at the largest tested damage, weights held."""
+        """How every test moves what is left at the largest tested damage, weights held.
+
+        Under priors the change is that without them.
+        """
         if self.fitted is None:
             return self.rows
-        level, found = np.array([self.levels[1]]), np.zeros(len(self.rows))
-        for weight, relation, estimate, *_ in self.averaged:
-            others = without_each(estimate)
-            found += [weight * float(relation(level, theta)[0]) for theta in others]
+        level = np.array([self.levels[1]])
         answer, value = f"left at damage {self.levels[1]:.3g}", float(self.left(level)[0])
+        found = np.full(len(self.rows), value)
+        for weight, relation, estimate, *_ in self.averaged:
+            own, others = relation(level, estimate.theta)[0], without_each(estimate)
+            found += [weight * float(relation(level, theta)[0] - own) for theta in others]
         flexible = max(self.averaged, key=lambda each: len(each.estimate.theta)).estimate
         return influence_of(self.rows, flexible, answer, value, found)
 
