@@ -90,6 +90,7 @@ def test_the_report_of_strength_tells_design_values_and_every_test(reports: Path
     text = words_of((reports / "strength.html").read_text())
     assert "on the characteristic resistance of EN 1994-1-1 [2] , which has 1.25" in text
     assert "f_c 31.2 MPa, 4 tests: P_Rk = 91.71 kN" in text
+    assert "Annex B does not apply to TU lab, 19 mm, solid, f_c 45.6 MPa, 4 tests" in text
     assert "P = min(0.8 A_s f_u; 0.29 α d² √(f_c E_c))" in text
     assert all(f"{series}{k}" in text for series in "ABC" for k in range(1, 5))
     assert "Decisive: one campaign" in text

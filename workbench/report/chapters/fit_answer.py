@@ -9,7 +9,7 @@ from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_answer import contents_of, named_of
 from workbench.report.chapters.stud_evidence import judged, reference_stud
-from workbench.report.chapters.stud_tables import Content
+from workbench.report.chapters.stud_tables import LEAST_IN_SERIES, Content
 from workbench.studs.answers.fits import SOURCES, STATISTICS, StudResidual
 from workbench.studs.relations import RELATIONS
 from workbench.studs.shear import SHEAR_MODELS
@@ -129,6 +129,10 @@ def _strength(result: Content) -> Iterator[str]:
         yield "Annex B of EN 1994-1-1, {}, {}: P_Rk = {} kN and P_Rd = {} kN per stud.".format(
             series["name"], count(series["tests"], "test"), *loads
         )
+    for series in result["series"]:
+        if not series["result"] and series["tests"] >= LEAST_IN_SERIES:
+            tests = count(series["tests"], "test")
+            yield f"Annex B does not apply to {series['name']}, {tests}: {series['refusal']}."
     _, content = formula(result)
     title = SHEAR_MODELS[content["fit"]["key"]].title
     bias, sigma = content["fit"]["parameters"]["bias"], content["fit"]["sigma"]["value"]

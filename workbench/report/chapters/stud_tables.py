@@ -17,7 +17,7 @@ Named = Mapping[str, Content]  # the contents by the name of their rows
 Finder = Callable[[Any], Cell | str | int | None]
 KILO, MILLI = 1e-3, 1e3
 UNITS = {"rate": (1e-3, "1/mm"), "yield_slip": (1e3, "mm"), "peak_slip": (1e3, "mm")}
-_LEAST_IN_SERIES = 3  # tests, EN 1994-1-1, B.2.5
+LEAST_IN_SERIES = 3  # tests, EN 1994-1-1, B.2.5
 _LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
 _GRADE_WIDTH = 30  # characters of a line
 
@@ -196,7 +196,7 @@ def series(groups: list[Content]) -> Iterator[Block]:
         Column("δ_uk (mm)", True, 1.0, _value("result.slip_capacity", 3, MILLI)),
         Column("class, or why there is none", width=3.2, of=class_of),
     )
-    rows = [group for group in groups if group["tests"] >= _LEAST_IN_SERIES]
+    rows = [group for group in groups if group["tests"] >= LEAST_IN_SERIES]
     caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
     yield from _table("design-series", caption, columns, rows, 12)
 
