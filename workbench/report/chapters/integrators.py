@@ -18,9 +18,9 @@ _CALM, _CHATTER = 0.1, 0.3  # of a lasting contact; a single blow has 1
 _CAPTION = (
     "Evaluations of the forces that an error of 1 % takes (largest error of the places over the "
     "largest place, kept by all finer steps too; ≤: the coarsest step has it); below, the order p "
-    "over the ladder, or exact for errors of round-off, and the error of the finest step. Good: "
-    "reached; doubtful: the finest step is below 10 %; bad: beyond, or no answer. Hatched: impacts "
-    "missed (−) or invented (+) by the finest step."
+    "over the ladder, or exact for errors of round-off, and the error of the finest step (it alone "
+    "beyond 10 %). Good: reached; doubtful: the finest step is below 10 %; bad: beyond, or no "
+    "answer. Hatched: impacts missed (−) or invented (+) by the finest step."
 )
 
 
@@ -91,9 +91,13 @@ def _cell(problem: str, item: tuple[str, dict[str, _Entry | None]]) -> Cell:
     entry = item[1][problem]
     if entry is None:
         return Cell("no answer", None, "bad")
-    order = "exact" if entry.order is None else f"p {entry.order:.1f}"
-    error = f"{entry.error:.1g}" if entry.error < _BLOWN else "blows up"
-    lines = [_words(entry), order, *([] if entry.order is None else [error])]
+    lines = [_words(entry)]
+    if entry.order is None:
+        lines.append("exact")
+    elif entry.error < _POOR:
+        lines += [f"p {entry.order:.1f}", f"{entry.error:.0e}".replace("e-0", "e-")]
+    else:
+        lines.append(f"{entry.error:.1g}" if entry.error < _BLOWN else "blows up")
     if entry.missed or entry.spurious:
         lines.append(f"−{entry.missed} +{entry.spurious}")
     tone = "good" if entry.work is not None else "doubt" if entry.error <= _POOR else "bad"
