@@ -95,7 +95,7 @@ def _brief(study: Study, stored: Stored) -> Iterator[Block]:
     rows = stored.rows["verdicts"]
     yield verdicts.headline(rows)
     if rows:
-        yield replace(verdicts.summary_table(rows), caption="")
+        yield verdicts.summary_table(rows)
         yield from verdicts.reasons(rows, bounds=False)
 
 
