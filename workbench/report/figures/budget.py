@@ -38,7 +38,9 @@ def draw(request: Request) -> Drawing:
         sheet.name(panel, f"{label}: {value}", "", "")
         for row in rows:
             sheet.record(**{name: row[name] for name in _KEPT}, value_SI=row["value"])
-    sheet.panels[-1].set_xlabel(f"change of the {title_of(quantity)} (%), {100 * COVERAGE:g} %")
+    sheet.panels[-1].set_xlabel(
+        f"change of the {title_of(quantity)} (%), {100 * COVERAGE:g} % intervals"
+    )
     return sheet.finish(f"error budgets of the {title_of(quantity)} of {', '.join(panels)}")
 
 
@@ -53,7 +55,7 @@ def _bars(panel: Axes, rows: list[dict[str, Any]], most: float) -> None:
             if row["shift"]:
                 at = 100.0 * row["shift"]
                 panel.plot([at, at], [place - 0.31, place + 0.31], color="white", zorder=3)
-        panel.annotate(
+        numbers = panel.annotate(
             change(row),
             (1.0, place),
             xycoords=("axes fraction", "data"),
@@ -64,6 +66,7 @@ def _bars(panel: Axes, rows: list[dict[str, Any]], most: float) -> None:
             fontsize="small",
             color=INK,
         )
+        numbers.set_in_layout(False)  # they lie inside, and would push the labels off the page
     panel.set_yticks(range(len(rows)), [row["term"] for row in rows])
     panel.set_ylim(len(rows) - 0.4, -0.6)
     panel.axvline(0.0, color=INK, linewidth=0.8, zorder=4)
