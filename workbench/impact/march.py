@@ -173,10 +173,10 @@ def _follow(step: Any, system: Any, law: Law, state: State, h: float, records: A
 @cache
 def _compiled(step: Stepper) -> Any:
     """The same, compiled for this integrator."""
-    compiled = njit(_follow)
+    compiled = njit(_follow, cache=True)
 
     def follow(_: Stepper, *arguments: Any) -> Any:
         return compiled(jitted, *arguments)
 
-    jitted = njit(step)
+    jitted = njit(step, cache=True)
     return follow

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, sqrt
 
 from workbench.errors import InputError
@@ -38,7 +39,7 @@ class Scheme:
     penetration: tuple[float, float]
     stable: float = inf
 
-    @property
+    @cached_property
     def stepper(self) -> Stepper:
         """The step of the scheme with its usual parameters."""
         return self.make()
