@@ -97,3 +97,5 @@ def test_the_quick_form_says_what_it_leaves_out() -> None:
     )
     for label in set(study.models) - set(quick.models):
         assert label in quick.notes[-1]
+    sweep = load_study(str(STUDIES / "column_sweep.py")).study.quickened()
+    assert sweep.notes[-1].endswith("Left out: cases (69 of 81).")

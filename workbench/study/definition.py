@@ -26,6 +26,9 @@ def holds_data(model: Model) -> bool:
     return model.name in DATA
 
 
+_NAMED = 8  # cases that the note on the quick form names
+
+
 @dataclass(frozen=True)
 class Case:
     """One scenario of a study.
@@ -227,6 +230,8 @@ class Study:
             "models": [label for label in self.models if label not in keep],
             "cases": [case.name for case in self.cases if case.name not in names],
         }
+        if len(left_out["cases"]) > _NAMED:
+            left_out["cases"] = [f"({len(left_out['cases'])} of {len(self.cases)})"]
         told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out.items() if which)
         count = f"{len(gates)} of {len(self.gates)} gates"
         note = f"Quick form, {count}. Left out: {told or 'nothing'}."
