@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import TESTS, fit_residual
 from workbench.studs.damage import damage_of, fatigue_life
@@ -144,6 +145,21 @@ def test_single_damaged_designs_may_be_held_against_a_formula(tmp_path: Path) ->
     assert any("3 of 3 tests are compared with a predicted" in str(f) for f in fit.findings)
     with pytest.raises(InputError, match="must be 3 or more to predict references"):
         predicted_references(table[table["specimen"] != "u1"])
+
+
+def test_tests_of_one_quantity_are_fitted_without_the_model(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "strength.csv"
+    cycled(predamage_life_cycles=1e6).to_csv(file, index=False)
+    assert run(["fit", "residual", str(file), "--no-mechanical"]) == 0
+    text = capsys.readouterr().out
+    assert "4 tests after pre-damage" in text
+    assert "not fitted: stiffness: table = '4 rows': holds no test after pre-damage" in text
+    mixed = cycled(predamage_life_cycles=[1e6, 1e6, np.nan, np.nan], predamage_range_kN=30.0)
+    mixed.to_csv(file, index=False)
+    assert run(["fit", "residual", str(file), "--no-mechanical"]) == 2
+    assert "different kinds of damage" in capsys.readouterr().err
 
 
 def test_tests_left_out_for_want_of_a_companion_are_named() -> None:

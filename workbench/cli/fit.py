@@ -148,25 +148,33 @@ def residual(options: ResidualOptions) -> Answer:
             TESTS.column(column).rule.check(f"--{column.lower().replace('_', '-')}", value)
     # the shipped campaign that tells all that the mechanical model needs
     known = StudTests("calibration", calibrate=(CALIBRATION,))
-    contents, priors = [], priors_of(options.prior)
+    contents, left_out, priors = [], {}, priors_of(options.prior)
     for name in QUANTITIES if options.quantity == "both" else (options.quantity,):
-        fits = answer_residual(
-            fitted,
-            name,
-            given,
-            (lambda: calibrated(known)) if options.mechanical else None,
-            predamage=options.predamage,
-            measure=options.measure,
-            loss=options.loss,
-            confidence=options.confidence,
-            priors=priors,
-        )
+        try:
+            fits = answer_residual(
+                fitted,
+                name,
+                given,
+                (lambda: calibrated(known)) if options.mechanical else None,
+                predamage=options.predamage,
+                measure=options.measure,
+                loss=options.loss,
+                confidence=options.confidence,
+                priors=priors,
+            )
+        except InputError as error:
+            if error.field != "table":
+                raise
+            left_out[name], why = str(error), error  # tests may tell of the other quantity alone
+            continue
         relevant = damaged_rows(held, name, fits[0].predamage, fits[0].measure)
         wanted = options.validate or not relevant.empty  # asked for by name, or there by their role
         judging = held if wanted else relevant
         contents += [_judged(fit, judging, options.confidence) for fit in fits]
+    if not contents:
+        raise why
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
-    result = {**head, "grade": "; ".join(grades), "quantities": contents}
+    result = {**head, "grade": "; ".join(grades), "quantities": contents, "not_fitted": left_out}
     return Answer(result, stud_answer.residual(result), rows=(fitted, held))
 
 
