@@ -11,7 +11,7 @@ from workbench.scenarios.impact_problem import PROBLEMS
 from workbench.study import Case, Figure, Study
 
 EXACT = "exact"
-QUICK = ("ball", "two-masses", "cradle", "oscillator", "grazing", "soft-impact")
+QUICK = ("ball", "two-masses", "cradle", "oscillator", "grazing")
 QUICK_LADDER = 6
 
 cases = tuple(
