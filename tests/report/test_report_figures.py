@@ -31,7 +31,10 @@ def request(stored, kind, cases=None, labels=None, **options) -> Request:
 MEMBERS = [
     kind for kind in KINDS if not kind.startswith("stud-")
 ]  # studs have studies of their own
-ELSEWHERE = ("sweep", "domain-map", "shear-domain", "meshes", "budget")
+ELSEWHERE = (
+    *("sweep", "domain-map", "shear-domain", "meshes", "budget"),
+    *("place", "work-precision"),
+)
 
 
 @pytest.mark.parametrize(
@@ -264,9 +267,9 @@ def test_cases_and_standard_figures():
     assert len(cases_of(study, by_key["cost"])) == 4
     named = replace(by_key["cost"], options={"cases": ("push",)})
     assert [case.name for case in cases_of(study, named)] == ["push"]
-    twice = replace(study, figures=(*study.figures, study.figures[0]))
+    standard = replace(study, figures=(*study.figures, replace(study.figures[0], key="cost")))
     with pytest.raises(InputError, match=r"figure\.key"):
-        figures_of(twice)
+        figures_of(standard)
 
 
 def test_a_dollar_in_a_name_is_no_formula(small, tmp_path):
