@@ -9,7 +9,7 @@ import pytest
 from synthetic_study import Synthetic, store_of, sweep_study
 
 from workbench.content.terminal import render_text
-from workbench.content.tree import Bullets, Section, Table, walk
+from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
 from workbench.report.chapters.results import numbers
@@ -59,7 +59,7 @@ def table_of(stored: Stored) -> Table:
 
 def test_a_cell_says_bias_cases_and_domain(stored: Stored) -> None:
     table = table_of(stored)
-    assert [column.title.split(";")[0] for column in table.columns] == [
+    assert [re.split(r"; | \(", column.title)[0] for column in table.columns] == [
         *("model", "hit low", "hit at mid-height", "time, reference = 1", "in words"),
     ]
     reference, close, off = table.rows
@@ -77,6 +77,17 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
     assert isinstance(first, Bullets)
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     assert first.items[0].startswith("hit low: no model stays within 10")
+
+
+def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:
+    section = answer(stored.study, stored, [])
+    text = " ".join(str(block) for block in section.blocks if isinstance(block, Paragraph))
+    assert "What is hit: HEB 160" in text
+    assert "by a rigid striker of" in text
+    assert "m/s" in text
+    assert ("No structure collapses" in text) == (
+        not any(cell.collapse for cell in stored.cells.values())
+    )
 
 
 def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:

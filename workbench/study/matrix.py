@@ -42,7 +42,7 @@ MATRIX_COLUMNS = (
         *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
     ),
 )
-COST_COLUMNS = ("label", "against", "count", "ratio")
+COST_COLUMNS = ("label", "against", "count", "ratio", "seconds")
 
 Tables = Mapping[str, Sequence[Row]]
 Pairs = Mapping[tuple[str, str, str], Row]
@@ -214,7 +214,10 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
             ratios = [_ratio(own, other) for own, other in pairs if own and other]
             if ratios and not holds_data(model):
                 row = {"label": label, "against": base, "count": len(ratios)}
-                yield {**row, "ratio": median(ratios)}
+                seconds = median(
+                    _spent(timed[case, label]) for case in moving if (case, label) in timed
+                )
+                yield {**row, "ratio": median(ratios), "seconds": seconds}
 
 
 def _shown(study: Study, label: str) -> bool:
@@ -228,6 +231,10 @@ def _whole(timed: Mapping[tuple[str, str], Row], label: str) -> float:
     return median(
         [float(row["wall_time"]) for (_, own), row in timed.items() if own == label] or [0.0]
     )
+
+
+def _spent(row: Row) -> float:
+    return float(row.get("solve_time") or row["wall_time"])
 
 
 def _ratio(own: Row, other: Row) -> float:

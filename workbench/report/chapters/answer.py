@@ -7,7 +7,14 @@ from math import ceil
 from typing import Any
 
 from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import count, part, percent, several
+from workbench.content.formatting import (
+    count,
+    duration,
+    part,
+    percent,
+    several,
+    title_of,
+)
 from workbench.content.tree import (
     ABSENT,
     Block,
@@ -22,7 +29,8 @@ from workbench.content.tree import (
 )
 from workbench.report.chapters import measured, verdicts
 from workbench.report.chapters.budgets import budgets
-from workbench.report.stored import CellState, Stored
+from workbench.report.chapters.subject import subject
+from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Study
 
@@ -31,12 +39,16 @@ _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over case
 _REASONS = 4  # why models are outside their domain, the most frequent
 _CAPTION = (
     "How far each model is off: bias of the peak displacement over the cases of a column with its "
-    "95 % interval (of one case: its error with its numerical uncertainty), and of the residual "
-    "displacement, against the best reference that is inside its own domain. Good: the whole "
+    "95 % interval (of one case: its error with its numerical uncertainty){residual}, against the "
+    "best reference that is inside its own domain. Colours judge the peak. Good: the whole "
     "interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain or of "
     "unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model itself "
-    "warns that it is outside its domain. Time: the median of the cases, rounded to 1, 2, 5."
+    "warns that it is outside its domain.{time}"
 )
+_TIMED = " Time: the median of the cases, rounded to 1, 2, 5."
+_UNTIMED = " Times are not given: every call may hold compilation."
+_JUDGED = (PEAK, RESIDUAL, "time_of_peak")
+_OTHERS = 6  # quantities besides those of the matrix that are told
 
 Row = dict[str, Any]
 
@@ -47,7 +59,10 @@ def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section
     found = [*matrix(study, stored), *budgets(stored)]
     after = next((i for i, block in enumerate(found) if isinstance(block, Table)), -1) + 1
     title = "The answer" if found or shown else "What was asked"
-    said = (Paragraph(study.question), *measured.made(stored), *measured.footnote(study, stored))
+    said = (
+        *(Paragraph(study.question), *subject(study)),
+        *(*measured.made(stored), *measured.footnote(study, stored)),
+    )
     return Section("answer", title, (*said, *found[:after], *shown, *found[after:]))
 
 
@@ -65,16 +80,23 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
     if not by_label:
         return
     groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
-    costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
+    costs = _costs(stored)
     times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
+    whole = [row["seconds"] for row in stored.rows["cost"] if row["label"] == row["against"]]
+    times += f" ({duration(whole[0], 1)})" if whole else ""
+    timed = [Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0])))]
+    remains = any(row[f"{RESIDUAL}_count"] for row in stored.rows["matrix"])
+    residual = ", and of the residual displacement" if remains else ""
+    caption = _CAPTION.format(residual=residual, time=_TIMED if costs else _UNTIMED)
     columns = (
         Column("model", width=1.4, of=lambda item: _name(study, item[0])),
         *(Column(_title(stored, group), width=2.1, of=partial(_cell, group)) for group in groups),
-        Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0]))),
+        *(timed if costs else ()),
         Column("in words", width=3.0, of=lambda item: _sentence(item[1])),
     )
-    yield Bullets(tuple(_trusted(study, stored.rows["matrix"], group) for group in groups))
-    yield Table.of("matrix", _CAPTION, columns, by_label.items())
+    yield Bullets(tuple(_trusted(study, stored, group) for group in groups))
+    yield Table.of("matrix", caption, columns, by_label.items())
+    yield from _besides(study, stored)
     reasons = tuple(_why(stored, set(by_label)))
     if reasons:
         yield Paragraph("Why models are outside their domain:")
@@ -106,8 +128,33 @@ def _name(study: Study, label: str) -> str:
     return f"{label}\nreference{place}"
 
 
-def _trusted(study: Study, rows: list[Row], group: str) -> str:
-    """The models that answered all cases of a group inside their domain and within `FAIR`."""
+def _costs(stored: Stored) -> dict[str, float]:
+    return {row["label"]: row["ratio"] for row in stored.rows["cost"]}
+
+
+def _besides(study: Study, stored: Stored) -> Iterator[Block]:
+    """Whether anything collapses, and how far models are off in what the matrix does not show."""
+    shown = {row["label"] for row in stored.rows["matrix"]} - set(study.ranked)
+    if not any(cell.collapse for cell in stored.cells.values()):
+        yield Paragraph("No structure collapses, by any model or reference that answered.")
+    said = []
+    for quantity in [name for name in study.quantities if name not in _JUDGED][:_OTHERS]:
+        worst: dict[str, float] = {}
+        for (_, label), row in stored.errors(quantity, "relative_error", BEST).items():
+            if label in shown and row["error"] is not None:
+                worst[label] = max(worst.get(label, 0.0), row["error"], key=abs)
+        if worst and max(map(abs, worst.values())) > FAIR:
+            told = [f"{label} {percent(error, rough=True)}" for label, error in worst.items()]
+            said.append(f"{title_of(quantity)}: {several(told, 8)}")
+    if said:
+        text = "What the matrix does not judge, largest error of each model against the same"
+        yield Paragraph(f"{text} references:")
+        yield Bullets(tuple(said))
+
+
+def _trusted(study: Study, stored: Stored, group: str) -> str:
+    """The model to take in a group of cases, and all that stay within `FAIR` in every case."""
+    rows = stored.rows["matrix"]
     found = {
         row["label"]: row[f"{PEAK}_within"]
         for row in rows
@@ -124,11 +171,28 @@ def _trusted(study: Study, rows: list[Row], group: str) -> str:
         return f"{group}: nobody knows, as no reference is inside its domain."
     if any(row["synthetic"] for row in rows if row["group"] == group):
         return f"{group}: synthetic, shows the form only; no model is judged."
-    order = sorted(found, key=lambda label: found[label])
-    names = several([f"{label} ({_up(found[label])})" for label in order], 8)
-    stay, their = ("stay", "their") if len(order) > 1 else ("stays", "its")
-    bound = f"within {_up(FAIR)} in every case, inside {their} domain"
-    return f"{group}: {names or 'no model'} {stay} {bound}."
+    if not found:
+        return f"{group}: no model stays within {_up(FAIR)} in every case, inside its domain."
+    own, costs = {row["label"]: row for row in rows if row["group"] == group}, _costs(stored)
+    # whole percents: what differs by less is told apart by what remains, then by the time
+    order = sorted(
+        found,
+        key=lambda label: (
+            ceil(100.0 * found[label]),
+            own[label][f"{RESIDUAL}_within"] or 0.0,
+            costs.get(label, 1.0),
+        ),
+    )
+    first, *others = order
+    cases = "the case" if own[first]["asked"] == 1 else f"all {own[first]['asked']} cases"
+    remains = own[first][f"{RESIDUAL}_within"]
+    left = "" if remains is None else f", residual within {_up(remains)}"
+    spent = f", {part(costs[first])} of the time" if first in costs else ""
+    text = f"{group}: {first}, peak within {_up(found[first])}{left} in {cases}{spent}"
+    if others:
+        names = several([f"{label} ({_up(found[label])})" for label in others], 8)
+        text += f". Peak within {_up(FAIR)} as well, inside their domain: {names}"
+    return f"{text}."
 
 
 def _title(stored: Stored, group: str) -> str:

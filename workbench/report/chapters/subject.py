@@ -1,0 +1,76 @@
+"""What was struck, in one sentence: a reader has to know whether it is his own structure."""
+
+from collections.abc import Iterator, Sequence
+
+from workbench.content.formatting import brief, several
+from workbench.content.tree import Block, Paragraph
+from workbench.scenarios import ColumnImpact, FrameImpact, Striker
+from workbench.study.definition import Study
+
+
+def subject(study: Study) -> Iterator[Block]:
+    """The columns and frames that are hit, and by what."""
+    scenarios = [case.scenario for case in study.cases]
+    columns = [each for each in scenarios if isinstance(each, ColumnImpact)]
+    frames = [each for each in scenarios if isinstance(each, FrameImpact)]
+    said = [*(_columns(columns) if columns else ()), *(_frames(frames) if frames else ())]
+    if said:
+        yield Paragraph(f"What is hit: {'; '.join(said)}.")
+
+
+def _columns(impacts: Sequence[ColumnImpact]) -> Iterator[str]:
+    owns = [impact.column for impact in impacts]
+    steels = _values([own.steel.yield_stress for own in owns], 1e-6, "MPa")
+    yield f"{_names([own.section.name for own in owns])} of {steels}"
+    hits = list(dict.fromkeys((own.length_below, own.length_above) for own in owns))
+    if len(hits) <= 2:
+        yield "hit " + " or ".join(
+            f"{brief(a)} m above the base, {brief(b)} m below the head" for a, b in hits
+        )
+    else:
+        below, whole = ([pair[0] for pair in hits], [sum(pair) for pair in hits])
+        yield f"{_values(whole, 1.0, 'm')} long, hit {_values(below, 1.0, 'm')} above the base"
+    yield _names([f"{own.base} below, {own.head} above" for own in owns])
+    yield f"axial load {_values([own.axial_load for own in owns], 1e-3, 'kN')}"
+    springs = [own.restraint_stiffness for own in owns if own.head != "fixed"]
+    if any(springs):
+        yield f"axial spring at the head {_values(springs, 1e-6, 'kN/mm')}"
+    yield _strikers([impact.striker for impact in impacts])
+
+
+def _frames(impacts: Sequence[FrameImpact]) -> Iterator[str]:
+    for frame in dict.fromkeys(impact.frame for impact in impacts):
+        members = _names([member.section.name for member in frame.members])
+        width = max(n.x for n in frame.nodes) - min(n.x for n in frame.nodes)
+        height = max(n.y for n in frame.nodes) - min(n.y for n in frame.nodes)
+        size = f"{brief(width)} m wide and {brief(height)} m high"
+        yield f"a frame {size} of {len(frame.members)} members ({members})"
+        break
+    places = {
+        f"{brief(node.y)} m above the ground"
+        for impact in impacts
+        for node in impact.frame.nodes
+        if node.name == impact.striker.node
+    }
+    yield f"hit {_names(sorted(places))}"
+    yield _strikers([impact.striker for impact in impacts])
+
+
+def _strikers(strikers: Sequence[Striker]) -> str:
+    masses = _values([each.mass for each in strikers], 1.0, "kg")
+    speeds = _values([each.velocity for each in strikers], 1.0, "m/s")
+    given_back = [each.restitution for each in strikers]
+    bounce = f", restitution {_values(given_back, 1.0, '')}" if any(given_back) else ""
+    return f"by a rigid striker of {masses} at {speeds}{bounce}"
+
+
+def _names(names: Sequence[str]) -> str:
+    return several(list(dict.fromkeys(names)), 4)
+
+
+def _values(values: Sequence[float], factor: float, unit: str) -> str:
+    """One value, two, or their range."""
+    found = sorted({float(f"{factor * value:.3g}") for value in values})
+    ends = found if len(found) < 3 else [found[0], found[-1]]
+    join = " and " if len(found) == 2 else " to "
+    return f"{join.join(map(brief, ends))} {unit}".strip()
