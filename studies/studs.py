@@ -138,10 +138,14 @@ BIAS = (
     "tests must lie to their mean in EN 1994-1-1, B.2.5."
 )
 ONE_TEST = (
-    "No unseen test is to fall 15 % below its prediction, about the scatter of a series. One test "
-    "can fail a model, it cannot pass it."
+    "No unseen test is to fall 15 % below its prediction, about the scatter of a series; a formula "
+    "of which even the least lies 15 % above is of little use. One test can fail a model, it "
+    "cannot pass it."
 )
-BAND = "A 90 % band that holds less than 80 % of unseen curves misleads."
+BAND = (
+    "A 90 % band that holds less than 80 % of the points of unseen curves misleads; one that holds "
+    "all of them is wider than it says, which is just within the bound."
+)
 STIFFNESS = "Off by more than a quarter in the median, a law is of little use for deflections."
 UNVALIDATED = "Within 15 % of tests that show it; without such tests this stays open."
 
@@ -152,12 +156,12 @@ def gate(model: str, quantity: str, bound: float, why: str, *names: str) -> Gate
     return Gate(model, TESTS, quantity, metric, bound, why, OWN, names)
 
 
+# none for the strength of the mechanical stud: the concrete term of the mean form limits it, so the
+# unseen tests would judge the same numbers twice
 gates = (
     gate(MEAN, "test_over_prediction", 0.10, BIAS, TO_LEHIGH, TO_PROVINES, *ADDED),
     gate(MEAN, "least_test_over_prediction", 0.15, ONE_TEST, TO_LEHIGH, *ADDED),
     gate(CORRECTED, "least_test_over_prediction", 0.15, ONE_TEST, TO_LEHIGH),
-    gate(MECHANICAL, "test_over_prediction", 0.10, BIAS, TO_LEHIGH),
-    gate(MECHANICAL, "least_test_over_prediction", 0.15, ONE_TEST, TO_LEHIGH),
     gate(FITTED, "coverage", 0.10, BAND, CURVES_UNSEEN),
     gate(FITTED, "stiffness_test_over_prediction", 0.25, STIFFNESS, CURVES_UNSEEN),
     gate(PUBLISHED, "stiffness_test_over_prediction", 0.25, STIFFNESS, CURVES_UNSEEN),
@@ -249,6 +253,7 @@ study = Study(
         "coverage",
     ),
     gates=gates,
+    decisive="scatter",
     figures=figures,
     quick_models=tuple(label for label in models if label not in (BY_LOAD, "trilinear")),
     notes=(

@@ -88,10 +88,12 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         for of, p in drawn
         if of not in own and p.key != first
     )
+    decisive = [p for _, p in drawn if p.key == first]
+    short = stud_evidence.in_short(study, stored, decisive)
     parts: list[Section | None] = [
-        answer.answer(study, stored, (p for _, p in drawn if p.key == first)),
+        answer.answer(study, stored, () if short else decisive),
         measured.validation(study, stored),
-        stud_evidence.in_short(study, stored),
+        short,
         integrators.in_short(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),

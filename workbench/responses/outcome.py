@@ -55,7 +55,7 @@ _ADVICE = {
     Outcome.COLLAPSE: "This is an answer: in this model the structure does not survive.",
     Outcome.NOT_CONVERGED: "Take a smaller step or a finer mesh, or look at the state it names.",
     Outcome.INVALID_INPUT: "Correct the input that the message names.",
-    Outcome.OUT_OF_DOMAIN: "Use a model whose assumptions cover this scenario.",
+    Outcome.OUT_OF_DOMAIN: "Take a model whose assumptions cover this, or give the tests it lacks.",
     Outcome.TIMED_OUT: "Allow more time per cell or take a cheaper discretisation.",
     Outcome.CRASHED: "This is a defect of the model: report it with the scenario file.",
 }

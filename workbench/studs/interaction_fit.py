@@ -153,7 +153,8 @@ def fit_interaction(
 def _findings(rows: pd.DataFrame, found: Fitted) -> Iterator[Finding]:
     least = int(rows["companions"].min())
     if least < 3:
-        text = f"resistances under tension or shear alone rest on as few as {least} tests"
+        few = "single tests" if least == 1 else f"as few as {least} tests"
+        text = f"resistances under tension or shear alone rest on {few}"
         yield Finding("tests", f"{text}: their scatter is in no interval of the exponent")
     campaigns = rows["campaign"].nunique()
     if campaigns < LEAST_CAMPAIGNS:

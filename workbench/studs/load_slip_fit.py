@@ -155,7 +155,8 @@ def fit_load_slip(
     measured: list[tuple[Array, Array]] = []
     for name, slip, load in curves_of(points, falling=law == "rational"):
         if len(slip) < max(least_points, len(names)):
-            skipped.append(f"{name['campaign']} {name['specimen']}: {len(slip)} points")
+            words = "one point" if len(slip) == 1 else f"{len(slip)} points"
+            skipped.append(f"{name['campaign']} {name['specimen']}: {words}")
             continue
         rows.append({**name, **_row(fit_curve(slip, load, law, loss=loss, held=fixed), slip, load)})
         measured.append((np.maximum(slip, 0.0), load / load.max()))

@@ -1,16 +1,24 @@
 """Studs: what no test validates, what unseen tests say of the rest, numbers for designers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from math import isclose
 from typing import Any, NamedTuple
 
 from workbench.content.formatting import count, number, percent
-from workbench.content.tree import Block, Bullets, Callout, Paragraph, Section
+from workbench.content.tree import Block, Bullets, Callout, Paragraph, Picture, Section
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
 from workbench.studs.answers.typed import content_of
 from workbench.study.definition import Study
+
+_VERY_FEW, _FEW = 3, 10  # tests that are named one by one; curves that hardly tell laws apart
+_NEAR = 1e-3  # m, in diameter: such a stud
+MEASURES = {  # of damage, what its level is over what
+    "displacement ratio": "uplift reached before, over that at which an undamaged stud fails",
+    "load ratio": "tension before, over the pull-out resistance of an undamaged stud",
+}
 
 
 class Answered(NamedTuple):
@@ -41,8 +49,12 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
                 yield Answered(case.name, label, case.scenario.asked, content, found)
 
 
-def in_short(study: Study, stored: Stored) -> Section | None:
-    """What is not validated, then what unseen tests say; None for a study without studs."""
+def in_short(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> Section | None:
+    """What is not validated, then one answer to each question; None for a study without studs.
+
+    A usual stud by the codes, what unseen tests say, what is left after damage, load-slip laws and
+    what no test tells; then the decisive `pictures`.
+    """
     found = list(answers(study, stored))
     if not found:
         return None
@@ -52,10 +64,144 @@ def in_short(study: Study, stored: Stored) -> Section | None:
         text = f"Not validated: {'; '.join(missing)}. Do not design with these numbers."
         blocks.append(Callout("bad", text))
     blocks.extend(_strength(found))
-    items = [*_judged(study, found), *_factors(found)]
-    if items:
-        blocks.append(Bullets(tuple(items)))
-    return Section("short", "In short", tuple(blocks))
+    items = (
+        *_usual(found),
+        *_judged(study, found),
+        *_same(found),
+        *_left(found),
+        *_laws(found),
+        *_factors(found),
+        *_unknown(found),
+    )
+    blocks.extend([Bullets(items)] if items else [])
+    return Section("short", "In short", (*blocks, *pictures))
+
+
+def _usual(found: list[Answered]) -> Iterator[str]:
+    """A usual stud by the codes, and which formula no test falls below."""
+    formulas = [each for each in _widest(found) if each.content.get("usual")]
+    named = {each.fit["model"]: each for each in formulas}
+    if "en1994" not in named:
+        return
+    own = named["en1994"].content["usual"]
+    steel, concrete, other = (own[f"{n}_term"] for n in ("steel", "concrete", "other_concrete"))
+    value, gamma = own["resistance"], own["partial_factor"]
+    text = (
+        f"Stud {number(1e3 * own['diameter'], 2)} x {number(1e3 * own['height'], 3)} mm, f_ck "
+        f"{number(own['concrete_strength'] / 1e6, 2)} MPa, specified f_u "
+        f"{number(own['ultimate_strength'] / 1e6, 3)} MPa, by EN 1994-1-1: characteristic "
+        f"{_kilo(value)}, design {_kilo(value / gamma)} with γ_V = {number(gamma, 3)}; "
+        f"{_governs(own)} ({_kilo(steel)} steel, {_kilo(concrete)} concrete)"
+    )
+    for name, word in (("roik-mean", "mean form"), ("aisc360", "AISC 360-22, nominal")):
+        if name in named:
+            each = named[name].content["usual"]
+            text += f"; {word} {_kilo(each['resistance'])}, {_governs(each)}"
+    text += ". E_cm is that of EN 1992-1-1"
+    if other < min(steel, concrete):
+        text += (
+            "; with 4733 √f_cm, as the fits take it where none was measured, concrete governs: "
+            f"{_kilo(other)} and {_kilo(other / gamma)}"
+        )
+    yield f"{text}. These are values of the codes, not of the tests."
+    least = {e.label: min(row["ratio"] for row in e.content["tests"]) for e in _widest(found)}
+    shown = ", ".join(f"{number(value, 3)} ({label})" for label, value in least.items())
+    tests = named["en1994"].fit["tests"]
+    safe = [label for label, value in least.items() if value >= 1.0]
+    text = f"Least of {count(tests, 'test')} over each formula as it is: {shown}. "
+    text += f"All tests exceed only: {', '.join(safe) or 'none of them'}."
+    size = own["diameter"]
+    near = sum(abs(row["diameter"] - size) <= _NEAR for row in named["en1994"].content["tests"])
+    yield f"{text} Of these tests {near} had a stud of that diameter, within 1 mm."
+
+
+def _kilo(load: float) -> str:
+    return f"{number(1e-3 * load, 3)} kN"
+
+
+def _governs(usual: dict[str, Any]) -> str:
+    term = "steel" if usual["steel_term"] <= usual["concrete_term"] else "concrete"
+    return f"{term} governs"
+
+
+def _widest(found: list[Answered]) -> list[Answered]:
+    """The formulas as fitted to most tests."""
+    formulas = [each for each in found if "d8" in each.fit]
+    most = max((each.fit["tests"] for each in formulas), default=0)
+    return [each for each in formulas if each.fit["tests"] == most]
+
+
+def _same(found: list[Answered]) -> Iterator[str]:
+    """Models whose predictions of unseen tests are those of a formula as it is."""
+    judged = [e for e in found if e.asked == "strength" and e.content.get("judgement")]
+    for each in judged:
+        if "d8" in each.fit:
+            continue
+        own = [row["prediction"] for row in each.content["judged"]]
+        for other in judged:
+            theirs = [row["prediction"] for row in other.content["judged"]]
+            alike = other.case == each.case and "d8" in other.fit and len(own) == len(theirs)
+            if alike and all(
+                isclose(*pair, rel_tol=1e-6) for pair in zip(own, theirs, strict=True)
+            ):
+                yield (
+                    f"{each.label}: no result of its own for strength. In these tests the concrete "
+                    f"term of the {other.label} limits it, so its predictions are the same."
+                )
+
+
+def _left(found: list[Answered]) -> Iterator[str]:
+    """What a computation leaves of a stud after damage, where no test tells."""
+    own = [each for each in found if "curve" in each.content and not each.fit["tests"]]
+    kinds: dict[tuple[str, str, str], list[str]] = {}
+    for each in own:
+        key = each.fit["predamage"], each.fit["measure"], each.fit["stud"]
+        shares = f"{each.fit['quantity']} {_shares(each.content['curve'])}"
+        kinds.setdefault(key, []).append(shares)
+    for (kind, measure, stud), texts in kinds.items():
+        yield (
+            f"Left after damage by {kind} (stud {stud}; level: {MEASURES.get(measure, measure)}), "
+            f"as a share of the undamaged: {'; '.join(texts)}. Computed, no test: do not design. "
+            "The ranges run over assumed parameters and are no confidence intervals."
+        )
+
+
+def _shares(curve: dict[str, Any]) -> str:
+    texts = []
+    for level in (0.5, 1.0):
+        at = min(range(len(curve["level"])), key=lambda i: abs(curve["level"][i] - level))
+        text = number(curve["left"][at], 2)
+        if curve["low"] is not None:
+            text += f" ({number(curve['low'][at], 2)} to {number(curve['high'][at], 2)})"
+        texts.append(f"{text} at level {number(curve['level'][at], 2)}")
+    return ", ".join(texts)
+
+
+def _laws(found: list[Answered]) -> Iterator[str]:
+    """The load-slip laws by their misfit on unseen curves."""
+    own = {e.label: e.content["judgement"] for e in found if _on_curves(e)}
+    if len(own) > 1:
+        order = sorted(own, key=lambda label: own[label]["median_rms"])
+        first, *others = (f"{x} ({number(own[x]['median_rms'], 2)})" for x in order)
+        curves = own[order[0]]["curves"]
+        yield (
+            f"Smallest misfit on {count(curves, 'unseen curve')}, root mean square of the load "
+            f"over the largest load: {first}; then {', '.join(others)}."
+            + (" So few curves hardly tell close ones apart." if curves < _FEW else "")
+        )
+
+
+def _on_curves(each: Answered) -> bool:
+    return "curves" in (each.content.get("judgement") or {}) and each.asked == "load-slip"
+
+
+def _unknown(found: list[Answered]) -> Iterator[str]:
+    """What no test at hand tells."""
+    for each in _widest(found)[:1]:
+        yield f"Not known, as no test tells: strength other than {each.fit['holds']}; " + (
+            "studs in profiled decks, under tension and shear together, or after damage, unless a "
+            "table of your own holds such tests."
+        )
 
 
 def _residual(found: list[Answered]) -> Iterator[str]:
@@ -96,23 +242,31 @@ def _judged(study: Study, found: list[Answered]) -> Iterator[str]:
     """One sentence for every label that a gate judges by unseen tests."""
     for label in dict.fromkeys(gate.model for gate in study.gates):
         own = (each for each in found if each.label == label and each.content.get("judgement"))
-        parts = [judged(each.content["judgement"]) for each in own]
+        parts = [judged(each.content["judgement"], each.content["judged"]) for each in own]
         if parts:
             yield f"{label}: {'; '.join(parts)}."
 
 
-def judged(judgement: dict[str, Any]) -> str:
-    """How a fit meets what it has not seen, in words."""
-    return (_curves if "curves" in judgement else _tests)(judgement)
+def judged(judgement: dict[str, Any], rows: list[dict[str, Any]] | None = None) -> str:
+    """How a fit meets what it has not seen, in words; of very few tests the `rows` one by one."""
+    return _curves(judgement) if "curves" in judgement else _tests(judgement, rows or [])
 
 
-def _tests(judgement: dict[str, Any]) -> str:
+def _tests(judgement: dict[str, Any], rows: list[dict[str, Any]]) -> str:
     ratio, interval = number(judgement["test_over_prediction"], 3), judgement["interval"]
-    closed = interval and None not in (interval["low"], interval["high"])
+    bracket = ""
+    if interval and None not in (interval["low"], interval["high"]):
+        bracket = f"{percent(interval['confidence'], signed=False, rough=True)} interval "
+        bracket = f" ({bracket.replace('.0', '')}{tables.span(interval)})"
     least = judgement["least_test_over_prediction"]
     tests = f"{count(judgement['tests'], 'unseen test')} of {', '.join(judgement['campaigns'])}"
-    text = f"{tests} bore {ratio}" + (f" ({tables.span(interval)})" if closed else "")
-    text += " of the prediction in the median"
+    if 1 < len(rows) <= _VERY_FEW:
+        each = " and ".join(number(row["ratio"], 3) for row in rows)
+        return (
+            f"{tests} bore {each} of the prediction; so few cannot tell how good it is: median "
+            f"{ratio}{bracket}"
+        )
+    text = f"{tests} bore {ratio}{bracket} of the prediction in the median"
     return text + (f", {judgement['worst']} only {number(least, 2)}" if least < 1.0 else "")
 
 
@@ -134,9 +288,19 @@ def _factors(found: list[Answered]) -> Iterator[str]:
     if factors:
         shown = ", ".join(f"{number(star, 3)} ({label})" for label, star in factors.items())
         yield (
-            f"EN 1990 D.8 over {most} tests asks for a partial factor gamma_M* of {shown}; EN "
-            "1994-1-1 has 1.25. It shows the procedure, it is no design value for a project."
+            f"EN 1990 D.8 over {most} tests gives a partial factor γ_M* of {shown}; EN 1994-1-1 "
+            "has 1.25. That is no reason to go below 1.25: D.8 takes tests as independent that "
+            f"are not{_shank(found)}. It shows the procedure, it is no design value for a project."
         )
+
+
+def _shank(found: list[Answered]) -> str:
+    """How many tests bore more than their shank can, as a reason not to trust them."""
+    for each in _widest(found)[:1]:
+        above = sum((row["over_steel"] or 0.0) > 1.0 for row in each.content["tests"])
+        if above:
+            return f", and {above} of them exceed the strength of their shank"
+    return ""
 
 
 def design(study: Study, stored: Stored) -> Section | None:

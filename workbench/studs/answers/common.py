@@ -90,7 +90,7 @@ class StudModel(Declared, table="option"):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()

@@ -32,6 +32,7 @@ from workbench.studs.statistics.mixed import LOSSES
 from workbench.studs.statistics.mixture import NOTHING, Priors
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows
+from workbench.studs.usual import usual_stud
 
 SOURCES = {
     "en1994": ("en1994-1-1",),
@@ -80,7 +81,8 @@ class StudStrength(StudModel):
             judged = fit.judge(split.validation, level, corrected=self.corrected)
         scalars = {"tests_fitted": float(len(fit.rows)), "fitted_test_over_prediction": fit.bias}
         units = {"test": "N", "prediction": "N"}
-        return Found(fit.content(judged), fit.findings, judged, scalars, units)
+        content = {**fit.content(judged), "usual": usual_stud(fit.model)}
+        return Found(content, fit.findings, judged, scalars, units)
 
 
 @dataclass(frozen=True)

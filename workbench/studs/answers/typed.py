@@ -19,6 +19,7 @@ ROOT, ROW, ITEM = "answer", "row", "item"
 UNITS = {
     **dict.fromkeys(("load", "collar", "friction", "P_Rk", "P_Rd", "r_m", "r_k", "r_d"), "N"),
     **dict.fromkeys(("r_nominal", "strength_test", "strength_model"), "N"),
+    **dict.fromkeys(("steel_term", "concrete_term", "other_concrete_term", "resistance"), "N"),
     **dict.fromkeys(("slip", "slip_at_max", "slip_capacity", "slip_test", "slip_model"), "m"),
     **dict.fromkeys(("diameter", "height", "peak_slip", "yield_slip"), "m"),
     **dict.fromkeys(("concrete_strength", "concrete_modulus", "ultimate_strength"), "Pa"),
