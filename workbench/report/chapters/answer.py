@@ -38,7 +38,7 @@ GOOD, FAIR = 0.05, 0.10  # bounds of what may be relied on, and of what may do
 _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
 _REASONS = 4  # why models are outside their domain, the most frequent
 _CAPTION = (
-    "How far each model is off: bias of the peak displacement over the cases of a column with its "
+    "How far each model is off: bias of the peak displacement over the cases of a group with its "
     "95 % interval (of one case: its error with its numerical uncertainty){residual}, against the "
     "best reference that is inside its own domain. Colours judge the peak. Good: the whole "
     "interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain or of "
@@ -145,7 +145,7 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
                 worst[label] = max(worst.get(label, 0.0), row["error"], key=abs)
         if worst and max(map(abs, worst.values())) > FAIR:
             told = [f"{label} {percent(error, rough=True)}" for label, error in worst.items()]
-            said.append(f"{title_of(quantity)}: {several(told, 8)}")
+            said.append(f"{title_of(quantity)}: {'; '.join(told)}")
     if said:
         text = "What the matrix does not judge, largest error of each model against the same"
         yield Paragraph(f"{text} references:")
