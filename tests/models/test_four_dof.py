@@ -337,7 +337,7 @@ def test_a_touch_under_dead_load_is_answered(thesis_impact: ColumnImpact, model:
         model.simulate(replace(thesis_impact.at_velocity(v), column=column, duration=0.02))
         for v in (1e-2, 1e-5)
     )
-    # measured 6.4e-6, and 3e-10 of the frame
+    # measured 6.4e-6, 4.6e-5 with panels, 3e-10 of the frame
     assert 1e3 * float(slower["peak_displacement"]) == pytest.approx(
-        float(slow["peak_displacement"]), rel=1.5e-5
+        float(slow["peak_displacement"]), rel=1e-4
     )

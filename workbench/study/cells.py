@@ -4,7 +4,6 @@ import fnmatch
 import hashlib
 import json
 import pickle
-import re
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
@@ -77,17 +76,9 @@ def key_of(ingredients: Ingredients) -> str:
 def cells_of(study: Study) -> list[Cell]:
     """All cells of a study, each checked so that no run begins that cannot end.
 
-    Raises `InputError` for names that files cannot carry, for models that do not
-    keep the contract, for options that cannot be stored or models that cannot be sent to a
-    worker process and for a study without cells.
+    Raises `InputError` for models that do not keep the contract, for options that cannot be stored
+    or models that cannot be sent to a worker process and for a study without cells.
     """
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", study.name):
-        raise InputError(
-            "study.name", study.name, "must be letters, digits, dots, hyphens, underscores"
-        )
-    for name in (*(case.name for case in study.cases), *study.models):
-        if not name.strip():
-            raise InputError("study.cases and labels", name, "must not be empty")
     for label, model in study.models.items():
         _check_model(label, model)
     cells = []
