@@ -135,6 +135,9 @@ def test_gates_mean_something(studs):
     assert by_model["left after a pull-out, by uplift"] == {"refused"}
     ends = pd.DataFrame(studs.rows["verdicts"]).groupby("model")["verdict"].agg(set)
     assert ends["5/3 power"] == ends["left after a pull-out, by uplift"] == {"inconclusive"}
+    bias = rows[(rows["model"] == "EN 1994 mean form") & rows["low"].notna()].iloc[0]
+    assert bias["low"] == pytest.approx(0.339 - 1.0, abs=1e-3)  # 0.339 to 3.53 of the prediction
+    assert bias["high"] == pytest.approx(3.533 - 1.0, abs=1e-3)
     unknown = rows[rows["uncertainty"].isna()]
     assert not (unknown["verdict"] == "pass").any()
 
@@ -145,6 +148,8 @@ def test_the_whole_report(studs, tmp_path):
     assert files["pdf"].read_bytes().startswith(b"%PDF")
     order = [html.index(f">{title}<") for title in ("What was asked", "In short", "Verdicts")]
     assert order == sorted(order)
+    assert "1.094 (0.3389 to 3.533)" in html
+    assert "(−66.1\u2009% to +253.3\u2009%)" in html
     for key in ("provines2019", "culver1960", "mcgarraugh1971", "en1990", "hanswille2007"):
         assert f'id="ref-{key}"' in html
         assert bibliography()[key].title.split(":")[0] in html

@@ -13,6 +13,7 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
+from workbench.responses.uncertainty import sampled_interval
 from workbench.scenarios import StudTests
 from workbench.studs import TESTS, Grade, evaluate_groups
 from workbench.studs.answers import (
@@ -73,6 +74,9 @@ def test_formulas_are_judged_by_what_they_have_not_seen() -> None:
     assert number(corrected, "least_test_over_prediction") < 0.8
     widths = json.loads(plain_.attrs["sampling_uncertainty"])
     assert set(widths) == {"test_over_prediction"}  # a single test has no interval
+    low, high = sampled_interval(plain_, "test_over_prediction")
+    assert 0.0 < low < number(plain_, "test_over_prediction") < high
+    assert sampled_interval(plain_, "least_test_over_prediction") is None
 
 
 def test_the_mechanical_model_is_judged_by_unseen_tests() -> None:
@@ -128,6 +132,7 @@ def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     assert content_of(fitted)["judgement"]["curves"] == 4
     assert 0.8 < number(fitted, "coverage") <= 1.0  # nominal 0.9, measured 0.97
     assert json.loads(fitted.attrs["sampling_uncertainty"])["coverage"] >= 0.25
+    assert sampled_interval(fitted, "coverage")[1] == 1.0  # no band holds more than all
     published = StudLoadSlip(published=True).simulate(given)
     assert "coverage" not in published
     # measured 0.0021

@@ -60,15 +60,24 @@ class Gate:
         return f"{self.model} against {self.against}: {self.metric} of {self.quantity}"
 
 
-def judge(value: float, uncertainty: float | None, bound: float) -> Verdict:
+def judge(
+    value: float,
+    uncertainty: float | None,
+    bound: float,
+    low: float | None = None,
+    high: float | None = None,
+) -> Verdict:
     """Pass if the whole interval value +- uncertainty lies within +-bound, fail if none does.
 
-    An unknown uncertainty (None) can fail a gate but not pass it.
+    An unknown uncertainty (None) can fail a gate but not pass it. From `low` to `high`, where both
+    are given, is the interval instead.
     """
     width = 0.0 if uncertainty is None else uncertainty
-    if abs(value) - width > bound:
+    least = value - width if low is None else low
+    most = value + width if high is None else high
+    if least > bound or most < -bound:
         return Verdict.FAIL
-    if uncertainty is None or abs(value) + width > bound:
+    if uncertainty is None or most > bound or least < -bound:
         return Verdict.INCONCLUSIVE
     return Verdict.PASS
 
@@ -78,7 +87,8 @@ class CaseVerdict:
     """A gate in one case: the `value` of its metric, with `uncertainty`, None without an answer.
 
     `note` says where the uncertainty comes from, or why there is nothing to judge; `collapsed` are
-    the labels whose structure collapses; `doubt`, why what is within the bound is no pass.
+    the labels whose structure collapses; `doubt`, why what is within the bound is no pass; `low`
+    and `high`, the ends of an interval over tests.
     """
 
     case: str
@@ -88,6 +98,8 @@ class CaseVerdict:
     note: str
     collapsed: tuple[str, ...] = ()
     doubt: str = ""
+    low: float | None = None
+    high: float | None = None
 
     @property
     def told(self) -> str:
@@ -143,6 +155,8 @@ class GateVerdict:
         def reach(case: CaseVerdict) -> float:
             if case.value is None:
                 return inf if case.verdict is Verdict.FAIL else -inf
+            if case.low is not None and case.high is not None:
+                return max(abs(case.low), abs(case.high))
             return abs(case.value) + (case.uncertainty or 0.0)
 
         return max(same, key=reach, default=None)

@@ -125,13 +125,21 @@ def metric_value(metric: str, quantity: str, value: float | None, *, bound: bool
     return percent(value, signed=signed)
 
 
-def interval(metric: str, quantity: str, value: float | None, width: float | None) -> str:
-    """Value ± uncertainty of a metric; an unknown uncertainty is said to be so."""
+def interval(
+    metric: str, quantity: str, value: float | None, width: float | None, *ends: float | None
+) -> str:
+    """Value ± uncertainty of a metric, or value (low to high) by the known `ends`.
+
+    An unknown uncertainty is said to be so.
+    """
     text = metric_value(metric, quantity, value)
     if value is None or not math.isfinite(value):
         return text
     if metric in METRICS and METRICS[metric].scope is Scope.RUN:
         return text
+    known = [metric_value(metric, quantity, end) for end in ends if end is not None]
+    if known:
+        return f"{text} ({' to '.join(known)})"
     if width is None or math.isnan(width):
         return f"{text} (uncertainty unknown)"
     wide = metric_value(metric, quantity, width, bound=True)

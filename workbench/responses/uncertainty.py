@@ -21,6 +21,13 @@ FIBERS, STEPS = "fibers", "steps"
 SPACE, SPACE_AND_STEPS = "space", "space and steps"
 CURVES = {"displacement": "run_displacement", "force": "run_force"}
 WIDTHS, BASIS = "numerical_uncertainty", "refinement"  # attributes of a response
+SAMPLED = "sampling_interval"  # attribute: ends of intervals over tests by quantity
+
+
+def sampled_interval(response: Response, quantity: str) -> tuple[float, float] | None:
+    """The interval of a scalar over the tests behind it, which may be skewed; None without one."""
+    ends = json.loads(response.attrs.get(SAMPLED, "{}")).get(quantity)
+    return None if ends is None else (ends[0], ends[1])
 
 
 def level_names(levels: int) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ from workbench.studs.tables import RowIdentity
 from workbench.studs.trust import ranked
 
 Content = dict[str, Any]
+Ends = tuple[float, float]  # of an interval
 
 
 def fields_of(value: Any) -> Any:
@@ -60,7 +61,8 @@ def plain(value: Any) -> Any:
 class Judged(Protocol):
     """How a fit meets tests that it has not used, row by row (`rows`).
 
-    `scalars`, what models are compared by; `widths`, half-widths of their intervals over tests.
+    `scalars`, what models are compared by; `widths`, half-widths of their intervals over tests, and
+    `intervals`, their ends where they are known.
     """
 
     @property
@@ -71,6 +73,9 @@ class Judged(Protocol):
 
     @property
     def widths(self) -> dict[str, float | None]: ...  # noqa: D102
+
+    @property
+    def intervals(self) -> dict[str, Ends]: ...  # noqa: D102
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -242,6 +247,12 @@ class Judgement:
     def widths(self) -> dict[str, float | None]:
         """Half-widths of the intervals of the scalars, over tests."""
         return {"test_over_prediction": self.half_width}
+
+    @property
+    def intervals(self) -> dict[str, Ends]:
+        """The interval of the bias, skewed as that of a logarithm is; nothing without one."""
+        low, high = (None, None) if self.interval is None else self.interval[:2]
+        return {} if low is None or high is None else {"test_over_prediction": (low, high)}
 
     def to_dict(self) -> Content:
         """Everything but the rows."""

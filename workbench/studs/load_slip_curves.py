@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.studs.fit_protocol import Content, Judgement, judge
+from workbench.studs.fit_protocol import Content, Ends, Judgement, judge
 from workbench.studs.load_slip import Law, chord_stiffness, law_stiffness, misfit
 from workbench.studs.quantities import Array
 
@@ -87,6 +87,18 @@ class CurveJudgement:
         """Half-widths of the intervals of the scalars, over curves."""
         stiffness = None if self.stiffness is None else self.stiffness.half_width
         return {"coverage": self.coverage_half_width, "stiffness_test_over_prediction": stiffness}
+
+    @property
+    def intervals(self) -> dict[str, Ends]:
+        """Their intervals, where they are known; a coverage stays between none and all."""
+        found: dict[str, Ends] = {}
+        width = self.coverage_half_width
+        if self.coverage is not None and width is not None:
+            found["coverage"] = max(self.coverage - width, 0.0), min(self.coverage + width, 1.0)
+        if self.stiffness is not None:
+            for ends in self.stiffness.intervals.values():
+                found["stiffness_test_over_prediction"] = ends
+        return found
 
     def to_dict(self) -> Content:
         """Everything but the rows."""

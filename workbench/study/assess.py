@@ -4,7 +4,7 @@ The verdict of a gate counts all cases that are asked; the rule itself stands in
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -43,14 +43,14 @@ from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
 _COMPARISON = (
     *("model", "against", "quantity", "metric", "value", "against_value", "error"),
-    *("uncertainty", "note"),
+    *("uncertainty", "note", "low", "high"),
 )
 _BIAS = (
     *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
     *("model_scatter", "note"),
 )
 _GATE = ("number", "gate", "model", "against", "quantity", "metric")
-_JUDGED = ("case", "value", "uncertainty", "collapsed", "bound")
+_JUDGED = ("case", "value", "uncertainty", "low", "high", "collapsed", "bound")
 CASE_COLUMNS = (*_GATE, *_JUDGED, "verdict", "note", "doubt")
 VERDICT_COLUMNS = (
     *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict), "collapses"),
@@ -255,9 +255,9 @@ def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
         found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
     except InputError as error:
         return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
-    verdict = judge(found.error, found.uncertainty, gate.bound)
+    verdict = judge(found.error, found.uncertainty, gate.bound, found.low, found.high)
     judged = CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
-    return doubted(gate, answers, judged)
+    return doubted(gate, answers, replace(judged, low=found.low, high=found.high))
 
 
 def _fallen(gate: Gate, answers: Answers, fallen: tuple[str, ...]) -> CaseVerdict:
@@ -284,7 +284,7 @@ def verdict_row(found: GateVerdict) -> Row:
         **found.counts,
         "case": None if top is None else top.case,
         "value": None if top is None else top.value,
-        "uncertainty": None if top is None else top.uncertainty,
+        **{n: None if top is None else getattr(top, n) for n in ("uncertainty", "low", "high")},
         "collapsed": [] if top is None else list(top.collapsed),
         "reasons": list(found.reasons),
     }

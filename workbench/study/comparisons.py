@@ -199,7 +199,8 @@ class Comparison:
     """A metric between two answers.
 
     `error` is the value of the metric, with its `uncertainty` (None: unknown) and a `note` on that;
-    for scalar quantities also both numbers that were compared, in SI.
+    for scalar quantities also both numbers that were compared, in SI; from `low` to `high` where
+    an interval over tests is known, which may be skewed.
     """
 
     error: float
@@ -207,6 +208,8 @@ class Comparison:
     note: str
     value: float | None = None
     against_value: float | None = None
+    low: float | None = None
+    high: float | None = None
 
 
 def compare(
@@ -229,7 +232,12 @@ def compare(
     own, note = of_side(answers, model, quantity)
     other, other_note = of_side(answers, against, quantity)
     notes = joined(note, other_note)
-    return Comparison(value, metric.half_width(*pair, own, other), notes, *pair)
+    sampled = numerical.sampled_interval(response, quantity)
+    ends: list[float] = []
+    if sampled is not None and other == 0.0:
+        moved = (response.assign({quantity: ((), end)}) for end in sampled)
+        ends = sorted(metric(each, reference, quantity) for each in moved)
+    return Comparison(value, metric.half_width(*pair, own, other), notes, *pair, *ends)
 
 
 def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:

@@ -110,4 +110,4 @@ def _confirmed(gate: Gate, answers: Answers, best: str) -> bool:
         other = compare(answers, gate.model, best, gate.quantity, METRICS[gate.metric])
     except InputError:
         return True
-    return judge(other.error, other.uncertainty, gate.bound) is Verdict.PASS
+    return judge(other.error, other.uncertainty, gate.bound, other.low, other.high) is Verdict.PASS

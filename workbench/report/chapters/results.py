@@ -21,6 +21,7 @@ from workbench.content.formatting import (
 )
 from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import BEST, Stored
+from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
 from workbench.study.definition import Study, holds_data
 
@@ -60,7 +61,10 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
         text = in_unit(values[case, label], quantity, width=width, named=False)
         if (case, label) in errors:
             row = errors[case, label]
-            said = interval("relative_error", quantity, row["error"], row["uncertainty"])
+            ends = row.get("low"), row.get("high")
+            if None not in ends:
+                text = _sampled(stored, case, label, quantity)
+            said = interval("relative_error", quantity, row["error"], row["uncertainty"], *ends)
             text += f"{gap}{said.replace(' (uncertainty unknown)', '')}"
         return Cell(text, values[case, label])
 
@@ -76,6 +80,15 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
         rows, columns = cases, [Column("case", width=2.4, of=str)]
         columns += (Column(label, True, 1.3, partial(cell, label=label)) for label in labels)
     return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
+
+
+def _sampled(stored: Stored, case: str, label: str, quantity: str) -> str:
+    """A value with its interval over tests."""
+    response = stored.response(case, label)
+    ends = None if response is None else sampled_interval(response, quantity)
+    values = (stored.number(case, label, quantity), *(ends or ()))
+    value, *known = (in_unit(each, quantity, named=False) for each in values)
+    return f"{value} ({' to '.join(known)})" if known else value
 
 
 def _shapes(study: Study, stored: Stored) -> Iterator[Table]:
@@ -106,7 +119,8 @@ def _of(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
     row = pair[1].get(metric)
     if row is None:
         return ABSENT
-    text = interval(metric, row["quantity"], row["error"], row["uncertainty"])
+    ends = row.get("low"), row.get("high")
+    text = interval(metric, row["quantity"], row["error"], row["uncertainty"], *ends)
     return Cell(text.replace(" (uncertainty unknown)", ""), row["error"])
 
 

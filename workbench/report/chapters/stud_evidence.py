@@ -66,12 +66,13 @@ def in_short(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> 
     blocks.extend(_strength(found))
     items = (
         *_usual(found),
-        *_judged(study, found),
-        *_same(found),
+        *_judged(study, [each for each in found if not _on_curves(each)]),
         *_left(found),
         *_laws(found),
-        *_factors(found),
         *_unknown(found),
+        *_same(found),
+        *_factors(found),
+        *_judged(study, [each for each in found if _on_curves(each)]),
     )
     blocks.extend([Bullets(items)] if items else [])
     return Section("short", "In short", (*blocks, *pictures))

@@ -31,7 +31,8 @@ _PRINTED = 30
 _NOTES = 2  # reasons shown in the summary; the table of cases has all
 _RULE = (
     "A case passes if the whole interval, value ± numerical uncertainty, lies within the bound, "
-    "fails if none of it does, and is inconclusive otherwise, as the validation comparison of "
+    "fails if none of it does (an interval over tests is skewed and stands as low to high), and is "
+    "inconclusive otherwise, as the validation comparison of "
     "[@asme-vv20] asks. Where one side collapses and the other survives it fails; where both "
     "collapse it passes without a number. A gate fails if one of its cases fails, and passes only "
     "if every case that was asked passes: one without an answer may be the worst."
@@ -136,7 +137,8 @@ def _ended(row: dict[str, Any]) -> str:
 def _interval(row: dict[str, Any]) -> str:
     if row["collapsed"]:
         return _ended(row)
-    return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"])
+    ends = row.get("low"), row.get("high")
+    return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"], *ends)
 
 
 def _judged(row: dict[str, Any]) -> Cell:

@@ -14,6 +14,7 @@ from workbench.evidence import dataset
 from workbench.fields import Declared
 from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
+from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud import CSV, StudTests
 from workbench.studs.answers.typed import with_content
@@ -90,7 +91,7 @@ class StudModel(Declared, table="option"):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()
@@ -142,4 +143,7 @@ class StudModel(Declared, table="option"):
             widths = {name: width for name, width in own.items() if width is not None}
         kind = "data_uncertainty" if found.exact else "sampling_uncertainty"  # over tests
         response.attrs[kind] = json.dumps(plain(widths), sort_keys=True)
+        if found.judged is not None:
+            ends = json.dumps(plain(found.judged.intervals), sort_keys=True)
+            response.attrs[SAMPLED] = ends
         return with_content(response, found.content, found.units)
