@@ -95,8 +95,8 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
         Column("in words", width=3.0, of=lambda item: _sentence(item[1])),
     )
     yield Bullets(tuple(_trusted(study, stored, group) for group in groups))
-    yield Table.of("matrix", caption, columns, by_label.items())
     yield from _besides(study, stored)
+    yield Table.of("matrix", caption, columns, by_label.items())
     reasons = tuple(_why(stored, set(by_label)))
     if reasons:
         yield Paragraph("Why models are outside their domain:")
@@ -147,8 +147,10 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
             told = [f"{label} {percent(error, rough=True)}" for label, error in worst.items()]
             said.append(f"{title_of(quantity)}: {'; '.join(told)}")
     if said:
-        text = "What the matrix does not judge, largest error of each model against the same"
-        yield Paragraph(f"{text} references:")
+        text = (
+            "Do not take from these models what is further off, at worst, from the same references"
+        )
+        yield Paragraph(f"{text} (the matrix judges displacements alone):")
         yield Bullets(tuple(said))
 
 
