@@ -98,7 +98,7 @@ def _usual(found: list[Answered]) -> Iterator[str]:
         if name in named:
             each = named[name].content["usual"]
             text += f"; {word} {_kilo(each['resistance'])}, {_governs(each)}"
-    text += ". E_cm is that of EN 1992-1-1"
+    text += ". E_cm of the EN forms is that of EN 1992-1-1, the mean form takes f_cm = f_ck + 8 MPa"
     if other < min(steel, concrete):
         text += (
             "; with 4733 √f_cm, as the fits take it where none was measured, concrete governs: "
@@ -110,7 +110,7 @@ def _usual(found: list[Answered]) -> Iterator[str]:
     tests = named["en1994"].fit["tests"]
     safe = [label for label, value in least.items() if value >= 1.0]
     text = f"Least of {count(tests, 'test')} over each formula as it is: {shown}. "
-    text += f"All tests exceed only: {', '.join(safe) or 'none of them'}."
+    text += f"Exceeded by every test: {', '.join(safe) or 'none of them'}."
     size = own["diameter"]
     near = sum(abs(row["diameter"] - size) <= _NEAR for row in named["en1994"].content["tests"])
     yield f"{text} Of these tests {near} had a stud of that diameter, within 1 mm."
@@ -146,8 +146,8 @@ def _same(found: list[Answered]) -> Iterator[str]:
                 isclose(*pair, rel_tol=1e-6) for pair in zip(own, theirs, strict=True)
             ):
                 yield (
-                    f"{each.label}: no result of its own for strength. In these tests the concrete "
-                    f"term of the {other.label} limits it, so its predictions are the same."
+                    f"{each.label}: no result of its own for strength. In these tests the limit "
+                    f"of the {other.label} (concrete, shank) governs: its predictions are the same."
                 )
 
 
