@@ -147,10 +147,8 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
             told = [f"{label} {percent(error, rough=True)}" for label, error in worst.items()]
             said.append(f"{title_of(quantity)}: {'; '.join(told)}")
     if said:
-        text = (
-            "Do not take from these models what is further off, at worst, from the same references"
-        )
-        yield Paragraph(f"{text} (the matrix judges displacements alone):")
+        text = "Do not take from these models what is further off, at worst, from the same"
+        yield Paragraph(f"{text} references (the matrix judges displacements alone):")
         yield Bullets(tuple(said))
 
 
