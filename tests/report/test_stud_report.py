@@ -102,7 +102,7 @@ def test_what_is_not_validated_comes_first(studs):
 # the questions of a designer, each with numbers of its own
 SAID = {
     "by EN 1994-1-1: ": "characteristic 102 kN, design 81.7 kN with γ_V = 1.25; steel governs",
-    "Least of 26 tests": "Exceeded by every test: EN 1994 characteristic form.",
+    "Least of 26 tests": "To take, as every test exceeds it: EN 1994 characteristic form.",
     "EN 1994 mean form: ": "0.909 and 1.32 of the prediction; so few cannot tell how good it is: "
     "median 1.09 (90\u2009% interval 0.339 to 3.53)",
     "mechanical stud: ": "no result of its own for strength",

@@ -110,7 +110,7 @@ def _usual(found: list[Answered]) -> Iterator[str]:
     tests = named["en1994"].fit["tests"]
     safe = [label for label, value in least.items() if value >= 1.0]
     text = f"Least of {count(tests, 'test')} over each formula as it is: {shown}. "
-    text += f"Exceeded by every test: {', '.join(safe) or 'none of them'}."
+    text += f"To take, as every test exceeds it: {', '.join(safe) or 'none of them'}."
     size = own["diameter"]
     near = sum(abs(row["diameter"] - size) <= _NEAR for row in named["en1994"].content["tests"])
     yield f"{text} Of these tests {near} had a stud of that diameter, within 1 mm."
