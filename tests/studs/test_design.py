@@ -15,7 +15,7 @@ from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import fit_residual, fit_strength
 from workbench.studs.few import evaluate_few
-from workbench.studs.interaction_fit import fit_interaction, reach
+from workbench.studs.interaction_fit import fit_interaction, log_reach
 from workbench.studs.quantities import specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.schema import TESTS
@@ -224,7 +224,7 @@ def combined(exponent: float, sigma: float, campaigns: int = 3, seed: int = 5) -
         rows += [{**name, "shear_kN": 100.0}] * 3
         rows += [{**name, "test": "pull-out", "tension_kN": 80.0}] * 3
         for angle in (0.25, 0.6, 0.9, 1.3):
-            r = float(reach(np.array(angle), exponent)) * exp(sigma * generator.normal())
+            r = exp(float(log_reach(np.array(angle), exponent))) * exp(sigma * generator.normal())
             loads = {"shear_kN": 100.0 * r * np.sin(angle), "tension_kN": 80.0 * r * np.cos(angle)}
             rows.append({**name, "test": "combined", **loads})
     return push_outs(rows)

@@ -36,10 +36,16 @@ SHARES = np.linspace(0.0, 1.0, 41)  # of the tension resistance, at which the la
 LEAST_ANGLE = 0.05  # rad, from pure tension or shear: nearer a test tells nothing of both
 
 
-def reach(angle: Array, exponent: float) -> Array:
-    """Distance (n,) of the law from the origin in directions `angle` (n,), atan(v / t)."""
-    t, v = np.cos(angle), np.sin(angle)
-    return np.asarray((t**exponent + v**exponent) ** (-1.0 / exponent))
+_SEARCHED = (-12.0, 12.0)  # logarithms of exponents; beyond, profiles run into overflow
+
+
+def log_reach(angle: Array, exponent: float) -> Array:
+    """Logarithm (n,) of the distance of the law from the origin in directions `angle` (n,).
+
+    That is atan(v / t), inside the quadrant; the distance itself is zero for small exponents.
+    """
+    t, v = exponent * np.log(np.cos(angle)), exponent * np.log(np.sin(angle))
+    return np.asarray(-np.logaddexp(t, v) / exponent)
 
 
 @dataclass(frozen=True)
@@ -70,7 +76,9 @@ class InteractionFit(Fit):
             raise InputError("validation", 0, "holds no combined test with its companions")
         self.identity.refuse_overlap(rows)
         angle, distance = _polar(rows)
-        return judge(rows, distance, reach(angle, self.exponent), confidence, "tension", "shear")
+        return judge(
+            rows, distance, np.exp(log_reach(angle, self.exponent)), confidence, "tension", "shear"
+        )
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -121,7 +129,7 @@ def fit_interaction(
     given = problem(
         np.log(distance),
         rows["campaign"],
-        lambda theta: np.log(reach(angle, float(np.exp(theta[0])))),
+        lambda theta: log_reach(angle, float(np.exp(np.clip(theta[0], *_SEARCHED)))),
         ("exponent",),
         [np.log(5.0 / 3.0)],
         lower=np.log(EXPONENTS[0]),

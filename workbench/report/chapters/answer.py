@@ -179,7 +179,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         found,
         key=lambda label: (
             ceil(100.0 * found[label]),
-            own[label][f"{RESIDUAL}_within"] or 0.0,
+            ceil(100.0 * (own[label][f"{RESIDUAL}_within"] or 0.0)),
             costs.get(label, 1.0),
         ),
     )
