@@ -30,7 +30,7 @@ def _columns(impacts: Sequence[ColumnImpact]) -> Iterator[str]:
     else:
         below, whole = ([pair[0] for pair in hits], [sum(pair) for pair in hits])
         yield f"{_values(whole, 1.0, 'm')} long, hit {_values(below, 1.0, 'm')} above the base"
-    yield _names([f"{own.base} below, {own.head} above" for own in owns])
+    yield " or ".join(dict.fromkeys(f"{own.base} below and {own.head} above" for own in owns))
     yield f"axial load {_values([own.axial_load for own in owns], 1e-3, 'kN')}"
     springs = [own.restraint_stiffness for own in owns if own.head != "fixed"]
     if any(springs):
