@@ -13,6 +13,7 @@ from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
 from workbench.report.chapters.results import numbers
+from workbench.report.chapters.subject import in_labels
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -88,6 +89,13 @@ def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -
     assert ("No structure collapses" in text) == (
         not any(cell.collapse for cell in stored.cells.values())
     )
+
+
+def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored) -> None:
+    name = stored.study.models["close"].name
+    label = next(iter(stored.study.models))
+    said = in_labels(stored.study, f"take {name}, not {name}-more")
+    assert said == f"take {name} ({label}), not {name}-more"
 
 
 def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:

@@ -60,10 +60,13 @@ def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
     lacks = f" (without {', '.join(total['lacks'])})" if total["lacks"] else ""
     own = known.get(NUMERICAL)
     numerical = "not known" if own is None else change(own)
+    low, high = (value * (1.0 + total[end]) for end in ("low", "high"))
+    ends = f"{in_unit(low, quantity, 3)} and "
+    ends += in_unit(high, quantity, 3) if isfinite(high) else "collapse"
     return (
-        f"{title_of(quantity)} {in_unit(value, quantity, 3)}, off by {change(total)}{lacks} "
-        f"({100 * COVERAGE:g} %), most of it by {top['term']} ({change(top)}); the numerical part "
-        f"is {numerical}"
+        f"{title_of(quantity)} {in_unit(value, quantity, 3)}; with all errors{lacks} the real one "
+        f"lies between {ends} ({change(total)}, {100 * COVERAGE:g} %), most of it by {top['term']} "
+        f"({change(top)}); the numerical part is {numerical}"
     )
 
 

@@ -29,7 +29,7 @@ from workbench.content.tree import (
 )
 from workbench.report.chapters import measured, verdicts
 from workbench.report.chapters.budgets import budgets
-from workbench.report.chapters.subject import subject
+from workbench.report.chapters.subject import in_labels, subject
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Study
@@ -56,13 +56,12 @@ Row = dict[str, Any]
 def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
     """The question, the matrix, `pictures`, what places models outside their domain, budgets."""
     shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
-    found = [*matrix(study, stored), *budgets(stored)]
+    found = list(matrix(study, stored))
+    found[1:1] = budgets(stored)  # what all errors make of it, beside what the references say
     after = next((i for i, block in enumerate(found) if isinstance(block, Table)), -1) + 1
     title = "The answer" if found or shown else "What was asked"
-    said = (
-        *(Paragraph(study.question), *subject(study)),
-        *(*measured.made(stored), *measured.footnote(study, stored)),
-    )
+    said = [Paragraph(study.question), *subject(study), *measured.made(stored)]
+    said += measured.footnote(study, stored)
     return Section("answer", title, (*said, *found[:after], *shown, *found[after:]))
 
 
@@ -188,7 +187,8 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     remains = own[first][f"{RESIDUAL}_within"]
     left = "" if remains is None else f", residual within {_up(remains)}"
     spent = f", {part(costs[first])} of the time" if first in costs else ""
-    text = f"{group}: {first}, peak within {_up(found[first])}{left} in {cases}{spent}"
+    of = own[first]["against"] or "the reference"
+    text = f"{group}: {first}, peak within {_up(found[first])} of {of}{left} in {cases}{spent}"
     if others:
         names = several([f"{label} ({_up(found[label])})" for label in others], 8)
         text += f". Peak within {_up(FAIR)} as well, inside their domain: {names}"
@@ -347,4 +347,4 @@ def _why(stored: Stored, labels: set[str]) -> Iterator[str]:
         top = max((finding for _, finding in told), key=lambda f: abs(f.number or 0.0))
         names = several(list(dict.fromkeys(cell.label for cell, _ in told)), 8)
         cases = len({cell.case for cell, _ in told})
-        yield f"{names} (in {count(cases, 'case')}): {top}."
+        yield f"{names} (in {count(cases, 'case')}): {in_labels(stored.study, str(top))}."

@@ -1,5 +1,6 @@
 """What was struck, in one sentence: a reader has to know whether it is his own structure."""
 
+import re
 from collections.abc import Iterator, Sequence
 
 from workbench.content.formatting import brief, several
@@ -16,6 +17,16 @@ def subject(study: Study) -> Iterator[Block]:
     said = [*(_columns(columns) if columns else ()), *(_frames(frames) if frames else ())]
     if said:
         yield Paragraph(f"What is hit: {'; '.join(said)}.")
+
+
+def in_labels(study: Study, text: str) -> str:
+    """A text that names models as the registry does, with the labels that the study gives them."""
+    labels: dict[str, str] = {}
+    for label, model in study.models.items():
+        labels.setdefault(model.name, label)
+    for name, label in labels.items():
+        text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-])", f"{name} ({label})", text)
+    return text
 
 
 def _columns(impacts: Sequence[ColumnImpact]) -> Iterator[str]:
