@@ -9,6 +9,7 @@ from scipy.linalg import eigh
 
 from workbench.errors import InputError
 from workbench.models.single_dof import SingleDof
+from workbench.models.single_dof.kernels import RECORD
 from workbench.models.soft_impact import SoftImpact, kernels
 from workbench.responses import Outcome, energy_error, outcome_of, warnings_of
 from workbench.scenarios import ColumnImpact
@@ -82,7 +83,7 @@ def test_steps_are_of_second_order(weak: ColumnImpact) -> None:
     meeting = kernels.Meeting(weak.column.properties.impact_mass, 1500.0, 0.1, 2e7, inf)
     ends = []
     for steps in (40, 80, 160, 1280):
-        records = np.zeros(steps + 1, kernels.RECORD)
+        records = np.zeros(steps + 1, RECORD)
         dt = 0.004 / steps
         kernels.impact(dt, meeting, curve.elastic_limit, 1.0, curve.pieces, records)
         ends.append(float(records["displacement"][-1]))

@@ -10,17 +10,15 @@ energy below the stability limit.
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
-from workbench.models.single_dof.kernels import spring_at_rest, spring_energy, spring_moved
-
-OK, COLLAPSE = 0, 1
-HISTORIES = (
-    *("displacement", "velocity", "striker_velocity", "percussion", "force"),
-    *("kinetic", "elastic", "dissipated", "contact_loss"),
+from workbench.models.single_dof.kernels import (
+    COLLAPSE,
+    OK,
+    spring_at_rest,
+    spring_energy,
+    spring_moved,
 )
-RECORD = np.dtype([(name, float) for name in HISTORIES])
 
 
 class Meeting(NamedTuple):
@@ -50,7 +48,8 @@ def crush(approach, crushed, meeting):
 def impact(dt, meeting, elastic_limit, limit, pieces, records):
     """Follow the impact in steps of `dt`; returns (status, last step, final spring, crushed).
 
-    `records` (steps + 1,) of RECORD are zero at first. COLLAPSE when v passes `limit`.
+    `records` (steps + 1,) of the RECORD of `single_dof` are zero at first. COLLAPSE when v passes
+    `limit`.
     """
     spring = spring_at_rest(elastic_limit, pieces)
     m_column, m_striker = meeting.mass, meeting.striker

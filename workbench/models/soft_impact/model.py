@@ -24,6 +24,7 @@ from workbench.models.resistance.limits import (
     reached_findings,
     shear_utilisation,
 )
+from workbench.models.single_dof.kernels import COLLAPSE, HISTORIES, RECORD
 from workbench.models.soft_impact import kernels
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.scenarios import ColumnImpact, Scenario
@@ -99,7 +100,7 @@ class SoftImpact(Declared, table="option"):
         if step * frequency > 1.0:
             where = f"steps of {step:.2g} s, at most {_MOST_STEPS:.0e} are kept"
             raise SolverError(where, step * frequency, "a softer striker or a shorter record")
-        records = np.zeros(count + 1, kernels.RECORD)
+        records = np.zeros(count + 1, RECORD)
         force = np.inf if self.crush_force is None else self.crush_force
         meeting = kernels.Meeting(
             mass, striker.mass, striker.velocity, self.striker_stiffness, force
@@ -107,13 +108,13 @@ class SoftImpact(Declared, table="option"):
         status, last, spring, _ = kernels.impact(
             step, meeting, curve.elastic_limit, limit_of(curve, column), curve.pieces, records
         )
-        if status == kernels.COLLAPSE:
+        if status == COLLAPSE:
             raise collapsed(curve, column, float(records["displacement"][last]), last * step)
         solved = perf_counter() - started
         top = float(records["displacement"].max())
         companion = analytic_companion(curve)
         values: dict[str, Any] = {
-            **{name: records[name] for name in kernels.HISTORIES},
+            **{name: records[name] for name in HISTORIES},
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear_utilisation(companion, column, top),
         }
