@@ -62,7 +62,7 @@ class Number(Rule):
         inside = self.low <= value <= self.high and (self.low_included or value > self.low)
         if not inside or (self.integer and value != int(value)):
             raise self._refusal(path, value)
-        return int(value) if self.integer else float(value)
+        return int(value) if self.integer else float(value) + 0.0  # 0.0, not -0.0: they are equal
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+import xarray as xr
 
 from workbench.errors import WorkbenchError
 from workbench.responses import (
@@ -53,6 +56,41 @@ def test_contact_force_is_the_mean_over_a_millisecond() -> None:
     blow = np.zeros(100)
     blow[40] = 2.0
     assert peak_contact_force(time, blow) == pytest.approx(2.0 / 1e-3, rel=1e-9)
+
+
+def test_a_response_is_what_xarray_builds_of_its_parts() -> None:
+    """The short way past the search for conflicts leaves the same data set, indexes too."""
+    values = {"displacement": [0.0, 1.0], "moment": np.ones((3, 2)), "input_energy": 2.0}
+    hinges = ("base", "hit", "head")
+    response = build_response(values, time=[0.0, 0.5], hinges=hinges)
+    plain = xr.Dataset(
+        {name: (array.dims, array.values, array.attrs) for name, array in response.items()},
+        {name: (array.dims, array.values, array.attrs) for name, array in response.coords.items()},
+        response.attrs,
+    )
+    xr.testing.assert_identical(response, plain)
+    assert dict(response.sizes) == dict(plain.sizes)
+    assert set(response.xindexes) == set(plain.xindexes) == {"time", "hinge"}
+    assert response.indexes["hinge"].equals(plain.indexes["hinge"])
+    assert float(response["moment"].sel(hinge="hit", time=0.5)) == 1.0
+    response["hinge"].attrs["units"] = "changed"
+    assert (
+        build_response(values, time=[0.0, 0.5], hinges=hinges)["hinge"].attrs["units"] != "changed"
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"displacement": [0.0, 1.0, 2.0]}, "coordinates"),
+        ({"moment": np.ones((2, 2)), "displacement": [0.0, 1.0]}, "coordinates"),
+        ({"displacement": [0.0, 1.0], "velocity": [0.0]}, "velocity"),
+        ({"velocity": 1.0}, "velocity"),
+    ],
+)
+def test_shapes_that_do_not_belong_together_are_refused(values: Any, named: str) -> None:
+    with pytest.raises(ValueError, match=named):
+        build_response(values, time=[0.0, 1.0], hinges=("base", "hit", "head"))
 
 
 def test_contract_violations_are_found() -> None:

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
@@ -89,10 +90,15 @@ def _refused(refusals: Sequence[Finding]) -> Response:
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:
     response.attrs.update(
         **signature(model, scenario),
-        provenance=json.dumps(provenance(), sort_keys=True),
+        provenance=_provenance(),
         wall_time=time.perf_counter() - started,
     )
     return response
+
+
+@cache
+def _provenance() -> str:
+    return json.dumps(provenance(), sort_keys=True)
 
 
 def signature(model: Model, scenario: Scenario) -> dict[str, Any]:

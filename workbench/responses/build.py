@@ -2,6 +2,8 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from xarray.indexes import PandasIndex
 
+from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
@@ -43,39 +46,56 @@ def build_response(
     values = {**derived, **values}
     history = "time" if time is not None else "step"
     named = {"hinge": hinges, "segment": segments, "member": members, "upright": uprights}
-    along: dict[str, Any] = {name: list(names) for name, names in named.items() if len(names)}
+    along: dict[str, Any] = {name: tuple(names) for name, names in named.items() if len(names)}
     if instants is not None:
         along["time"] = instants
     elif steps is not None:
         along["step"] = np.arange(steps)
-    data = {}
+    data: dict[Any, xr.Variable] = {}
+    sizes: dict[Any, int] = {}
     for name, value in values.items():
         if value is None:
             continue
         variable = VARIABLES[name]
         dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
-        data[name] = xr.Variable(dims, np.asarray(value, dtype=float), variable.attributes)
-    sizes = {
-        dim: size
-        for variable in data.values()
-        for dim, size in zip(variable.dims, variable.shape, strict=True)
-    }
+        array = np.asarray(value, dtype=float)
+        if array.ndim != len(dims) or any(
+            sizes.setdefault(dim, size) != size for dim, size in zip(dims, array.shape, strict=True)
+        ):
+            raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
+        data[name] = xr.Variable(dims, array, variable.attributes, fastpath=True)
     if "point" in sizes:
         along["point"] = np.linspace(0.0, 1.0, sizes["point"])
     if "snapshot" in sizes:
         along["snapshot"] = np.arange(sizes["snapshot"])
-    coordinates: dict[str, xr.Variable] = {}
-    indexes = {}
-    for name, meaning in COORDINATES.items():
-        if name in along:  # xarray takes twice as long to find out what is an index
-            indexes[name] = index = PandasIndex(along[name], name)
-            axis = xr.Variable(name, along[name], meaning.attributes)
-            coordinates |= index.create_variables({name: axis})
-    response = xr.Dataset(data, xr.Coordinates(coordinates, indexes))
+    indexes: dict[Any, Any] = {}
+    coordinates: dict[Any, xr.Variable] = {}
+    for name in filter(along.__contains__, COORDINATES):
+        index, axis = _named(name, along[name]) if name in named else _axis(name, along[name])
+        if sizes.setdefault(name, axis.size) != axis.size:
+            raise ValueError(f"{name}: {axis.size} coordinates of {sizes[name]} values")
+        indexes[name], coordinates[name] = index, axis.copy(deep=False)
+    # What it is made of is known not to conflict: looking for that takes xarray half a millisecond.
+    response = xr.Dataset._construct_direct(
+        {**data, **coordinates}, set(coordinates), sizes, {}, indexes
+    )
     response.attrs["outcome"] = Outcome.OK.value
     response.attrs["message"] = ""
     set_findings(response, [*findings, *warnings])
     return response
+
+
+def _axis(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
+    """A coordinate of a response: its index and its variable."""
+    index = PandasIndex(values, name)
+    axis = xr.Variable(name, index.index, COORDINATES[name].attributes)
+    return index, index.create_variables({name: axis})[name]
+
+
+@lru_cache(maxsize=256)
+def _named(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
+    """`_axis` of the names of parts, which many responses share."""
+    return _axis(name, values)
 
 
 def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] = ()) -> Response:
@@ -150,17 +170,18 @@ def check_response(response: Response) -> None:
     Names with dots are a model's own results: words, or numbers that are NaN where not known.
     Raises `WorkbenchError` naming the variable.
     """
+    coordinates = set(response.coords)
     for name, array in response.variables.items():  # plain variables: no index is built
-        if name in response.coords:
+        if name in coordinates:
             continue
         own = "." in str(name)
         if name not in VARIABLES and not own:
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
         if not {"units", "long_name"} <= set(array.attrs):
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-        if not own and not np.isfinite(array.values).all():
+        if not own and not (np.isfinite(array.values).all() if array.ndim else isfinite(array)):
             raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
-    if "time" in response.coords and np.any(np.diff(response["time"].values) <= 0.0):
+    if "time" in coordinates and np.any(np.diff(response.variables["time"].values) <= 0.0):
         raise WorkbenchError("response time does not increase")
 
 

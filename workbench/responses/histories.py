@@ -31,7 +31,7 @@ def implied(
 
     A displacement over `time` (s; None: load steps) implies its peak; with the percussion of a
     striker also the residual displacement, impulse and contact force; energies imply how far
-    their balance is open.
+    their balance is open. What takes time to find is left out where the values give it.
     """
     given = {name: np.asarray(v, dtype=float) for name, v in values.items() if v is not None}
     blow = "percussion" in given
@@ -41,14 +41,15 @@ def implied(
         displacement = given["displacement"]
         peak = peak_of(time, displacement)
         found |= peak
-        if blow and peak:
+        if blow and peak and "residual_displacement" not in values:
             found["residual_displacement"] = residual_of(time, displacement)
-        elif blow:
+        elif blow and not peak:
             text = f"the displacement still grows at the end of the record, {time[-1]:g} s"
             findings.append(Finding(NO_PEAK, text, remedy="extend time.duration to find the peak"))
     if time is not None and blow:
         found["impulse"] = given["percussion"].sum()
-        found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
+        if "peak_force" not in values:
+            found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
     balance = balance_error(given, static=time is None)
     return {**found, **extremes(given), "balance_error": balance}, findings
 

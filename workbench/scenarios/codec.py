@@ -7,6 +7,7 @@ whose entries hold the fields under their names.
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 from workbench.errors import InputError
@@ -61,7 +62,19 @@ def label_of(entry: Mapping[str, Any], number: int) -> str:
     return label if isinstance(label, str) and len(label) <= 60 else str(number)
 
 
-def _places(kind: type[Declared], entry: bool = False) -> Iterator[Place]:
+@cache
+def _places(kind: Any, entry: bool = False) -> tuple[Place, ...]:
+    """The places of all fields of a class, as the rules of its fields declare them."""
+    return tuple(_declared(kind, entry))
+
+
+@cache
+def _written(kind: Any, entry: bool) -> list[Place]:
+    # What has a written form of its own, a section, may be a table: TOML wants it last.
+    return sorted(_places(kind, entry), key=lambda place: bool(getattr(place.rule, "write", None)))
+
+
+def _declared(kind: type[Declared], entry: bool) -> Iterator[Place]:
     for field in dataclasses.fields(kind):
         rule = field.metadata["rule"]
         item = rule.item if isinstance(rule, Many) else rule
@@ -71,13 +84,13 @@ def _places(kind: type[Declared], entry: bool = False) -> Iterator[Place]:
         yield Place(field, rule, table, key, *((part, None) if item is rule else (None, part)))
 
 
-def _leaves(kind: type[Declared]) -> Iterator[Place]:
+def _leaves(kind: Any) -> Iterator[Place]:
     """Places of all keys that files may have for objects of this class."""
     for place in _places(kind):
         yield from _leaves(place.part) if place.part else (place,)
 
 
-def _build(kind: type[Declared], tables: Mapping[str, Any], entry: str = "") -> Any:
+def _build(kind: Any, tables: Mapping[str, Any], entry: str = "") -> Any:
     """The object whose keys stand in `tables`, those of one entry if its path is given."""
     values = {}
     for place in _places(kind, bool(entry)):
@@ -113,9 +126,8 @@ def _value(place: Place, path: str, value: Any) -> Any:
 
 
 def _fill(tables: dict[str, Any], whole: Any, entry: bool) -> None:
-    # What has a written form of its own, a section, may be a table: TOML wants it last.
-    places = _places(type(whole), entry)
-    for place in sorted(places, key=lambda place: bool(getattr(place.rule, "write", None))):
+    kind: Any = type(whole)
+    for place in _written(kind, entry):
         value = getattr(whole, place.field.name)
         if value is None or (entry and value == place.field.default):
             continue

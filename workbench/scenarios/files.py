@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +130,7 @@ def scenario_hash(scenario: Scenario) -> str:
     return canonical(scenario)[1]
 
 
+@lru_cache(maxsize=64)
 def canonical(scenario: Scenario) -> tuple[str, str]:
     """The canonical TOML text of a scenario and the hash of what happens in it."""
     tables = to_tables(scenario)
