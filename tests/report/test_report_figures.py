@@ -66,7 +66,7 @@ def test_nothing_to_draw_is_said(small, kind):
     [
         kind
         for kind in MEMBERS
-        if kind not in ("shear-surfaces", "structure", "sweep", "domain-map")
+        if kind not in ("shear-surfaces", "yield-surfaces", "structure", "sweep", "domain-map")
     ],
 )
 def test_a_model_without_an_answer_is_no_crash(small, kind):

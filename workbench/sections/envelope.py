@@ -33,7 +33,7 @@ def envelope(shape: Shape, points: int) -> tuple[Array, Array]:
         n, m = resultants(axis)
         return n * np.cos(angle) < m * np.sin(angle)
 
-    n, m = resultants(_bisect(too_low, np.full(points, half)))
+    n, m = resultants(where_it_ends(too_low, np.full(points, half)))
     n[0], m[0], n[-1], m[-1] = 0.0, 1.0, 1.0, 0.0
     return n, m
 
@@ -45,10 +45,10 @@ def superellipse_radius(angle: Array, alpha: float, beta: float) -> Array:
     def inside(radius: Array) -> Flags:
         return np.asarray((radius * cosine) ** alpha + (radius * sine) ** beta < 1.0)
 
-    return _bisect(inside, np.full_like(angle, np.sqrt(2.0)))
+    return where_it_ends(inside, np.full_like(angle, np.sqrt(2.0)))
 
 
-def _bisect(below: Callable[[Array], Flags], high: Array) -> Array:
+def where_it_ends(below: Callable[[Array], Flags], high: Array) -> Array:
     """Where `below` ends between 0 and `high`, to the last bit, for all places at once."""
     low = np.zeros_like(high)
     for _ in range(60):
