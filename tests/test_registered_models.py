@@ -22,6 +22,8 @@ THEORY = {
     "single-dof": "single-dof.md",
     "energy-estimate": "single-dof.md",
     "soft-impact": "soft-impact.md",
+    "hand-estimate": "practice.md",
+    "en-1991-hard-impact": "practice.md",
     "rigid-superelement": "superelements.md",
     "flexible-superelement": "superelements.md",
     "column-of-frame": "column-of-frame.md",

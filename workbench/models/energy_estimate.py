@@ -62,24 +62,8 @@ class EnergyEstimate(Declared, table="option"):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and the restitution that the balance does not cover."""
         findings = curve_findings(scenario, self.resistance)
-        if not isinstance(scenario, ColumnImpact) or scenario.striker.restitution == 0.0:
-            return findings
-        restitution = scenario.striker.restitution
-        if restitution < 1.0:
-            text = (
-                f"restitution {restitution:g} is treated as 0: repeated impacts dissipate almost "
-                "all of the rest (in the thesis column the single-DOF peak is within 1 % of this "
-                "at 10 to 20 m/s, and within several percent at lower speed)"
-            )
-            findings.append(Finding("restitution", text))
-        ratio = scenario.striker.mass / scenario.column.properties.impact_mass
-        if ratio < _HEAVY:
-            text = (
-                f"the striker has only {ratio:.3g} times the impact mass of the column: with "
-                "restitution it flies off before the column rests, and the energy balance can "
-                "miss the peak by tens of percent"
-            )
-            findings.append(Finding("mass-ratio", text))
+        if isinstance(scenario, ColumnImpact):
+            findings += restitution_findings(scenario)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -115,3 +99,27 @@ def energy_to_absorb(scenario: ColumnImpact) -> float:
         return scenario.input_energy
     striker, struck = scenario.striker.mass, scenario.column.properties.impact_mass
     return scenario.input_energy * striker / (striker + struck)
+
+
+def restitution_findings(scenario: ColumnImpact) -> list[Finding]:
+    """Warnings of a restitution that an energy balance does not cover."""
+    findings: list[Finding] = []
+    if scenario.striker.restitution == 0.0:
+        return findings
+    restitution = scenario.striker.restitution
+    if restitution < 1.0:
+        text = (
+            f"restitution {restitution:g} is treated as 0: repeated impacts dissipate almost "
+            "all of the rest (in the thesis column the single-DOF peak is within 1 % of this "
+            "at 10 to 20 m/s, and within several percent at lower speed)"
+        )
+        findings.append(Finding("restitution", text))
+    ratio = scenario.striker.mass / scenario.column.properties.impact_mass
+    if ratio < _HEAVY:
+        text = (
+            f"the striker has only {ratio:.3g} times the impact mass of the column: with "
+            "restitution it flies off before the column rests, and the energy balance can "
+            "miss the peak by tens of percent"
+        )
+        findings.append(Finding("mass-ratio", text))
+    return findings

@@ -3,6 +3,7 @@
 from workbench.models.resistance.curve import Event as Event
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.mechanism import Mechanism as Mechanism
+from workbench.models.resistance.mechanism import axial_flexibility as axial_flexibility
 from workbench.models.resistance.mechanism import mechanism_of as mechanism_of
 from workbench.models.resistance.panel import SHAPES as SHAPES
 from workbench.models.resistance.panel import column_curve as column_curve

@@ -37,6 +37,11 @@ def collapsed(
     if curve.lost_at <= reach(column):
         collapse = Collapse(Mechanism.BUCKLING, SEGMENTS, displacement, time)
         return CollapseError(collapse, "the column has lost its resistance to the axial load")
+    return out_of_reach(column, displacement, time)
+
+
+def out_of_reach(column: Column, displacement: float, time: float | None = None) -> CollapseError:
+    """How a column collapses that has come to the `reach` of the mechanism; as `collapsed`."""
     shorter = SEGMENTS[column.length_below > column.length_above]
     collapse = Collapse(Mechanism.GEOMETRY, (shorter,), displacement, time)
     return CollapseError(collapse, "the displacement passes nine tenths of the shorter segment")

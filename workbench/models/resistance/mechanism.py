@@ -75,10 +75,6 @@ def mechanism_of(column: Column, rotational_stiffness: float = 6.0) -> Mechanism
         [] if pinned else [(name, 1.0 / length, length / half)] for name, length, pinned in ends
     )
     groups, rates, flexibilities = zip(*base, hit, *head, strict=True)
-    axial = column.length / (column.steel.elastic_modulus * properties.area)
-    if column.head != "fixed":
-        spring = column.restraint_stiffness
-        axial = axial + 1.0 / spring if spring > 0.0 else inf
     mechanism = Mechanism(
         groups,
         np.array(rates),
@@ -87,7 +83,7 @@ def mechanism_of(column: Column, rotational_stiffness: float = 6.0) -> Mechanism
         properties.plastic_moment,
         properties.squash_load,
         -column.axial_load,
-        axial,
+        axial_flexibility(column),
     )
     elastic = float(rates @ mechanism.moments_per_displacement)
     if elastic <= mechanism.slope_sum * column.axial_load:
@@ -97,3 +93,12 @@ def mechanism_of(column: Column, rotational_stiffness: float = 6.0) -> Mechanism
             "reduce the load"
         )
     return mechanism
+
+
+def axial_flexibility(column: Column) -> float:
+    """Shortening (m/N) of the column and its restraint per axial force, infinite if it is free."""
+    own = column.length / (column.steel.elastic_modulus * column.properties.area)
+    if column.head == "fixed":
+        return own
+    spring = column.restraint_stiffness
+    return own + 1.0 / spring if spring > 0.0 else inf

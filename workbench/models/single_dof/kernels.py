@@ -126,7 +126,7 @@ def spring_moved(state, v1, pieces):
 
 
 @njit(cache=True, error_model="numpy")
-def _solve_midpoint(dt, w0, mass, jump, state, pieces):
+def solve_midpoint(dt, w0, mass, jump, state, pieces):
     """End velocity w1 of mass (w1 - w0) + jump + dt F_mean = 0; returns (w1, residual).
 
     F_mean is the work of the step over its displacement, so energy is kept whatever the curve.
@@ -175,12 +175,12 @@ def _midpoint_step(dt, motion, blow, state, pieces):
     closed = touches(state.v - xc - _TOUCHING, gamma, dt)
     if closed:
         jump = striker * (1.0 + restitution) * gamma
-        w1, residual = _solve_midpoint(dt, w0, mass + striker, jump, state, pieces)
+        w1, residual = solve_midpoint(dt, w0, mass + striker, jump, state, pieces)
         percussion = -striker * (w1 - w0) - jump
         closed = percussion >= 0.0
     if not closed:
         percussion = 0.0
-        w1, residual = _solve_midpoint(dt, w0, mass, 0.0, state, pieces)
+        w1, residual = solve_midpoint(dt, w0, mass, 0.0, state, pieces)
     wc1 = wc0 - percussion / striker
     v1 = state.v + 0.5 * dt * (w0 + w1)
     state = spring_moved(state, v1, pieces)

@@ -1,0 +1,106 @@
+"""Estimates by hand and the rule of EN 1991-1-7: numbers worked out apart, closed forms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi, sin, sqrt
+
+import pytest
+
+from workbench.errors import InputError
+from workbench.models.practice.hand_estimate import HandEstimate
+from workbench.models.practice.hard_impact import HardImpact
+from workbench.models.single_dof import SingleDof
+from workbench.responses import Outcome, collapse_of, energy_error, outcome_of, warnings_of
+from workbench.scenarios import ColumnImpact
+
+# HEB 220 of the thesis, P = 0.5 MN: load (N) of the mechanism by the exact and the linear surface
+LOADS = {"none": 889.8e3, "section": 831.8e3, "linear": 747.8e3}
+
+
+def subjects(response) -> set[str]:
+    return {finding.subject for finding in warnings_of(response)}
+
+
+@pytest.mark.parametrize("axial", LOADS)
+def test_momentum_then_energy_against_the_mechanism(thesis_impact, axial) -> None:
+    response = HandEstimate(axial=axial).simulate(thesis_impact)
+    joined = 0.94029 * 15.0  # m/s of 1500 kg and rho A L / 3 = 95.25 kg
+    expected = 0.5 * 1595.25 * joined**2 / LOADS[axial]
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=2e-4)
+    assert float(response["residual_displacement"]) == float(response["peak_displacement"])
+    assert float(response["time_of_peak"]) == pytest.approx(2.0 * expected / joined, rel=2e-4)
+
+
+def test_the_hand_estimate_says_what_it_leaves_out(thesis_impact) -> None:
+    column = thesis_impact.column
+    told = {
+        "axial-work": replace(column, axial_load=1.2e6, restraint_stiffness=0.0),
+        "catenary": replace(column, axial_load=0.0, restraint_stiffness=1e9),
+        "elastic": column,
+    }
+    for subject, own in told.items():
+        velocity = {"elastic": 2.0, "catenary": 20.0}.get(subject, 15.0)
+        impact = replace(thesis_impact, column=own).at_velocity(velocity)
+        assert subject in subjects(HandEstimate().simulate(impact)), subject
+        assert not {*told, "restitution"} & subjects(HandEstimate().simulate(thesis_impact))
+    bouncing = replace(thesis_impact, striker=replace(thesis_impact.striker, restitution=0.5))
+    response = HandEstimate().simulate(bouncing)
+    assert "restitution" in subjects(response)
+    assert "time_of_peak" not in response
+    gone = HandEstimate().simulate(thesis_impact.at_velocity(40.0))
+    assert outcome_of(gone) is Outcome.COLLAPSE
+    assert collapse_of(gone).parts == ("below",)
+
+
+def test_hard_impact_of_a_car(thesis_impact) -> None:
+    response = HardImpact().simulate(thesis_impact)
+    assert float(response["rule.force"]) == pytest.approx(318.2e3, rel=1e-4)  # 15 (3e5 1500)^.5
+    assert float(response["rule.duration"]) == pytest.approx(0.07071, rel=1e-4)
+    momentum = 1500.0 * 15.0
+    assert float(response["rule.force"] * response["rule.duration"]) == pytest.approx(momentum)
+    assert float(response["rule.soft_deformation"]) == pytest.approx(
+        168750.0 / LOADS["section"], 2e-4
+    )
+    assert energy_error(response) < 1e-12
+
+
+def elastic_hit(impact: ColumnImpact) -> tuple[ColumnImpact, float, float]:
+    """A column whose curve is linear, its stiffness (N/m) and its period (s)."""
+    column = replace(impact.column, axial_load=0.0, restraint_stiffness=0.0)
+    impact = replace(impact, column=column).at_velocity(1.0)
+    stiffness = SingleDof(resistance="analytic").curve(column).initial_stiffness
+    return impact, stiffness, 2.0 * pi * sqrt(column.properties.impact_mass / stiffness)
+
+
+@pytest.mark.parametrize("length", [0.1, 0.25, 0.5, 3.3])
+def test_its_pulse_moves_an_elastic_column_as_the_closed_form_says(thesis_impact, length) -> None:
+    impact, stiffness, period = elastic_hit(thesis_impact)
+    k = impact.striker.mass / (length * period) ** 2
+    model = HardImpact(striker_stiffness=k, resistance="analytic")
+    force = sqrt(k * impact.striker.mass)
+    if length < 1.0:  # shorter pulses of the same momentum are stronger than the column
+        impact = impact.at_velocity(0.1 * length)
+    force *= impact.striker.velocity
+    impact = replace(impact, duration=4.0 * period + length * period)
+    factor = 2.0 * sin(pi * length) if length < 0.5 else 2.0
+    found = float(model.simulate(impact)["peak_displacement"])
+    assert found == pytest.approx(factor * force / stiffness, rel=1e-3)
+    if length > 1.0:  # phi = 2 of the standard is the step on an elastic structure
+        static = replace(model, application="static").simulate(impact)
+        assert float(static["peak_displacement"]) == pytest.approx(found, rel=1e-3)
+
+
+def test_the_rule_says_when_it_is_none(thesis_impact) -> None:
+    stiff = HardImpact(striker_stiffness=3e6).simulate(thesis_impact.at_velocity(10.0))
+    assert "hard-impact" in subjects(stiff)
+    assert "hard-impact" not in subjects(HardImpact().simulate(thesis_impact))
+    assert "soft-impact" in subjects(HardImpact(deformation_capacity=0.1).simulate(thesis_impact))
+    assert "soft-impact" not in subjects(
+        HardImpact(deformation_capacity=0.3).simulate(thesis_impact)
+    )
+    heavy = HardImpact(striker_stiffness=1e7, application="static").simulate(thesis_impact)
+    assert outcome_of(heavy) is Outcome.COLLAPSE
+    for options in ({"amplification": 2.5}, {"application": "both"}, {"striker_stiffness": 0.0}):
+        with pytest.raises(InputError):
+            HardImpact(**options)

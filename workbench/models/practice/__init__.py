@@ -1,0 +1,1 @@
+"""What practice uses: estimates by hand, rules of codes, equivalent masses, catenaries."""

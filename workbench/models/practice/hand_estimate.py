@@ -1,0 +1,104 @@
+"""What is worked out on half a page: momentum, then energy against a constant mechanism load.
+
+An inelastic collision joins the striker m with the effective mass m_e of the column,
+v1 = m v0 / (m + m_e); what is left of the energy, E = (m + m_e) v1^2 / 2, is the work of the
+plastic mechanism load R over the displacement, E = R v. Rigid-plastic: nothing comes back, and R
+brings the masses to rest after t = (m + m_e) v1 / R = m v0 / R.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from workbench.fields import Declared, checked
+from workbench.models.base import respond
+from workbench.models.domain import member_findings
+from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
+from workbench.models.hit_mass import elastic_energy
+from workbench.models.practice.strength import (
+    AXIAL,
+    SECTION,
+    catenary_start,
+    mechanism_load,
+    slope_sum,
+)
+from workbench.models.resistance import axial_flexibility
+from workbench.models.resistance.limits import SEGMENTS, out_of_reach, reach
+from workbench.responses import Finding, Response, build_response
+from workbench.scenarios import ColumnImpact, Scenario
+
+_MUCH = 0.1  # share of the energy that may be left out without a warning
+_MEND = "take energy-estimate, whose resistance knows it"
+
+
+@dataclass(frozen=True)
+class HandEstimate(Declared, table="option"):
+    """Momentum, then energy against the plastic mechanism load.
+
+    Options: `axial`, how the axial load lowers the plastic moment: none, linear (M_p (1 - n)) or
+    section (exact plastic envelope of the section).
+    """
+
+    axial: str = checked(AXIAL, SECTION)
+
+    name: ClassVar[str] = "hand-estimate"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Inelastic collision with a third of the column's mass; restitution 1: the whole energy "
+        "of the striker is absorbed.",
+        "Rigid-plastic: the mechanism with hinges at the hit point and at clamped ends resists "
+        "with a constant force; no elastic deformation, so that all displacement stays.",
+        "The axial load lowers the plastic moment and does nothing else: no second-order work, no "
+        "catenary action.",
+        "No shear yielding, no local buckling, no strain-rate effect.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("biggs1964",)
+
+    def domain(self, scenario: ColumnImpact) -> list[Finding]:
+        """Findings of all member models, and how much of the energy the estimate leaves out."""
+        column = scenario.column
+        findings = member_findings(scenario) + restitution_findings(scenario)
+        force, energy = mechanism_load(column, self.axial), energy_to_absorb(scenario)
+        displacement = energy / force
+        sinking = 0.5 * slope_sum(column) * column.axial_load * displacement / force
+        if sinking > _MUCH:
+            text = (
+                f"the axial load does {sinking:.2f} of the work of the mechanism as the column "
+                "shortens, which the estimate leaves out: the peak comes out too small"
+            )
+            findings.append(Finding("axial-work", text, remedy=_MEND, number=sinking))
+        beyond = max(displacement - catenary_start(column), 0.0)
+        tension = slope_sum(column) ** 2 * beyond**4 / (8.0 * axial_flexibility(column)) / energy
+        if tension > _MUCH:
+            text = (
+                f"catenary action could take {tension:.2f} of the energy, which the estimate "
+                "leaves out: the peak comes out too large"
+            )
+            findings.append(Finding("catenary", text, remedy=_MEND, number=tension))
+        elastic = elastic_energy(scenario) / energy
+        if elastic > _MUCH:
+            text = (
+                f"the column takes {elastic:.2f} of the energy elastically, for which a "
+                "rigid-plastic estimate has no displacement: the peak comes out too small"
+            )
+            findings.append(Finding("elastic", text, remedy=_MEND, number=elastic))
+        return findings
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a column impact: displacement, which stays, and the time it takes."""
+        return respond(self, scenario, self._solve)
+
+    def _solve(self, scenario: ColumnImpact) -> Response:
+        column, striker = scenario.column, scenario.striker
+        force = mechanism_load(column, self.axial)
+        displacement = energy_to_absorb(scenario) / force
+        if displacement >= reach(column):
+            raise out_of_reach(column, reach(column))
+        time = striker.mass * striker.velocity / force
+        values = {
+            "peak_displacement": displacement,
+            "residual_displacement": displacement,
+            "time_of_peak": time if striker.restitution == 0.0 else None,
+            "input_energy": scenario.input_energy,
+        }
+        return build_response(values, segments=SEGMENTS)

@@ -1,0 +1,146 @@
+"""Hard and soft impact by EN 1991-1-7, Annex C: the force of a vehicle that crushes.
+
+Hard impact (C.2.1): a striker of mass m and stiffness k on a rigid structure, m x'' + k x = 0,
+pushes with at most F = v (k m)^1/2; held for (m / k)^1/2 it has the momentum m v of the striker.
+The structure answers that rectangular pulse, or statically phi F, phi at most 2 (a step on an
+elastic structure). Soft impact (C.2.2): a plastic structure absorbs a rigid striker,
+m v^2 / 2 <= F_0 y_0, F_0 its strength and y_0 the deformation that it can take.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import sqrt
+from typing import Any, ClassVar
+
+from scipy.optimize import brentq
+
+from workbench.fields import Choice, Declared, Number, checked
+from workbench.models.base import respond
+from workbench.models.practice.strength import SECTION, mechanism_load
+from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve
+from workbench.models.resistance.limits import (
+    SEGMENTS,
+    analytic_companion,
+    collapsed,
+    curve_findings,
+    limit_of,
+    reached_findings,
+    shear_utilisation,
+)
+from workbench.models.single_dof.pulse import push
+from workbench.models.soft_impact.model import VEHICLE_STIFFNESS
+from workbench.responses import Finding, Response, build_response
+from workbench.scenarios import ColumnImpact, Pulse, Scenario
+
+DYNAMIC, STATIC = "dynamic", "static"
+_RIGID = 0.1  # way of the structure over the crush of the striker, up to which it counts as rigid
+
+
+@dataclass(frozen=True)
+class HardImpact(Declared, table="option"):
+    """EN 1991-1-7, Annex C.
+
+    Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C); `application`
+    of the force: dynamic (rectangular pulse on the single-DOF column) or static; `amplification`
+    phi of a static one; `resistance` of the column as in `single-dof`; `deformation_capacity` y_0
+    in m for the check of soft impact (None: it tells what it takes).
+    """
+
+    striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
+    application: str = checked(Choice((DYNAMIC, STATIC)), DYNAMIC)
+    amplification: float = checked(Number(1.0, 2.0), 2.0)
+    resistance: str = checked(Choice(RESISTANCES), "analytic")
+    deformation_capacity: float | None = checked(Number(1e-6, 10.0, "m"), optional=True)
+
+    name: ClassVar[str] = "en-1991-hard-impact"
+    version: ClassVar[int] = 1
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "All deformation is that of the striker, a linear spring of 300 kN/m unless given; the "
+        "force that it makes on a rigid wall acts as a rectangular pulse.",
+        "The column answers as the single-DOF column under that force, or statically.",
+        "The restitution of the scenario has no part.",
+        "Annex C is recalled from the standard and checked against the momentum of the striker.",
+    )
+    sources: ClassVar[tuple[str, ...]] = ("en1991-1-7", "heng2017")
+
+    def pulse(self, scenario: ColumnImpact) -> Pulse:
+        """Force of the hard impact: v (k m)^1/2 for (m / k)^1/2."""
+        mass, k = scenario.striker.mass, self.striker_stiffness
+        force = scenario.striker.velocity * sqrt(k * mass)
+        return Pulse("rectangular", force, sqrt(mass / k))
+
+    def domain(self, scenario: ColumnImpact) -> list[Finding]:
+        """Findings of all models on a resistance curve, and the check of soft impact."""
+        findings = curve_findings(scenario, self.resistance)
+        capacity, needed = self.deformation_capacity, self._soft_deformation(scenario)
+        if capacity is not None and needed > capacity:
+            text = (
+                f"soft impact (C.2.2) takes a deformation of {needed:.3g} m of the column, of "
+                f"which it has {capacity:.3g} m: it cannot absorb a rigid striker"
+            )
+            findings.append(Finding("soft-impact", text, number=needed / capacity))
+        return findings
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a column impact."""
+        return respond(self, scenario, self._solve)
+
+    def _soft_deformation(self, scenario: ColumnImpact) -> float:
+        """Deformation (m) that soft impact takes, m v^2 / (2 F_0)."""
+        return scenario.input_energy / mechanism_load(scenario.column, SECTION)
+
+    def _solve(self, scenario: ColumnImpact) -> Response:
+        column, pulse = scenario.column, self.pulse(scenario)
+        curve = column_curve(column, 6.0, self.resistance)
+        values: dict[str, Any] = {}
+        time = None
+        if self.application == DYNAMIC:
+            stages = [(0.0, column.properties.impact_mass)]
+            run = push(curve, column, stages, pulse, 1.0, scenario.duration)
+            time, values = run.time, dict(run.values)
+            top = float(values["displacement"].max())
+        else:
+            top = self._static(curve, scenario, self.amplification * pulse.peak)
+            values["peak_displacement"] = top
+            values["residual_displacement"] = curve.residual(top)
+        companion = analytic_companion(curve)
+        values["peak_force"] = pulse.peak
+        values["impulse"] = scenario.striker.mass * scenario.striker.velocity
+        values["shear_utilisation"] = shear_utilisation(companion, column, top)
+        crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
+        warnings = reached_findings(curve, companion, top)
+        if top > _RIGID * crush:
+            text = (
+                f"the column moves {top:.3g} m, the striker crushes by {crush:.3g} m against a "
+                "rigid wall: the structure is not the hard side, and the rule gives it more force "
+                "than there is"
+            )
+            remedy = "take soft-impact, which has both springs"
+            warnings.append(Finding("hard-impact", text, remedy=remedy, number=top / crush))
+        response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
+        said = {
+            "rule.force": (pulse.peak, "N", "force of hard impact"),
+            "rule.duration": (pulse.length, "s", "duration of hard impact"),
+            "rule.soft_deformation": (
+                self._soft_deformation(scenario),
+                "m",
+                "deformation that soft impact takes",
+            ),
+        }
+        return response.assign(
+            {
+                name: ((), value, {"units": units, "long_name": meaning})
+                for name, (value, units, meaning) in said.items()
+            }
+        )
+
+    def _static(self, curve: ResistanceCurve, scenario: ColumnImpact, force: float) -> float:
+        """Displacement (m) at which the static resistance first reaches a force (N)."""
+        column = scenario.column
+        limit = limit_of(curve, column)
+        ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
+        for low, high in pairwise(ends):
+            if float(curve.force(high)) >= force:
+                return float(brentq(lambda v: float(curve.force(v)) - force, low, high))
+        raise collapsed(curve, column, limit)

@@ -1,0 +1,111 @@
+"""A force that comes and goes: pulses of impact rules and of blast, and histories of one's own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.arrays import Array
+from workbench.fields import Choice, Declared, Many, Number, checked
+
+TABLE = "table"
+PULSES = ("rectangular", "triangular", "exponential", "friedlander", "ramp", TABLE)
+LENGTH = Number(1e-9, 1e3, "s", advice="lengths of pulses are in seconds")
+_TIMES = Many(Number(0.0, 1e3, "s"), 2, 100_000)
+_FACTORS = Many(Number(-1e6, 1e6), 2, 100_000)
+
+
+@dataclass(frozen=True)
+class Pulse(Declared, table="pulse"):
+    """A force over time, p(t) = `peak` f(t) from t = 0 on.
+
+    Arguments: `shape` and its `length` T (s), with x = t / T: rectangular f = 1, triangular
+    f = 1 - x, friedlander f = (1 - x) exp(-`decay` x), all zero after T; exponential
+    f = exp(-x) for ever; ramp f = x, and 1 after T; table: straight lines between `factors` at
+    `times` (s, rising from 0), zero after the last. `peak` in N, or N/m along a member; negative
+    against the direction of the displacement. Raises `InputError`.
+    """
+
+    shape: str = checked(Choice(PULSES))
+    peak: float = checked(Number(-1e12, 1e12, "N or N/m"))
+    length: float | None = checked(LENGTH, optional=True)
+    decay: float = checked(Number(0.01, 100.0), 1.0)
+    times: tuple[float, ...] | None = checked(_TIMES, optional=True)
+    factors: tuple[float, ...] | None = checked(_FACTORS, optional=True)
+
+    def check(self) -> None:
+        """Refuse a pulse of no force, and shapes that lack what they are made of."""
+        if self.peak == 0.0:
+            raise self.refusal("peak", "must not be 0", "a pulse has a force")
+        if self.shape != TABLE:
+            if self.length is None:
+                raise self.refusal("length", "is missing", f"shape = {self.shape} needs it, in s")
+            for name in ("times", "factors"):
+                if getattr(self, name) is not None:
+                    raise self.refusal(name, f"is for shape = {TABLE} alone")
+            return
+        if self.times is None or self.factors is None:
+            name = "times" if self.times is None else "factors"
+            raise self.refusal(name, "is missing", f"shape = {TABLE} needs times and factors")
+        if len(self.times) != len(self.factors):
+            text = f"must be as many as the times, {len(self.times)}"
+            raise self.refusal("factors", text, f"{len(self.factors)} are given")
+        if self.times[0] != 0.0 or not np.all(np.diff(self.times) > 0.0):
+            raise self.refusal("times", "must rise from 0", "times are those since the start, in s")
+        if not any(self.factors):
+            raise self.refusal("factors", "must not be 0 throughout")
+
+    @property
+    def end(self) -> float:
+        """Time (s) after which nothing changes much: the length, of the exponential five."""
+        if self.times is not None:
+            return self.times[-1]
+        assert self.length is not None
+        return 5.0 * self.length if self.shape == "exponential" else self.length
+
+    def force(self, time: ArrayLike) -> Array:
+        """Force (N, or N/m) at times >= 0 (s), any shape."""
+        t = np.asarray(time, dtype=float)
+        if self.times is not None:
+            return np.asarray(self.peak * np.interp(t, self.times, self.factors or (), right=0.0))
+        x = t / self.length
+        factor = {
+            "rectangular": np.where(x < 1.0, 1.0, 0.0),
+            "triangular": np.maximum(1.0 - x, 0.0),
+            "exponential": np.exp(-x),
+            "friedlander": np.maximum(1.0 - x, 0.0) * np.exp(-self.decay * x),
+            "ramp": np.minimum(x, 1.0),
+        }
+        return np.asarray(self.peak * factor[self.shape])
+
+    def impulse(self, time: ArrayLike) -> Array:
+        """Integral (N s, or N s/m) of the force from 0 to times >= 0 (s), any shape: exact."""
+        t = np.asarray(time, dtype=float)
+        if self.times is not None:
+            return self._tabulated(t)
+        assert self.length is not None
+        x, b = t / self.length, self.decay
+        s = np.minimum(x, 1.0)
+        fallen = np.exp(-b * s)
+        gained = {
+            "rectangular": s,
+            "triangular": s - 0.5 * s**2,
+            "exponential": -np.expm1(-x),
+            "friedlander": (1.0 - fallen) / b - (1.0 - fallen * (1.0 + b * s)) / b**2,
+            "ramp": x - s + 0.5 * s**2,
+        }
+        return np.asarray(self.peak * self.length * gained[self.shape])
+
+    def means(self, times: Array) -> Array:
+        """Mean forces (n - 1,) between rising `times` (n,) in s."""
+        return np.asarray(np.diff(self.impulse(times)) / np.diff(times))
+
+    def _tabulated(self, t: Array) -> Array:
+        times, factors = np.array(self.times), np.array(self.factors)
+        steps = np.diff(times)
+        sums = np.concatenate([[0.0], np.cumsum(0.5 * steps * (factors[1:] + factors[:-1]))])
+        at = np.minimum(t, times[-1])
+        i = np.minimum(np.searchsorted(times, at, side="right") - 1, len(steps) - 1)
+        into = at - times[i]
+        slope = (factors[i + 1] - factors[i]) / steps[i]
+        return np.asarray(self.peak * (sums[i] + into * (factors[i] + 0.5 * slope * into)))
