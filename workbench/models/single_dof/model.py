@@ -108,6 +108,10 @@ class SingleDof(Declared, table="option"):
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
         return column_curve(column, self.rotational_stiffness, self.resistance)
 
+    def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
+        """The impact with the mass (kg) that meets the striker."""
+        return with_hit_mass(scenario, self.hit_mass)
+
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = curve_findings(scenario, self.resistance)
@@ -147,7 +151,7 @@ class SingleDof(Declared, table="option"):
             try:
                 if refusals:
                     raise OutOfDomainError("; ".join(refusals))
-                heavy = with_hit_mass(scenario, self.hit_mass)
+                heavy = self.with_mass(scenario)
                 row = {**_scalars(heavy, self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
             except tuple(_ENDINGS) as error:
                 row = {"outcome": _ENDINGS[type(error)], "failure": str(error)}
@@ -157,7 +161,7 @@ class SingleDof(Declared, table="option"):
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
-        return self._impact(with_hit_mass(scenario, self.hit_mass))
+        return self._impact(self.with_mass(scenario))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
