@@ -27,6 +27,7 @@ clamped = load_scenario(published / "heng2017_clamped_column.toml")
 
 OWN_BOUND = "Bound set by this study, not by a standard."
 FIGURE_5_9 = "heng2017-figure-5-9"
+THESIS = 6.0  # c of its hinge stiffness c EI / l; models by default are elastically exact
 FIGURE_5_4 = "heng2017-figure-5-4"
 REFERENCE = "fiber beam"
 COROTATIONAL = "co-rotational beam"
@@ -42,12 +43,12 @@ models = {
     SOLID: SolidPlaneStress(),
     PANELS: FourDofShear(),
     ENERGY_PANELS: EnergyEstimate(resistance="panel", hit_mass="waves"),
-    "4-DOF": FourDof(),
-    "4-DOF linear yield": FourDof(alpha=1.0, beta=1.0),
-    "SDOF analytic": SingleDof(resistance="analytic"),
-    "SDOF cubic": SingleDof(resistance="cubic"),
-    "SDOF linear N": SingleDof(resistance="linear"),
-    "energy estimate": EnergyEstimate(),
+    "4-DOF": FourDof(rotational_stiffness=THESIS),
+    "4-DOF linear yield": FourDof(alpha=1.0, beta=1.0, rotational_stiffness=THESIS),
+    "SDOF analytic": SingleDof("analytic", rotational_stiffness=THESIS, interaction="linear"),
+    "SDOF cubic": SingleDof("cubic", rotational_stiffness=THESIS),
+    "SDOF linear N": SingleDof("linear", rotational_stiffness=THESIS),
+    "energy estimate": EnergyEstimate(rotational_stiffness=THESIS),
     "Heng 2017: 4-DOF": Published(FIGURE_5_9, "4-DOF nonlinear yield surface"),
     "Heng 2017: SDOF": Published(FIGURE_5_9, "SDOF"),
     "Heng 2017: energy": Published(FIGURE_5_9, "energy-equivalent displacement"),

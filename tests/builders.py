@@ -17,6 +17,9 @@ from workbench.scenarios import Frame, Joint, Load, regular_frame
 from workbench.sections import Section, square
 
 SQUARE = square(0.2)
+# assumptions of Heng 2017 that lumped columns have as options
+THESIS_SPRINGS = {"rotational_stiffness": 6.0}
+THESIS_CURVE = {**THESIS_SPRINGS, "interaction": "linear"}
 
 
 def portal(

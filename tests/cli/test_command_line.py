@@ -227,6 +227,7 @@ def test_simulate_prints_one_object(
     scenario_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = ["--set", "striker.velocity=10", "--option", "beta=1.3", "--option", "alpha=1"]
+    arguments += ["--option", "rotational_stiffness=6"]
     status = run(["simulate", str(scenario_file), "--model", "four-dof", "--json", *arguments])
     found = json.loads(capsys.readouterr().out)
     assert status == 0

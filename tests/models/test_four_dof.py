@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import Answers
+from builders import THESIS_SPRINGS, Answers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -50,7 +50,7 @@ def elastic_column(**changes) -> Column:
 )
 def test_elastic_stiffness_at_midspan(base: str, head: str, factor: float) -> None:
     column = elastic_column(base=base, head=head)
-    response = FourDof().simulate(ColumnPushover("elastic", column, 1e-5))
+    response = FourDof(**THESIS_SPRINGS).simulate(ColumnPushover("elastic", column, 1e-5))
     expected = factor * 210e9 * 8091e-8 / 4.0**3
     measured = float(response["force"][-1] / response["displacement"][-1])
     assert measured == pytest.approx(expected, rel=1e-8)  # measured 1.8e-9
@@ -64,7 +64,7 @@ def test_one_pinned_end_gives_the_series_of_its_hinges() -> None:
     low, high, top = 3 * stiffness / 1.0, 6 * stiffness / 3.0, 6 * stiffness / 3.0
     kappa = 1.0 / 1.0 + 1.0 / 3.0
     expected = kappa**2 / (1.0 / low + 1.0 / high) + top / 3.0**2
-    response = FourDof().simulate(ColumnPushover("elastic", column, 1e-5))
+    response = FourDof(**THESIS_SPRINGS).simulate(ColumnPushover("elastic", column, 1e-5))
     measured = float(response["force"][-1] / response["displacement"][-1])
     assert measured == pytest.approx(expected, rel=1e-8)  # measured 2.4e-9
 
@@ -77,22 +77,23 @@ def test_elastic_impact_matches_the_oscillator() -> None:
     exact = 0.1 * mass / (mass + struck) / omega
     errors = []
     for step in (4e-4, 2e-4, 1e-4):
-        response = FourDof(time_step=step).simulate(impact)
+        response = FourDof(time_step=step, **THESIS_SPRINGS).simulate(impact)
         errors.append(exact - float(response["displacement"].max()))
     assert np.abs(errors[-1]) < 1.2e-4 * exact  # measured 6.3e-5
     assert exact == pytest.approx(5.260239e-4, rel=2.3e-6)  # measured 1.1e-6
 
 
 def test_time_of_peak_and_peak_converge_at_least_first_order(thesis_impact) -> None:
-    fine = FourDof(time_step=2.5e-6).simulate(thesis_impact)["peak_displacement"]
+    def peak(step: float) -> float:
+        model = FourDof(time_step=step, **THESIS_SPRINGS)
+        return float(model.simulate(thesis_impact)["peak_displacement"])
+
+    fine = peak(2.5e-6)
     steps = np.array([4e-4, 2e-4, 1e-4])
-    errors = [
-        abs(float(FourDof(time_step=s).simulate(thesis_impact)["peak_displacement"] - fine))
-        for s in steps
-    ]
+    errors = [abs(peak(step) - fine) for step in steps]
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert slope > 0.9
-    assert errors[-1] < 1.2e-4 * float(fine)  # measured 6.1e-5
+    assert errors[-1] < 1.2e-4 * fine  # measured 6.1e-5
 
 
 @pytest.mark.parametrize(
@@ -277,7 +278,7 @@ def stocky(head_mass: float, share: float) -> ColumnImpact:
 
 
 def test_a_bar_that_reaches_its_squash_load_for_a_while_is_followed() -> None:
-    bars, frame = FourDof(), RigidSuperelement(shear="none")
+    bars, frame = FourDof(**THESIS_SPRINGS), RigidSuperelement(shear="none")
     mine, theirs = (model.simulate(stocky(1e5, 0.6)) for model in (bars, frame))
     squash = stocky(1e5, 0.6).column.properties.squash_load
     assert float(mine["axial_force"].min()) == pytest.approx(-squash)

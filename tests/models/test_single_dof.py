@@ -7,7 +7,7 @@ from math import acos, pi, sqrt
 
 import numpy as np
 import pytest
-from builders import Answers, absorbed, examples
+from builders import THESIS_CURVE, Answers, absorbed, examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -131,11 +131,11 @@ def test_peaks_of_the_thesis_column(thesis_impact, shape) -> None:
         (10.0, 15.0, 20.0), peaks, residuals, elastic, strict=True
     ):
         impact = at(thesis_impact, velocity=velocity, duration=0.06)
-        response = SingleDof(resistance=shape).simulate(impact)
+        response = SingleDof(resistance=shape, **THESIS_CURVE).simulate(impact)
         assert float(response["peak_displacement"]) == pytest.approx(peak, rel=1e-4)
         # measured 2.9e-5
         assert float(response["residual_displacement"]) == pytest.approx(residual, rel=6e-5)
-        response = SingleDof(resistance=shape).simulate(at(impact, restitution=1.0))
+        response = SingleDof(resistance=shape, **THESIS_CURVE).simulate(at(impact, restitution=1.0))
         # measured 3.2e-5
         assert float(response["peak_displacement"]) == pytest.approx(bounced, rel=7e-5)
 
@@ -143,7 +143,7 @@ def test_peaks_of_the_thesis_column(thesis_impact, shape) -> None:
 def test_default_is_the_cubic_resistance(thesis_impact) -> None:
     # figure 5.9(b) prints 0.09247, 0.1911, 0.3096 m; the reconstruction lies within 0.5 %
     for velocity, printed in ((10.0, 0.09247), (15.0, 0.1911), (20.0, 0.3096)):
-        response = SingleDof().simulate(at(thesis_impact, velocity=velocity))
+        response = SingleDof(**THESIS_CURVE).simulate(at(thesis_impact, velocity=velocity))
         assert float(response["peak_displacement"]) == pytest.approx(printed, rel=5e-3)
 
 
@@ -351,7 +351,7 @@ def test_conformance(thesis_impact, clamped_impact, shape) -> None:
 
 def test_pushover_follows_the_curve_and_closes_its_ledger(thesis_impact) -> None:
     for shape in RESISTANCES:
-        model = SingleDof(resistance=shape)
+        model = SingleDof(resistance=shape, **THESIS_CURVE)
         response = model.simulate(ColumnPushover("push", thesis_impact.column, 0.7))
         curve = model.curve(thesis_impact.column)
         force = np.interp(0.3, response["displacement"], response["force"])
@@ -428,12 +428,13 @@ def test_findings_name_what_the_model_leaves_out(thesis_impact) -> None:
     heavy = replace(thesis_impact, column=replace(thesis_impact.column, head_mass=500.0))
     response = SingleDof().simulate(at(heavy, velocity=25.0))
     assert {"shear", "head-mass", "small-rotations"} <= subjects(response)
-    assert subjects(SingleDof().simulate(thesis_impact)) == {"shear"}
+    thesis, analytic = SingleDof(**THESIS_CURVE), SingleDof(resistance="analytic", **THESIS_CURVE)
+    assert subjects(thesis.simulate(thesis_impact)) == {"shear"}
     # the cubic curve jumps with the first small axial load; the warning tells
     light = replace(thesis_impact, column=replace(thesis_impact.column, axial_load=1e4))
     light = at(light, velocity=21.0)
-    assert "simplification" in subjects(SingleDof().simulate(light))
-    assert "simplification" not in subjects(SingleDof(resistance="analytic").simulate(light))
+    assert "simplification" in subjects(thesis.simulate(light))
+    assert "simplification" not in subjects(analytic.simulate(light))
 
 
 def test_time_steps_that_cannot_work_are_refused(thesis_impact) -> None:

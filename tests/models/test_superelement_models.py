@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import SQUARE, Answers, absorbed, portal
+from builders import SQUARE, THESIS_SPRINGS, Answers, absorbed, portal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -257,8 +257,8 @@ def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
 
 
 BARS_AND_LUMPED = [
-    (RigidSuperelement(shear="none"), FourDof()),
-    (RigidSuperelement(), FourDofShear(hit_mass="thesis")),
+    (RigidSuperelement(shear="none"), FourDof(**THESIS_SPRINGS)),
+    (RigidSuperelement(), FourDofShear(hit_mass="thesis", **THESIS_SPRINGS)),
 ]
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import THESIS_SPRINGS
 
 from workbench.evidence.published import Published
 from workbench.models.four_dof import FourDof
@@ -32,7 +33,7 @@ STATIC_KN = {
 @pytest.mark.parametrize("exponents", STATIC_KN)
 def test_figure_5_8_static_curve(thesis_impact, exponents) -> None:
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
-    response = FourDof(alpha=exponents[0], beta=exponents[1]).simulate(push)
+    response = FourDof(alpha=exponents[0], beta=exponents[1], **THESIS_SPRINGS).simulate(push)
     force = np.interp(AT, response["displacement"], response["force"]) / 1e3
     np.testing.assert_allclose(force, STATIC_KN[exponents], rtol=5e-4)
 
@@ -52,9 +53,15 @@ def test_figure_5_9_peaks_of_the_four_dof_column(thesis_impact, options, peaks) 
     tolerance = 1e-4 if "rotational_stiffness" not in options else 2e-3
     for velocity, expected in zip((10.0, 15.0, 20.0), peaks, strict=True):
         impact = thesis_impact.at_velocity(velocity)
-        peak = float(FourDof(**options, time_step=FINE).simulate(impact)["peak_displacement"])
+        peak = float(
+            FourDof(**{**THESIS_SPRINGS, **options}, time_step=FINE).simulate(impact)[
+                "peak_displacement"
+            ]
+        )
         assert peak == pytest.approx(expected, rel=tolerance)
-        by_error = float(FourDof(**options).simulate(impact)["peak_displacement"])
+        by_error = float(
+            FourDof(**{**THESIS_SPRINGS, **options}).simulate(impact)["peak_displacement"]
+        )
         assert by_error == pytest.approx(peak, rel=1e-3)
 
 
@@ -66,14 +73,16 @@ def test_restitution(thesis_impact, restitution, peaks) -> None:
     for velocity, expected in zip((10.0, 15.0, 20.0), peaks, strict=True):
         impact = thesis_impact.at_velocity(velocity)
         impact = replace(impact, striker=replace(impact.striker, restitution=restitution))
-        peak = float(FourDof(time_step=5e-6).simulate(impact)["peak_displacement"])
+        peak = float(
+            FourDof(time_step=5e-6, **THESIS_SPRINGS).simulate(impact)["peak_displacement"]
+        )
         assert peak == pytest.approx(expected, rel=1e-4)  # measured 4.8e-5
-        by_error = float(FourDof().simulate(impact)["peak_displacement"])
+        by_error = float(FourDof(**THESIS_SPRINGS).simulate(impact)["peak_displacement"])
         assert by_error == pytest.approx(peak, rel=2e-3)
 
 
 def test_first_impact_loses_the_share_of_the_impact_mass(thesis_impact) -> None:
-    response = FourDof().simulate(thesis_impact)
+    response = FourDof(**THESIS_SPRINGS).simulate(thesis_impact)
     # m_1 / (m_1 + m_c); the rest of the contact is lossless (eps = 0: the masses stay together)
     share = 95.2467 / (95.2467 + 1500.0)
     loss = float(response["contact_loss"][-1]) / thesis_impact.input_energy
@@ -84,7 +93,7 @@ def test_first_impact_loses_the_share_of_the_impact_mass(thesis_impact) -> None:
     ("exponents", "peak"), [((1.0, 1.3), 0.4975), ((1.0, 1.0), 0.5056), ((2.0, 2.0), 0.4583)]
 )
 def test_figure_5_4_clamped_column(clamped_impact, exponents, peak) -> None:
-    model = FourDof(alpha=exponents[0], beta=exponents[1], time_step=FINE)
+    model = FourDof(alpha=exponents[0], beta=exponents[1], time_step=FINE, **THESIS_SPRINGS)
     response = model.simulate(clamped_impact)
     assert float(response["peak_displacement"]) == pytest.approx(peak, rel=2e-4)  # measured 9.1e-5
 
@@ -97,5 +106,5 @@ def test_four_dof_reproduces_the_published_peaks(thesis_impact, velocity) -> Non
             "peak_displacement"
         ]
     )
-    computed = float(FourDof().simulate(impact)["peak_displacement"])
+    computed = float(FourDof(**THESIS_SPRINGS).simulate(impact)["peak_displacement"])
     assert computed == pytest.approx(published, rel=2e-3)

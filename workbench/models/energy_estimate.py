@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import SHAPES, column_curve
+from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve
 from workbench.models.resistance.limits import (
     SEGMENTS,
     analytic_companion,
@@ -31,20 +31,21 @@ class EnergyEstimate(Declared, table="option"):
     """Energy-equivalent displacements.
 
     Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
-    thesis or waves, as in `four-dof`.
+    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
+    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
+    interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "energy-estimate"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
-        "Resistance of the single-DOF column: two rigid bars with plastic hinges, linear N-M "
-        "yield surface, small rotations, hinge stiffness 6EI/l.",
+        "Resistance of the single-DOF column: two rigid bars with plastic hinges, small rotations, "
+        "springs of the elastic column.",
         "The cubic resistance is a reconstruction and the linear one a choice: the thesis prints "
         "no formula for either.",
         "Restitution 0: what the inelastic collision of striker and impact mass leaves is "
@@ -54,7 +55,7 @@ class EnergyEstimate(Declared, table="option"):
         "the inelastic case, so its energy is taken (within 1 % for the thesis column at 10 to "
         "20 m/s).",
         "Elastic unloading with the initial stiffness gives the permanent displacement.",
-        "No shear deformation, no shear yielding but with resistance = panel, the static curve of "
+        "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
@@ -72,7 +73,8 @@ class EnergyEstimate(Declared, table="option"):
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
-        curve = column_curve(column, self.rotational_stiffness, self.resistance)
+        spring = self.rotational_stiffness, self.resistance, self.interaction
+        curve = column_curve(column, *spring)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
         limit = limit_of(curve, column)
         if energy >= curve.work(limit):

@@ -59,6 +59,17 @@ def where_it_ends(below: Callable[[Array], Flags], high: Array) -> Array:
 
 
 @cache
+def corner_share(shape: Shape, points: int = 181) -> float:
+    """Axial force over N_p up to which a surface of straight lines keeps the plastic moment.
+
+    The line falls from there to (N_p, 0), and the surface encloses the area A of the exact
+    envelope: (1 + n) / 2 = A. It is within 0.06 M_p of that of I sections.
+    """
+    n, m = envelope(shape, points)
+    return max(2.0 * float(np.trapezoid(m, n)) - 1.0, 0.0)
+
+
+@cache
 def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
     """Exponents (alpha of the moment, beta of the axial force) that fit the exact envelope.
 

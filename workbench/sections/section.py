@@ -14,7 +14,7 @@ from workbench.fields import Declared, Instance, Number, Text, checked
 from workbench.materials import Steel
 from workbench.sections.bands import half_integrals
 from workbench.sections.catalogue import profiles
-from workbench.sections.envelope import envelope, fit_superellipse
+from workbench.sections.envelope import corner_share, envelope, fit_superellipse
 from workbench.sections.shapes import ISection, Shape
 
 _LAYERS = Number(4, 10_000, integer=True)
@@ -128,6 +128,13 @@ class Section(Declared, table="section"):
         Least squares of the radii at 181 equal angles, both at least 1. Raises `SolverError`.
         """
         return fit_superellipse(self.shape)
+
+    def interaction_corner(self) -> float:
+        """Share of N_p up to which a surface of straight lines leaves the plastic moment whole.
+
+        Of the one with the area of the exact envelope.
+        """
+        return corner_share(self.shape)
 
     def without_fillets(self) -> Section:
         """Return the section as plates only; itself if it has no fillets."""

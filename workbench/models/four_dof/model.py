@@ -6,9 +6,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.shear import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.panel import SHEAR_DEPTHS
 from workbench.models.domain import panel_findings, stub_findings
+from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
@@ -25,7 +27,8 @@ class FourDof(RigidBars):
 
     Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
     envelope of the section and stated to one decimal, as the thesis does);
-    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6); `integrator`;
+    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6; None: springs that make
+    the bars the elastic column under a force at the hit point); `integrator`;
     `time_step` in s (None: controlled by the error, some 0.1 % of the peak, until the energy
     balance closes to 1e-6; moreau: a fifth of the inverse of the highest axial frequency);
     `small_rotations`: the kinematics of the SDOF model; `spring_shares_load`: the restraint
@@ -42,7 +45,7 @@ class FourDof(RigidBars):
         *RigidBars.assumptions,
         "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; "
         "the thesis does not print its exponents, (1, 1.3) are inferred from its section.",
-        "No shear deformation, no shear yielding, no local buckling, no strain-rate effect.",
+        "No shear yielding, no local buckling, no strain-rate effect.",
     )
 
     def surface(self, column: Column) -> YieldSurface:
@@ -55,6 +58,10 @@ class FourDof(RigidBars):
             fitted.alpha if self.alpha is None else self.alpha,
             fitted.beta if self.beta is None else self.beta,
         )
+
+    def _springs(self, column: Column) -> Springs:
+        section = column.strength_section
+        return beam_springs(column, shear_stiffness(section, column.steel))
 
     def _strength(self, column: Column, bars: Any) -> None:
         surface = self.surface(column)
@@ -112,6 +119,9 @@ class FourDofShear(RigidBars):
             "not stretch as it slides misses the tension of its flanges"
         )
         return [Finding("sliding", text, remedy="kinematics chord", number=sheared)]
+
+    def _springs(self, column: Column) -> Springs:
+        return beam_springs(column, float(self.surface(column).record["stiffness"]), sliding=True)
 
     def _strength(self, column: Column, bars: Any) -> None:
         bars["web"] = self.surface(column).record

@@ -1,10 +1,11 @@
 """The impacted column as two rigid bars and four generalized hinges, with four unknowns.
 
 Heng 2017, section 5.1: hinges at the base (1), on both sides of the hit point (2, 3) and at the
-head (4). Each hinge of a bar of length l has the rotational stiffness 6 EI / l and shares the
-axial stiffness EA / l of the bar with the other one; a bar with one pinned end has the single
-stiffness 3 EI / l at the other. The impact mass m1 (a third of the column) sits at the hit point,
-the head mass at the head. Derivation: `kinematics`, `statics`, `dynamics`, in this order.
+head (4). Their rotational stiffnesses make the bars the elastic column under a force at the hit
+point (`elastic_springs`; the thesis: 6 EI / l of a bar of length l, 3 EI / l at the hit point if
+the bar's other end is pinned); the hinges of a bar share its axial stiffness EA / l. The impact
+mass m1 (a third of the column) sits at the hit point, the head mass at the head. Derivation:
+`kinematics`, `statics`, `dynamics`, in this order.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, count_finding, shear_findings, step_finding
+from workbench.models.elastic_springs import Springs, thesis_springs
 from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
@@ -46,19 +48,20 @@ class RigidBars(Declared, table="option"):
     The options that they share are explained with each.
     """
 
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(_SHORTEST_STEP, 1.0, "s"), optional=True)
     spring_shares_load: bool = checked(Flag(), False)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str]
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars; all flexibility and plasticity in four generalized hinges.",
-        "Hinge stiffness 6EI/l: the elastic lateral stiffness is exact for a hit at mid-height "
-        "and too stiff for an eccentric hit (36 % for the thesis column).",
+        "Springs that give the deflection and the moments of the elastic column under a force at "
+        "the hit point, shear and axial load included; those of the thesis, 6EI/l (option "
+        "rotational_stiffness), leave shear out and are too stiff for an eccentric hit.",
         "At most one third of the column's mass acts at the hit point; waves are left out.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
@@ -67,6 +70,10 @@ class RigidBars(Declared, table="option"):
 
     def _strength(self, column: Column, bars: Any) -> None:
         """Write the strength of the hinges into the column of the kernels."""
+        raise NotImplementedError
+
+    def _springs(self, column: Column) -> Springs:
+        """Those of the elastic column."""
         raise NotImplementedError
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
@@ -105,13 +112,12 @@ class RigidBars(Declared, table="option"):
         properties = column.properties
         lengths = np.array([column.length_below, column.length_above])
         axial = column.steel.elastic_modulus * properties.area / lengths
-        bending = column.steel.elastic_modulus * properties.second_moment / lengths
         bars = np.zeros(1, statics.COLUMN)[0]
         bars["lengths"] = lengths
-        bars["stiffness"] = np.stack([axial, *[self.rotational_stiffness * bending] * 2], axis=1)
-        for bar, end in enumerate((column.base, column.head)):
-            if end == "pinned":
-                bars["stiffness"][bar, 1:] *= [0.0, 0.5]  # 3 EI / l: the far end turns freely
+        factor = self.rotational_stiffness
+        springs = self._springs(column) if factor is None else thesis_springs(column, factor)
+        base, below, above, head = (1.0 / each for each in springs)
+        bars["stiffness"] = (axial[0], base, below), (axial[1], head, above)
         bars["pinned"] = bars["stiffness"][:, 1:] == 0.0
         bars["flexibility"][:, [0, 1, 3]] = np.divide(
             1.0, bars["stiffness"], out=np.zeros((2, 3)), where=bars["stiffness"] > 0.0

@@ -13,13 +13,14 @@ from workbench.models.resistance.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 Pieces: TypeAlias = Any  # array of kernels.PIECE
-START, YIELDS, LOAD, LAST, NO_AXIAL_FORCE, TENSION, CATENARY = range(7)  # events
+START, YIELDS, LOAD, LAST, NO_AXIAL_FORCE, TENSION, CATENARY, CORNER = range(8)  # events
 _NAMES = (
     "mechanism load",
     "last hinge yields",
     "axial force vanishes",
     "tension grows",
     "catenary",
+    "corner of the yield surface",
 )
 _YIELDS = {"base": "base yields", "hit": "hit point yields", "head": "head yields"}
 
@@ -153,8 +154,7 @@ class ResistanceCurve:
             raise ValueError(f"the {self.shape} resistance does not know the hinge moments")
         mechanism, (piece, _, _) = self.mechanism, self._local(displacement)
         v = np.asarray(displacement, dtype=float)
-        share = np.abs(self.axial_force(v)) / mechanism.squash_load
-        capacity = mechanism.plastic_moment * (1.0 - share)
+        capacity = mechanism.capacity(self.axial_force(v))
         elastic = np.multiply.outer(mechanism.moments_per_displacement, v)
         plastic = np.moveaxis(piece["plastic"], -1, 0)[: len(mechanism.groups)] > 0
         return np.where(plastic, capacity, elastic)

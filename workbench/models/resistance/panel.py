@@ -17,7 +17,7 @@ from workbench.hinges import ShearSurface
 from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import ResistanceCurve
 from workbench.models.resistance.kernels import PIECE
-from workbench.models.resistance.mechanism import Mechanism, mechanism_of
+from workbench.models.resistance.mechanism import SECTION, Mechanism, mechanism_of
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnPushover
@@ -56,7 +56,7 @@ def plateau(surface: ShearSurface, lengths: tuple[float, float]) -> float:
 
 
 def panel_curve(
-    column: Column, mechanism: Mechanism, rotational_stiffness: float
+    column: Column, mechanism: Mechanism, rotational_stiffness: float | None
 ) -> ResistanceCurve:
     """Static curve of the column's panels up to nine tenths of the shorter bar.
 
@@ -86,12 +86,14 @@ def panel_curve(
 
 
 @lru_cache(maxsize=256)
-def column_curve(column: Column, rotational_stiffness: float, shape: str) -> ResistanceCurve:
+def column_curve(
+    column: Column, rotational_stiffness: float | None, shape: str, interaction: str = SECTION
+) -> ResistanceCurve:
     """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
     Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`.
     """
-    mechanism = mechanism_of(column, rotational_stiffness)
+    mechanism = mechanism_of(column, rotational_stiffness, interaction)
     if shape == PANEL:
         return panel_curve(column, mechanism, rotational_stiffness)
     return resistance_curve(mechanism, shape)

@@ -1,11 +1,14 @@
 """The three shapes of the resistance curve of a column.
 
 Equilibrium at the hit point, with small rotations of two rigid bars (kappa = 1/L_a + 1/L_b):
-F = sum(s_g M_g) + kappa N v over the hinge groups g, elastic with M_g = K_g v. Compatibility of
+F = sum(s_g M_g) + kappa N v over the hinge groups g, elastic with M_g = K_g v. The yield surface
+is straight from (N_p, 0) to a corner (N_c, M_p) and flat below: M = min(M_p, r (N_p - |N|)) with
+r = M_p / (N_p - N_c); N_c = 0 is the linear surface of the thesis. Compatibility of
 the axial force N, one for both bars, with the chords' stretching kappa v^2 / 2, the axial
-flexibility c and the plastic elongation of the hinges (linear yield surface, associated flow:
-r = M_p / N_p per rotation) gives (c + r^2 sum phi_g) dN = (kappa v - sigma r sum s_g) dv over
-the plastic groups, sigma = sign N. Heng 2017, section 5.2, shows the stages in figure 5.5 but no
+flexibility c and the plastic elongation of the hinges (associated flow: r per rotation on the
+slopes, none on the flat) gives (c + r^2 sum phi_g) dN = (kappa v - sigma r sum s_g) dv over
+the plastic groups, sigma = sign N on the slopes. At N = N_c the corner holds N while hinges stretch
+faster than chords. Heng 2017, section 5.2, shows the stages in figure 5.5 but no
 formula; see the theory page for the derivation.
 """
 
@@ -25,31 +28,31 @@ _MOST_PIECES = 40
 @njit(cache=True, error_model="numpy")
 def analytic(m: Groups) -> tuple[Pieces, bool]:
     """Exact event-driven pieces; and whether a plastic hinge would unload, which they exclude."""
-    s, K, phi, kappa, Mp, Np, N0, c_ax = m
+    s, K, phi, kappa, Mp, Np, N0, c_ax, Nc = m
     groups = s.size
     pieces, plastic = np.zeros(_MOST_PIECES, PIECE), np.zeros(3, np.int8)
-    r, v, N, hold, caught, unloads = Mp / Np, 0.0, N0, False, False, False
-    sigma = 1.0 if N0 >= 0.0 else -1.0
+    slope, v, N, hold, caught, unloads = Mp / (Np - Nc), 0.0, N0, False, False, False
+    sigma = np.sign(N0) if abs(N0) > Nc else 0.0
     event, group, n = events.START, -1, 0
     for _ in range(_MOST_PIECES):
-        s_plastic, C, w_elastic = 0.0, c_ax, 0.0
+        s_plastic, C, w_elastic, r = 0.0, c_ax, 0.0, slope * abs(sigma)
         for g in range(groups):
             if plastic[g]:
                 s_plastic += s[g]
                 C += r * r * phi[g]
             else:
                 w_elastic += s[g] * K[g]
-        if not caught and not hold and N == 0.0:
-            # the corner of the yield surface holds N = 0 while hinges stretch faster than chords
+        if sigma > 0.0 and Nc == N and not caught:
+            # the corner holds N while hinges stretch faster than chords
             hold = kappa * v < r * s_plastic * (1.0 - 1e-12)
-            sigma = 1.0
         if caught:
             n0, n1, n2 = Np, 0.0, 0.0
         elif hold:
-            n0, n1, n2 = 0.0, 0.0, 0.0
+            n0, n1, n2 = Nc, 0.0, 0.0
         else:
             n0, n1, n2 = N, (kappa * v - sigma * r * s_plastic) / C, 0.5 * kappa / C
-        m0, m1, m2 = Mp - sigma * r * n0, -sigma * r * n1, -sigma * r * n2
+        m0 = min(Mp, slope * (Np - abs(n0)))
+        m1, m2 = -sigma * r * n1, -sigma * r * n2
         # the next event
         x, next_event, next_group = np.inf, events.START, -1
         if not caught:
@@ -59,13 +62,16 @@ def analytic(m: Groups) -> tuple[Pieces, bool]:
                     if at < x:
                         x, next_event, next_group = at, events.YIELDS, g
             if hold:
-                at = r * s_plastic / kappa - v
+                at = slope * s_plastic / kappa - v
                 if at < x:
                     x, next_event, next_group = max(at, 0.0), events.TENSION, -1
             else:
-                at = falling_root(sigma * n0, sigma * n1, sigma * n2, 0.0) if n0 != 0.0 else np.inf
+                if sigma > 0.0:  # N falls to the corner, or rises to the next one
+                    at = falling_root(n0 - Nc, n1, n2, 0.0) if n0 > Nc else np.inf
+                else:
+                    at = falling_root((Nc if sigma == 0.0 else -Nc) - n0, -n1, -n2, 0.0)
                 if at < x:
-                    x, next_event, next_group = at, events.NO_AXIAL_FORCE, -1
+                    x, next_event, next_group = at, events.CORNER, -1
                 at = falling_root(Np - n0, -n1, -n2, 0.0)
                 if at < x:
                     x, next_event, next_group = at, events.CATENARY, -1
@@ -94,10 +100,15 @@ def analytic(m: Groups) -> tuple[Pieces, bool]:
         event, group = next_event, next_group
         if event == events.YIELDS:
             plastic[group] = 1
-        elif event == events.NO_AXIAL_FORCE:
-            N = 0.0
+        elif event == events.CORNER:
+            if sigma < 0.0:
+                N, sigma = -Nc, 0.0
+            else:
+                N, sigma = Nc, 1.0
+            if Nc == 0.0:
+                event = events.NO_AXIAL_FORCE
         elif event == events.TENSION:
-            hold, N, sigma = False, 0.0, 1.0
+            hold, N, sigma = False, Nc, 1.0
         elif event == events.CATENARY:
             caught, N, sigma = True, Np, 1.0
     return pieces[:n], unloads
@@ -110,7 +121,7 @@ def simplified_points(m: Groups) -> tuple[float, float, float, float, float, flo
     F0 mechanism load at the initial axial force, k_e elastic stiffness, v_y = F0 / k_e, v_b
     last hinge, v_nd axial force gone, v_c catenary (infinite without axial restraint).
     """
-    s, K, phi, kappa, Mp, Np, N0, c_ax = m
+    s, K, phi, kappa, Mp, Np, N0, c_ax, _ = m
     r, total = Mp / Np, np.sum(s)
     Mr = Mp * (1.0 - abs(N0) / Np)
     F0, ke = total * Mr, np.sum(s * K)
@@ -153,7 +164,7 @@ def cubic(m: Groups) -> Pieces:
     A reconstruction: the source names it and shows its curve, and of several dozen definitions
     that give the published peaks this is one.
     """
-    s, _, _, kappa, Mp, Np, _, _ = m
+    s, _, _, kappa, Mp, Np, _, _, _ = m
     F0, ke, vy, vb, v_nd, v_c = simplified_points(m)
     pieces = np.zeros(4, PIECE)
     put(pieces, 0, events.START, 0.0, (0.0, ke, 0.0))
@@ -181,7 +192,7 @@ def linear(m: Groups) -> Pieces:
 
     A choice: the source shows a curve but prints neither formula nor number.
     """
-    s, _, _, kappa, Mp, Np, N0, _ = m
+    s, _, _, kappa, Mp, Np, N0, _, _ = m
     F0, ke, vy, vb, _, v_c = simplified_points(m)
     pieces, total, r = np.zeros(5, PIECE), np.sum(s), Mp / Np
     put(pieces, 0, events.START, 0.0, (0.0, ke + kappa * N0, 0.0))

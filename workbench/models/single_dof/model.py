@@ -22,7 +22,7 @@ from workbench.impact import collide
 from workbench.models.base import respond
 from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import SHAPES, ResistanceCurve, column_curve
+from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
     SEGMENTS,
     analytic_companion,
@@ -75,38 +75,39 @@ class SingleDof(Declared, table="option"):
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
     16th of the shortest period, a 1000th with restitution or Moreau's scheme, at most a 100th of
     the record; the midpoint scheme keeps the energy whatever the step);
-    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6); `hit_mass`:
-    thesis or waves, as in `four-dof`.
+    `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
+    `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
     resistance: str = checked(Choice(SHAPES), "cubic")
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
+    interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
         "rotations, one axial force for both bars, no axial inertia.",
-        "Hinge stiffness 6EI/l: the elastic lateral stiffness is exact for a hit at mid-height "
-        "and too stiff for an eccentric hit (36 % for the thesis column).",
+        "Springs of the four-DOF column: the elastic column under a force at the hit point.",
         "The cubic resistance is a reconstruction: the thesis prints no formula, and several "
         "dozen definitions give its published peaks within 0.4 %.",
         "The linear resistance is a choice: the thesis prints neither formula nor number.",
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
         "reached is a convention: the model is meant for one push and its rebound.",
         "At most one third of the column's mass acts at the hit point; a head mass is left out.",
-        "No shear deformation, no shear yielding but with resistance = panel, the static curve of "
+        "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
     def curve(self, column: Column) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        return column_curve(column, self.rotational_stiffness, self.resistance)
+        spring = self.rotational_stiffness, self.resistance, self.interaction
+        return column_curve(column, *spring)
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""

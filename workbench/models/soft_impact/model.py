@@ -13,7 +13,7 @@ from workbench.errors import SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import SHAPES, ResistanceCurve, column_curve
+from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
     SEGMENTS,
     analytic_companion,
@@ -41,24 +41,25 @@ class SoftImpact(Declared, table="option"):
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
     `crush_force` in N at which it flows (None: it stays elastic); `resistance` of the column,
-    `rotational_stiffness` and `hit_mass` as in `single-dof`.
+    `rotational_stiffness`, `interaction` and `hit_mass` as in `single-dof`.
     """
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
     crush_force: float | None = checked(Number(1.0, 1e12, "N"), optional=True)
     resistance: str = checked(Choice(SHAPES), "cubic")
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
+    interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "soft-impact"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "The striker is a mass behind one spring, linear up to its crush force, that cannot pull; "
         "what it crushes is massless and comes back with the same stiffness.",
         "Restitution is what the spring gives back; that of the scenario has no part in it.",
-        "Resistance of the single-DOF column: two rigid bars with plastic hinges, linear N-M "
-        "yield surface, small rotations, hinge stiffness 6EI/l; with resistance = panel the "
+        "Resistance of the single-DOF column: two rigid bars with plastic hinges, small rotations, "
+        "springs of the elastic column; with resistance = panel the "
         "static curve of `four-dof-shear`.",
         "At most one third of the column's mass acts at the hit point; a head mass is left out.",
         "No local buckling, no strain-rate effect.",
@@ -67,7 +68,8 @@ class SoftImpact(Declared, table="option"):
 
     def curve(self, scenario: ColumnImpact) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        return column_curve(scenario.column, self.rotational_stiffness, self.resistance)
+        spring = self.rotational_stiffness, self.resistance, self.interaction
+        return column_curve(scenario.column, *spring)
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, and a restitution that has no part.
