@@ -17,7 +17,7 @@ from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 
 if TYPE_CHECKING:
     from workbench.responses import Response
-    from workbench.scenarios import Column
+    from workbench.scenarios import ColumnScenario
 
 
 class Check(NamedTuple):
@@ -200,7 +200,7 @@ def _physics() -> Iterator[Check]:
     scenario = ColumnImpact("self-check", column=column, striker=striker, duration=0.03)
     properties = column.properties
     mass = striker.mass + properties.impact_mass
-    flexibility = _flexibility(column, properties.second_moment)
+    flexibility = _flexibility(scenario, properties.second_moment)
     peak = striker.mass * striker.velocity * sqrt(flexibility / mass)
     for name in ("single-dof", "four-dof"):
         response = make_model(name).simulate(scenario)
@@ -208,13 +208,14 @@ def _physics() -> Iterator[Check]:
         yield _compared(name, "elastic peak", (1e3 * found, 1e3 * peak, "mm"), 2e-3, response)
 
 
-def _flexibility(column: Column, second_moment: float) -> float:
+def _flexibility(scenario: ColumnScenario, second_moment: float) -> float:
     """Of a clamped column hit at mid-height (m/N): 192 EI / L^3 in series with its shear."""
     from workbench.frames.shear import shear_stiffness
 
+    column = scenario.column
     bending = 192.0 * column.steel.elastic_modulus * second_moment / column.length**3
     shear = 4.0 * shear_stiffness(column.strength_section, column.steel) / column.length
-    return 1.0 / bending + 1.0 / shear
+    return float(1.0 / bending + 1.0 / shear)
 
 
 def _references() -> Iterator[Check]:
@@ -225,7 +226,7 @@ def _references() -> Iterator[Check]:
 
     column = Column(find("HEB 220"), length_below=2.0, length_above=2.0)
     scenario = ColumnPushover("self-check", column=column, displacement=1e-3)
-    force = scenario.displacement / _flexibility(column, column.strength_section.second_moment)
+    force = scenario.displacement / _flexibility(scenario, column.strength_section.second_moment)
     mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
     for name in ("fiber-reissner", "fiber-corotational"):
         response = make_model(name, mesh).simulate(scenario)

@@ -73,16 +73,16 @@ def _secants(column: Column, load: float, shear_stiffness: float, sliding: bool)
     lengths = [length for length, _ in _bars(column)]
     A = np.zeros((4, 4))  # M_base, M_hit, M_head, slope at the hit point; over the rotations
     for bar, (length, pinned) in enumerate(_bars(column)):
-        end, hit, rows = 2 * bar, 1, (2 * bar, 2 * bar + 1)
+        own, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
         one, two = bar_functions(load * length**2 / bending)
         shear = 1.0 / (shear_stiffness * length)
         one, two = one * length / bending + shear, shear - two * length / bending
-        A[rows[0], [end, hit]] = one, two
-        A[rows[1], [end, hit]] = two, one
+        A[rows[0], own] = one, two
+        A[rows[1], own] = two, one
         A[rows[1], 3] = 1.0 if bar == 0 else -1.0
         if pinned:
             A[rows[0]] = 0.0
-            A[rows[0], end] = 1.0
+            A[rows[0], own[0]] = 1.0
     turned = np.repeat([1.0 / length for length in lengths], 2)
     for bar, (_, pinned) in enumerate(_bars(column)):
         turned[2 * bar] *= not pinned

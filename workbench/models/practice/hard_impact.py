@@ -92,7 +92,7 @@ class HardImpact(Declared, table="option"):
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, pulse = scenario.column, self.pulse(scenario)
-        curve = column_curve(column, 6.0, self.resistance)
+        curve = column_curve(column, None, self.resistance)
         values: dict[str, Any] = {}
         time = None
         if self.application == DYNAMIC:
