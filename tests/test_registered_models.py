@@ -30,6 +30,8 @@ THEORY = {
     "izzuddin": "practice.md",
     "rigid-superelement": "superelements.md",
     "flexible-superelement": "superelements.md",
+    "giberson": "frame-models.md",
+    "plastic-hinge": "frame-models.md",
     "column-of-frame": "column-of-frame.md",
     "fiber-corotational": "fiber-corotational.md",
     "fiber-reissner": "fiber-reissner.md",

@@ -97,7 +97,7 @@ def test_rigid_bars_are_exact_in_sway() -> None:
     push = FrameStatic("sway", frame, (Load("A1", x=1.0),), "A1", "x", (1e-5,))
     bending = frame.steel.elastic_modulus * SQUARE.second_moment
     expected = 24.0 * bending / 4.0**3
-    stiffer = FlexibleSuperelement(1, 1, hinge_stiffness=1e6)
+    stiffer = FlexibleSuperelement(alpha=1, beta=1, hinge_stiffness=1e6)
     for model, tolerance in ((RigidSuperelement(), 2e-3), (stiffer, 2e-3)):
         response = answered(model.simulate(push))
         found = float(response["force"][-1] / response["displacement"][-1])

@@ -12,10 +12,17 @@ import numpy as np
 import pytest
 
 from workbench.materials import Steel
+from workbench.models.frame_model import FrameModel
+from workbench.models.hinged_frames import Giberson, PlasticHinge
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.scenarios import Frame, FrameStatic, Load, Member, Node
 from workbench.sections import section_from
 
+MODELS = (
+    FlexibleSuperelement(hinge_stiffness=1e4),
+    Giberson(shear_flexible=False),
+    PlasticHinge(shear_flexible=False),
+)
 SPAN, AREA, SECOND_MOMENT = 3.048, 0.103, 0.001
 COLUMN, BEAM, LARGE = 158.18e3, 169.48e3, 1e9
 
@@ -49,9 +56,10 @@ def portal() -> FrameStatic:
     return FrameStatic("Darvall-Mendis", frame, load, "load", "-y", (0.02,))
 
 
-def test_second_hinge() -> None:
+@pytest.mark.parametrize("model", MODELS)
+def test_second_hinge(model: FrameModel) -> None:
     """427 kN within 2 %; the deflection is 11.4 mm."""
-    response = FlexibleSuperelement(hinge_stiffness=1e4).simulate(portal())
+    response = model.simulate(portal())
     assert response.attrs["outcome"] == "ok", response.attrs["message"]
     turned = np.abs(response["plastic_rotation"].values) > 1e-7  # (hinge, step)
     count = turned.sum(axis=0)
@@ -62,5 +70,5 @@ def test_second_hinge() -> None:
     second = int(np.argmax(count >= 2))
     assert count[second] >= 2
     assert float(response["force"][second]) == pytest.approx(427e3, rel=1.5e-3)  # measured 7.1e-4
-    # measured 0.0018
-    assert float(response["displacement"][second]) == pytest.approx(11.4e-3, rel=4e-3)
+    # measured 0.0018, and 0.0053 where the axial force bends the members
+    assert float(response["displacement"][second]) == pytest.approx(11.4e-3, rel=6e-3)

@@ -15,7 +15,8 @@ from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.superelements import HingeEnd, Superelements
+from workbench.structures.elements import HingedElements
+from workbench.structures.superelements import HingeEnd
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 
@@ -153,7 +154,7 @@ class SuperelementMembers(MemberReader):
     `coordinates` (nodes, 2) of the nodes in m.
     """
 
-    def __init__(self, group: Superelements, coordinates: Array, parts: int) -> None:
+    def __init__(self, group: HingedElements, coordinates: Array, parts: int) -> None:
         super().__init__(group, np.arange(0, len(group.nodes) + 1, parts))
         self._group, self._parts = group, parts
         self._side: Indices = np.where(self._at_start, 0, 1)

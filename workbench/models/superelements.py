@@ -24,33 +24,26 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.shear import shear_findings
-from workbench.frames.structure import FrameStructure, stand_frame
+from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,
     Piece,
-    SuperelementMembers,
     cut_members,
     hinge_ends,
-    joint_inertias,
     joint_surface,
     series,
 )
-from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
+from workbench.models.bar_frames import BarFrames
 from workbench.models.domain import panel_findings
-from workbench.models.frame_model import FrameModel, as_frame
+from workbench.models.frame_model import as_frame
 from workbench.responses import Finding
-from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
-from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
+from workbench.structures.impact import MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 
-PEAK_STEPS = 150.0  # time steps up to the expected peak
-LEAST_STEPS = 100.0  # of a record
-WEIGHT = 0.5  # of the end forces in a time step: conserves energy
 INERTIAS = ("nonlinear", "linear", "none")
-GEOMETRIES = ("co-rotational", "linear")
 COMMON = (
     "All plasticity in hinges at the ends of the elements: an impacted member needs a node where "
     "it is hit.",
@@ -64,32 +57,14 @@ COMMON = (
 
 
 @dataclass(frozen=True)
-class _HingedBars(FrameModel):
+class _HingedBars(BarFrames):
     """What both superelements do alike; each says what its bars are and explains the options."""
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
-    elements: int = checked(Number(1, 100, integer=True), 1)
-    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
-    time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
-    node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
-    regularisation: float = checked(
-        Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
-    )
-    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
     shear: str = checked(Choice(("panel", "none")), "panel")
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-
-    @property
-    def scheme(self) -> tuple[float | None, str]:
-        """Forces of the middle of a time step, which conserve energy, and the integrator."""
-        return WEIGHT, self.integrator
-
-    @property
-    def largest_error(self) -> float | None:
-        """That of the energy ledger, which is open by design with Moreau's time stepping."""
-        return None if self.integrator == MOREAU else OPEN_LEDGER
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
@@ -120,13 +95,9 @@ class _HingedBars(FrameModel):
             sections=elements,
             section_of=np.arange(len(elements)),
             regularisation=self.regularisation,
-            first_order=self.geometry == "linear",
+            first_order=self.first_order,
         )
-        members = SuperelementMembers(group, coordinates, self.elements)
-        inertia = joint_inertias(nodes, pieces)
-        if self.node_inertia is not None:
-            inertia = np.full(len(coordinates), self.node_inertia)
-        return stand_frame(frame, coordinates, [group], members, rotary_inertia=inertia)
+        return self.stand(frame, (coordinates, nodes, pieces), group, self.elements)
 
     def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""
@@ -158,21 +129,6 @@ class _HingedBars(FrameModel):
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
         """The superelement of a piece of a member."""
-
-    def time_spans(self, scenario: FrameImpact) -> Spans:
-        """End times and time steps (s) of the parts of the record.
-
-        Steps longer than a wave takes along an element and back make its hinges ring, which
-        softens them artificially. Rebounds need half the step.
-        """
-        duration = scenario.duration
-        if self.time_step is not None:
-            return [(duration, self.time_step)]
-        wave = min(wave_times(scenario.frame))
-        peak = time_to_peak(scenario)
-        coarsest = min(duration / LEAST_STEPS, 2.0 * wave / self.elements)
-        share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
-        return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)
 
 
 @dataclass(frozen=True)

@@ -155,3 +155,41 @@ class MemberElements(ElementGroup):
         """Shear force (M1 + M2) / l of the elements (elements,), in N."""
         chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
         return np.asarray((self._old.local[:, 1] + self._old.local[:, 2]) / chord)
+
+    def bent(self, displacement: Array, points: ArrayLike, bends: Array, moments: Array) -> Array:
+        """Displaced axis (elements, points, 2) less the initial position of the first node, in m.
+
+        Arguments: displacements (dofs,); `points` (points,) in 0..1 along each element; flexibility
+        1 / EI (elements,) of the bars, 0 of straight ones; end `moments` (elements, 2).
+        """
+        x = np.asarray(points, dtype=float)
+        first = displacement[self.bars.dofs[:, 0:2]]
+        d = self.bars.chords + displacement[self.bars.dofs[:, 3:5]] - first
+        m1, m4 = moments.T
+        turn1 = self.lengths / 6.0 * bends * (2.0 * m1 - m4)
+        turn4 = self.lengths / 6.0 * bends * (2.0 * m4 - m1)
+        across = turn1[:, None] * x * (1.0 - x) ** 2 - turn4[:, None] * x**2 * (1.0 - x)
+        normal = np.stack([-d[:, 1], d[:, 0]], axis=1)
+        return np.asarray(
+            first[:, None] + x[:, None] * d[:, None] + across[:, :, None] * normal[:, None]
+        )
+
+
+class HingedElements(MemberElements):
+    """Elements whose plasticity is told of as that of two hinges, at their ends."""
+
+    @property
+    @abstractmethod
+    def plastic(self) -> Array:
+        """Committed plastic deformations (elements, 4): u, theta of hinge 1, then of hinge 4.
+
+        In m and rad, conjugate to N, M1 and M4; a pin's rotation is all of it.
+        """
+
+    @abstractmethod
+    def utilisation(self) -> Array:
+        """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
+
+    @abstractmethod
+    def shapes(self, displacement: Array, points: ArrayLike) -> Array:
+        """Displaced axis (elements, points, 2), see `bent`."""

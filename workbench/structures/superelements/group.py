@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags
 from workbench.hinges.panel_kernels import WEB
-from workbench.structures.elements import Bars, MemberElements
+from workbench.structures.elements import Bars, HingedElements
 from workbench.structures.superelements import kernels
 from workbench.structures.superelements.element import Superelement
 
@@ -52,7 +52,7 @@ class HingeTables(NamedTuple):
     eta: float
 
 
-class Superelements(MemberElements):
+class Superelements(HingedElements):
     """Two-node superelements.
 
     Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
@@ -178,23 +178,9 @@ class Superelements(MemberElements):
         return used
 
     def shapes(self, displacement: Array, points: ArrayLike) -> Array:
-        """Displaced axis (elements, points, 2) less the initial position of the first node, in m.
-
-        Arguments: displacements (dofs,); `points` (points,) in 0..1 along each element. A flexible
-        bar is bent by its committed moments, a rigid one is straight.
-        """
-        x = np.asarray(points, dtype=float)
-        first = displacement[self.bars.dofs[:, 0:2]]
-        d = self.bars.chords + displacement[self.bars.dofs[:, 3:5]] - first
+        """Displaced axis (elements, points, 2), bent by committed moments where it is flexible."""
         bends = np.array([1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own])
-        m1, m4 = self._old.carried[:, 1], self._old.carried[:, 2]
-        turn1 = self.lengths / 6.0 * bends * (2.0 * m1 - m4)
-        turn4 = self.lengths / 6.0 * bends * (2.0 * m4 - m1)
-        across = turn1[:, None] * x * (1.0 - x) ** 2 - turn4[:, None] * x**2 * (1.0 - x)
-        normal = np.stack([-d[:, 1], d[:, 0]], axis=1)
-        return np.asarray(
-            first[:, None] + x[:, None] * d[:, None] + across[:, :, None] * normal[:, None]
-        )
+        return self.bent(displacement, points, bends, self._old.carried[:, 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:

@@ -1,0 +1,152 @@
+"""Beam-columns between plastic hinges: local law against closed forms and another formulation."""
+
+from __future__ import annotations
+
+from math import cos, cosh, sin, sinh, sqrt
+
+import numpy as np
+import pytest
+from superelement_cases import EA, EI, MP, NP, PLATES
+
+from workbench.arrays import Array
+from workbench.hinges.interaction import polyline
+from workbench.hinges.pair_kernels import Pair, project_pair
+from workbench.structures.bars import NO_INTERACTION, Bar, HingedBars, PlasticEnd, kernels
+from workbench.structures.elements import Bars
+
+LENGTH = 4.0
+YIELD = np.array([NP * LENGTH / EA, MP * LENGTH / (3.0 * EI), MP * LENGTH / (3.0 * EI)])
+LINEAR = np.array([[0.0, 1.0], [1.0, 0.0]])
+KINDS = {
+    "no interaction, pinned": (NO_INTERACTION, 1e6, False, 1e8, 0.0),
+    "exact surface": (polyline("exact", PLATES), 0.0, True, 1e8, np.inf),
+    "AISC, hardening, semi-rigid": (polyline("aisc", PLATES), 1e5, True, np.inf, 1e7),
+}
+
+
+def group(
+    curve: Array,
+    hardening: float = 0.0,
+    second_order: bool = True,
+    shear: float = np.inf,
+    joint: float = np.inf,
+    moments: tuple[float, float] = (MP, MP),
+) -> HingedBars:
+    """One bar along x, its start with a `joint`; plastic `moments` of the end by sign."""
+    start = PlasticEnd((NP, NP), (MP, MP), curve, joint, hardening)
+    end = PlasticEnd((NP, NP), moments, curve, hardening=hardening)
+    bar = Bar(start, end, EA, EI, 71.0, shear_stiffness=shear, second_order=second_order)
+    made = HingedBars([[0, 1]], [bar], regularisation=0.0)
+    places = np.zeros((1, 36), dtype=np.int64)
+    made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
+    return made
+
+
+def law(bars: HingedBars, trial: Array, back: Array | None = None) -> tuple[Array, Array, Array]:
+    """Forces, tangent and plastic flow for elastic trial deformations."""
+    (own,) = bars.tables
+    k, flow = np.empty((3, 3)), np.empty(3)
+    before = np.zeros(2) if back is None else back
+    row, corners, counts = own.rows[0], own.corners[0], own.counts[0]
+    forces = kernels.hinged_law(row, corners, counts, np.asarray(trial, float), before, k, flow)
+    return np.array(forces), k, flow
+
+
+@pytest.mark.parametrize("compression", [True, False])
+@pytest.mark.parametrize("u", [0.1, 0.199, 0.201, 2.0, 3.0])
+def test_elastic_stiffness_is_that_of_stability_functions(u: float, compression: bool) -> None:
+    if compression:
+        below = 2.0 - 2.0 * cos(u) - u * sin(u)
+        s1, s2 = (u * sin(u) - u**2 * cos(u)) / below, (u**2 - u * sin(u)) / below
+    else:
+        below = 2.0 - 2.0 * cosh(u) + u * sinh(u)
+        s1, s2 = (u**2 * cosh(u) - u * sinh(u)) / below, (u * sinh(u) - u**2) / below
+    force = (-1.0 if compression else 1.0) * u**2 * EI / LENGTH**2
+    _, k, flow = law(group(NO_INTERACTION), np.array([force * LENGTH / EA, 0.0, 0.0]))
+    # the printed functions cancel at small u
+    assert k[1:, 1:] * LENGTH / EI == pytest.approx(np.array([[s1, s2], [s2, s1]]), rel=1e-9)
+    assert np.all(flow == 0.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_tangent_compatibility_and_dissipation(kind: str) -> None:
+    bars, rng = group(*KINDS[kind]), np.random.default_rng(1)
+    pinned = bool(bars.tables[0].rows[0]["pinned1"])
+    size = np.sqrt([EA / LENGTH, 4.0 * EI / LENGTH, 4.0 * EI / LENGTH])
+    off = 0
+    for _ in range(300):
+        scale = 10.0 ** rng.uniform(-3.0, 1.0)
+        trial = YIELD * scale * rng.standard_normal(3)
+        forces, k, flow = law(bars, trial)
+        elastic, _ = bars.elastic(forces[None])
+        gap = (elastic[0] + flow - trial) / (scale * YIELD)
+        assert np.abs(gap[[0, 2] if pinned else [0, 1, 2]]).max() < 1e-9
+        assert forces @ flow >= -1e-9 * abs(forces @ trial)
+        differences = np.empty((3, 3))
+        for j in range(3):
+            step = np.zeros(3)
+            step[j] = 1e-6 * scale * YIELD[j]
+            differences[:, j] = (law(bars, trial + step)[0] - law(bars, trial - step)[0]) / (
+                2.0 * step[j]
+            )
+        off += np.abs((k - differences) / np.outer(size, size)).max() > 1e-4
+        assert k == pytest.approx(k.T, abs=1e-9 * np.abs(k).max())
+    assert off <= 2  # differences across a corner of the surface
+
+
+def test_linear_surface_equals_the_closest_point_projection_of_superelements() -> None:
+    bars = group(LINEAR, second_order=False, moments=(0.5 * MP, 0.8 * MP))
+    rng = np.random.default_rng(2)
+    flexibility = np.array([LENGTH / EA, LENGTH / (3 * EI), -LENGTH / (6 * EI), LENGTH / (3 * EI)])
+    bounds = np.array([[NP, NP, MP, MP], [NP, NP, 0.5 * MP, 0.8 * MP]])
+    pair = Pair(flexibility, bounds, np.ones((2, 2)), np.zeros(2, dtype=bool))
+    for _ in range(300):
+        trial = YIELD * 10.0 ** rng.uniform(-1.0, 2.0) * rng.standard_normal(3)
+        expected, k, flow = np.empty(3), np.empty((3, 3)), np.empty(4)
+        project_pair(pair, trial, expected, k, flow)
+        forces, _, own = law(bars, trial)
+        assert forces == pytest.approx(expected, abs=1e-8 * NP)
+        assert own == pytest.approx([flow[0] + flow[2], flow[1], flow[3]], abs=1e-9)
+
+
+def test_ratios_of_giberson() -> None:
+    """Heng 2017, equations 2.1 to 2.5, solved for increments in which one or both hinges flow."""
+    k, f = 4.0 * EI / LENGTH, 0.03
+    bars, rng = group(NO_INTERACTION, f * k, False), np.random.default_rng(3)
+    both = 0
+    for _ in range(100):
+        turns = YIELD[1] * 8.0 * rng.standard_normal(2)
+        forces, _, flow = law(bars, np.array([0.0, *turns]))
+        flows = np.abs(flow[1:]) > 0.0
+        both += flows.all()
+        # Delta: from the yield point of each hinge, M_i = +-Mp + f k alpha_i where it flows
+        matrix = k * np.array([[1.0, 0.5], [0.5, 1.0]])
+        unknown, right = np.eye(4), np.zeros(4)  # M_i, M_j, alpha_i, alpha_j
+        unknown[:2, 2:], right[:2] = matrix, matrix @ turns
+        for i in np.flatnonzero(flows):
+            unknown[2 + i] = 0.0
+            unknown[2 + i, i], unknown[2 + i, 2 + i] = 1.0, -f * k
+            right[2 + i] = np.sign(flow[1 + i]) * MP
+        solved = np.linalg.solve(unknown, right)
+        assert np.array([*forces[1:], *flow[1:]]) == pytest.approx(solved, rel=1e-10, abs=1e-12)
+        assert np.all(np.abs(solved[:2][~flows]) <= MP)
+    assert 20 < both < 100
+
+
+def test_hardening_is_kinematic() -> None:
+    k, f = 4.0 * EI / LENGTH, 0.1
+    bars = group(NO_INTERACTION, f * k, False)
+    (forces, _, flow) = law(bars, YIELD * [0.0, 5.0, 5.0])
+    back = f * k * flow[1:]
+    assert forces[1] == pytest.approx(MP + back[0])
+    (reverse, _, _) = law(bars, YIELD * [0.0, 5.0, 5.0] - [0.0, *flow[1:]] - YIELD * 50.0, back)
+    assert reverse[1] < -MP + back[0]  # yields after 2 Mp, and hardens on
+
+
+def test_moment_is_lost_in_catenary() -> None:
+    forces, _, _ = law(group(polyline("exact", PLATES)), YIELD * [5.0, 1.0, 1.0])
+    assert forces == pytest.approx([NP, 0.0, 0.0], abs=1e-6 * NP)
+    radius = sqrt(2.0)
+    start = PlasticEnd((NP, 2.0 * NP), (MP, 2.0 * MP), LINEAR)
+    assert start.gauge(NP, MP) / 2.0 == pytest.approx(start.gauge(-NP, -MP))
+    assert start.gauge(NP / radius, 0.0) == pytest.approx(1.0 / radius)

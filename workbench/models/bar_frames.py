@@ -1,0 +1,75 @@
+"""Frames of a few bars per member, plastic at their ends: options, steps, structure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.fields import Choice, Number, checked
+from workbench.frames.runs import OPEN_LEDGER
+from workbench.frames.structure import FrameStructure, stand_frame
+from workbench.frames.superelements import Piece, SuperelementMembers, joint_inertias
+from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
+from workbench.models.frame_model import FrameModel
+from workbench.scenarios import Frame, FrameImpact
+from workbench.structures.elements import HingedElements
+from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
+
+PEAK_STEPS = 150.0  # time steps up to the expected peak
+LEAST_STEPS = 100.0  # of a record
+WEIGHT = 0.5  # of the end forces in a time step: conserves energy
+GEOMETRIES = ("co-rotational", "linear")
+Cut = tuple[Array, list[tuple[int, int]], list[Piece]]  # see `cut_members`
+
+
+@dataclass(frozen=True)
+class BarFrames(FrameModel):
+    """What all these models do alike; each explains the options."""
+
+    elements: int = checked(Number(1, 100, integer=True), 1)
+    integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
+    time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
+    node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
+    regularisation: float = checked(
+        Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
+    )
+    geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
+
+    @property
+    def scheme(self) -> tuple[float | None, str]:
+        """Forces of the middle of a time step, which conserve energy, and the integrator."""
+        return WEIGHT, self.integrator
+
+    @property
+    def largest_error(self) -> float | None:
+        """That of the energy ledger, which is open by design with Moreau's time stepping."""
+        return None if self.integrator == MOREAU else OPEN_LEDGER
+
+    @property
+    def first_order(self) -> bool:
+        """Whether equilibrium is that of the undeformed structure."""
+        return self.geometry == "linear"
+
+    def stand(self, frame: Frame, cut: Cut, group: HingedElements, parts: int) -> FrameStructure:
+        """The frame with its members as a `group`, `cut` in so many parts, under its dead loads."""
+        coordinates, nodes, pieces = cut
+        inertia = joint_inertias(nodes, pieces)
+        if self.node_inertia is not None:
+            inertia = np.full(len(coordinates), self.node_inertia)
+        members = SuperelementMembers(group, coordinates, parts)
+        return stand_frame(frame, coordinates, [group], members, rotary_inertia=inertia)
+
+    def time_spans(self, scenario: FrameImpact) -> Spans:
+        """End times and time steps (s) of the parts of the record.
+
+        Steps longer than a wave takes along an element and back make its hinges ring, which
+        softens them artificially. Rebounds need half the step.
+        """
+        duration = scenario.duration
+        if self.time_step is not None:
+            return [(duration, self.time_step)]
+        wave = min(wave_times(scenario.frame))
+        peak = time_to_peak(scenario)
+        coarsest = min(duration / LEAST_STEPS, 2.0 * wave / self.elements)
+        share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
+        return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)

@@ -1,0 +1,180 @@
+"""Frames of elastic beam-columns with plastic hinges at their ends (Heng 2017, section 2.2).
+
+`giberson` knows bending alone: each hinge is a rotational spring, rigid up to the plastic moment
+and from there f times as stiff as the end of the beam, 4 EI / L. `plastic-hinge` takes the hinge
+from a yield surface of axial force and moment, with normal flow, and lets the axial force bend the
+member between its ends. Derivation: docs/theory/frame-models.md.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from math import ceil, inf, pi, sqrt
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.shear import shear_stiffness
+from workbench.frames.structure import FrameStructure
+from workbench.frames.superelements import Piece, cut_members, joint_surface, series
+from workbench.hinges import YieldSurface
+from workbench.hinges.interaction import RULES, polyline
+from workbench.models.bar_frames import BarFrames
+from workbench.models.frame_model import as_frame
+from workbench.responses import Finding
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario
+from workbench.structures.bars import NO_INTERACTION, Bar, BarElements, HingedBars, PlasticEnd
+
+SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
+AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
+
+
+@dataclass(frozen=True)
+class BarHinges(BarFrames):
+    """What models of beam-columns with plastic ends do alike."""
+
+    shear_flexible: bool = checked(Flag(), True)
+
+    second_order: ClassVar[bool] = True
+
+    def parts(self, frame: Frame) -> int:
+        """Bars per member: `elements`, and more where the squash load nears the Euler load."""
+        most = self.elements
+        for member in frame.members if self.second_order else ():
+            p, length = frame.properties(member), frame.length(member)
+            bending = SAFE * pi**2 * frame.steel.elastic_modulus * p.second_moment
+            most = max(most, ceil(length * sqrt(p.squash_load / bending)))
+        return most
+
+    def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
+        """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
+        frame = as_frame(scenario).frame
+        parts = self.parts(frame)
+        cut = cut_members(frame, parts)
+        group = self.bars(cut[1], [self._bar(frame, piece) for piece in cut[2]])
+        return self.stand(frame, cut, group, parts)
+
+    def _bar(self, frame: Frame, piece: Piece) -> Bar:
+        member, springs = piece.member, [joint.axial_stiffness for joint in piece.joints]
+        section = frame.strength_section(member)
+        return Bar(
+            self._end(frame, piece, 0),
+            self._end(frame, piece, 1),
+            piece.axial,
+            piece.bending,
+            piece.mass,
+            shear_stiffness(section, frame.steel) if self.shear_flexible else inf,
+            1.0 / series(*springs),
+            self.second_order and not self.first_order,
+        )
+
+    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+        properties, joint = frame.properties(piece.member), piece.joints[side]
+        own = YieldSurface(properties.squash_load, properties.plastic_moment)
+        weaker = joint_surface(own, joint)
+        return PlasticEnd(
+            weaker.axial_bounds,
+            weaker.moment_bounds,
+            self.curve(frame, piece, weaker != own),
+            series(joint.rotational_stiffness),
+            self.hardening(piece),
+        )
+
+    @abstractmethod
+    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
+        """Share of the moment left over |N| over its resistance (2, corners)."""
+
+    def hardening(self, piece: Piece) -> float:
+        """Stiffness of a hinge that flows, in N m/rad."""
+        return 0.0
+
+    def bars(self, nodes: list[tuple[int, int]], bars: list[Bar]) -> BarElements:
+        """The elements."""
+        return HingedBars(nodes, bars, self.regularisation, self.first_order)
+
+
+@dataclass(frozen=True)
+class Giberson(BarHinges):
+    """Giberson's one-component beam: two rotational springs on an elastic beam.
+
+    Options: `ratio` f of the stiffness of a flowing spring over 4 EI/L (0: perfectly plastic);
+    `shear_flexible`, elastic shear strain; `elements` per member; `integrator`; `time_step` in s
+    (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
+    of half a section depth of the heaviest bar there); `regularisation`, share of the elastic
+    stiffness beside the hinges; `geometry`, co-rotational or linear.
+    """
+
+    ratio: float = checked(Number(0.0, 10.0), 0.0)
+
+    name: ClassVar[str] = "giberson"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
+    second_order: ClassVar[bool] = False
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Elastic beam between two rotational springs: rigid up to the plastic moment, then of "
+        "kinematic hardening f 4EI/L.",
+        "No interaction: the axial force is elastic without bound and takes no moment away, so "
+        "that catenary action never yields.",
+        "Chords move and turn by any amount; the axial force does not bend the beam between its "
+        "ends.",
+    )
+
+    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
+        """All of the moment, whatever N is."""
+        return NO_INTERACTION
+
+    def hardening(self, piece: Piece) -> float:
+        """Stiffness f 4 EI / L of a spring that flows (Heng 2017, equations 2.4 and 2.5)."""
+        return self.ratio * 4.0 * piece.bending / piece.length
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of all member models, and of dead loads that take moment away."""
+        return super().domain(scenario) + axial_findings(as_frame(scenario).frame)
+
+
+@dataclass(frozen=True)
+class PlasticHinge(BarHinges):
+    """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix.
+
+    Options: `surface`, the rule of N-M interaction; `shear_flexible`, elastic shear strain;
+    `elements` per member (more where the squash load nears the Euler load of a pin-ended element);
+    `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary inertia of
+    every node in kg m2 (None: that of half a section depth of the heaviest bar there);
+    `regularisation`, share of the elastic stiffness beside the hinges; `geometry`, co-rotational or
+    linear.
+    """
+
+    surface: str = checked(Choice(RULES), "exact")
+
+    name: ClassVar[str] = "plastic-hinge"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Elastic up to the full plastic section, perfectly plastic hinges of zero length at the "
+        "ends: yielding does not spread, and nothing softens before.",
+        "Normal flow on the chosen surface (its convex hull); joints weaker than the member "
+        "interact linearly.",
+        "Exact stability functions between the ends, with the shortening by bending.",
+        "No shear yielding, no local buckling, no strain-rate effect.",
+    )
+
+    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
+        """The rule for the section, a straight line for a weaker joint."""
+        if joint_governs:
+            return np.array([[0.0, 1.0], [1.0, 0.0]])
+        return polyline(self.surface, frame.strength_section(piece.member))
+
+
+def axial_findings(frame: Frame) -> list[Finding]:
+    """Warning of members whose dead loads are a share of the squash load that takes moment away."""
+    loads = sum(abs(load.y) + abs(load.x) for load in frame.loads)
+    least = min(frame.properties(member).squash_load for member in frame.members)
+    if loads <= AXIAL_SHARE * least:
+        return []
+    text = (
+        f"dead loads of {loads / least:.2f} of the squash load of the weakest member: hinges "
+        "without N-M interaction may overestimate the resistance by a similar share"
+    )
+    remedy = "take plastic-hinge"
+    return [Finding("interaction", text, remedy=remedy, number=loads / least)]

@@ -1,0 +1,250 @@
+"""Bars with plasticity told of at their ends: what they consist of, their tables and energies."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.arrays import Array, Indices
+from workbench.structures.bars import kernels
+from workbench.structures.elements import Bars, HingedElements, StepEnergies
+
+BAR = np.dtype(
+    [
+        *((name, float) for name in ("axial", "bending", "geometric", "shear")),
+        *((name, float) for name in ("spring1", "spring4", "hardening1", "hardening4")),
+        *((name, float) for name in ("low1", "high1", "low4", "high4")),
+        *((name, bool) for name in ("pinned1", "pinned4")),
+    ]
+)
+NO_INTERACTION = np.array([[0.0, 1e6], [1.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class PlasticEnd:
+    """The hinge at one end of a bar, with its joint; SI units.
+
+    Arguments: `axial` resistance in tension and compression; `moments` that it resists, positive
+    and negative; `curve` (2, corners), the share of the moment that is left over |N| over its
+    resistance, from 0 on; `stiffness` of the joint in N m/rad (0: a pin); `hardening`, kinematic,
+    in N m per rad of plastic rotation.
+    """
+
+    axial: tuple[float, float]
+    moments: tuple[float, float]
+    curve: Array
+    stiffness: float = inf
+    hardening: float = 0.0
+
+    def share(self, side: int, axial: Array) -> Array:
+        """Share of the plastic moment left at |N| (n,) in tension (side 0) or compression."""
+        return np.asarray(np.interp(axial, self.curve[0] * self.axial[side], self.curve[1]))
+
+    def gauge(self, force: float, moment: float) -> float:
+        """Radius of (N, M) over that of the yield curve."""
+        n = abs(force) / self.axial[0 if force >= 0.0 else 1]
+        m = abs(moment) / self.moments[0 if moment >= 0.0 else 1]
+        (n0, n1), (m0, m1) = ((v[:-1], v[1:]) for v in self.curve)
+        return float(np.max(((m0 - m1) * n + (n1 - n0) * m) / (m0 * n1 - m1 * n0)))
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A beam-column between two plastic ends; SI units.
+
+    Arguments: ends `start` and `end`; `axial_stiffness` EA, `bending_stiffness` EI;
+    `mass_per_length`; `shear_stiffness` GA (inf: rigid in shear); `axial_springs`, flexibility of
+    both joints along the bar in m/N; `second_order`, whether N bends it between its ends.
+    """
+
+    start: PlasticEnd
+    end: PlasticEnd
+    axial_stiffness: float
+    bending_stiffness: float
+    mass_per_length: float
+    shear_stiffness: float = inf
+    axial_springs: float = 0.0
+    second_order: bool = True
+
+    def row(self, length: float) -> tuple[Any, ...]:
+        """Entries of BAR for a `length` in m."""
+        one, four = self.start, self.end
+        return (
+            length / self.axial_stiffness + self.axial_springs,
+            length / self.bending_stiffness,
+            0.25 * length**2 / self.bending_stiffness if self.second_order else 0.0,
+            1.0 / (length * self.shear_stiffness),
+            *(1.0 / end.stiffness if end.stiffness > 0.0 else 0.0 for end in (one, four)),
+            *(0.0 if end.stiffness == 0.0 else end.hardening for end in (one, four)),
+            *(-one.moments[0], one.moments[1], -four.moments[1], four.moments[0]),
+            *(end.stiffness == 0.0 for end in (one, four)),
+        )
+
+    def corners(self) -> tuple[Array, Array]:
+        """|N| with the shares of both moments that are left (corners, 3), tension, compression."""
+        sides = []
+        for side in range(2):
+            ends = (self.start, self.end)
+            most = min(end.curve[0, -1] * end.axial[side] for end in ends)
+            at = np.unique(np.concatenate([end.curve[0] * end.axial[side] for end in ends]))
+            at = np.append(at[at < most * (1.0 - 1e-12)], most)
+            sides.append(np.stack([at, *(end.share(side, at) for end in ends)], axis=1))
+        return sides[0], sides[1]
+
+
+class BarState(NamedTuple):
+    """State of all bars.
+
+    `local` (e, 3): N, M_1, M_4; `deformation` (e, 3): elongation and end rotations against the
+    chord; `plastic` (e, 3) parts of these; `back` (e, 2): backstresses of the hinges.
+    """
+
+    local: Array
+    deformation: Array
+    plastic: Array
+    back: Array
+
+
+class BarTables(NamedTuple):
+    """Bars as arrays for the kernels.
+
+    `rows` (e,), records of BAR; `corners` (e, 2, corners, 3) and `counts` (e, 2), see `hinged_law`;
+    elastic `stiffness`
+    (e, 3, 3) of first order, of which the share `eta` always acts beside the hinges.
+    """
+
+    rows: Any
+    corners: Array
+    counts: Indices
+    stiffness: Array
+    eta: float
+
+
+class BarElements(HingedElements):
+    """Two-node bars that are elastic but for what is plastic at their ends.
+
+    Arguments: `nodes` (elements, 2), node numbers; the `bars` (elements,); an empty `state` whose
+    first two entries are those of `BarState`; `first_order`, equilibrium of the undeformed
+    structure. The plastic deformation of a bar is what its forces do not explain elastically.
+    """
+
+    kernels: ClassVar[Any] = kernels
+    _old: Any
+
+    def __init__(
+        self, nodes: ArrayLike, bars: Sequence[Bar], state: Any, first_order: bool = False
+    ) -> None:
+        self._own, self.first_order = list(bars), first_order
+        super().__init__(nodes, state)
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars._replace(first_order=self.first_order, relative=True))
+        rows = [bar.row(length) for bar, length in zip(self._own, self.lengths, strict=True)]
+        self._rows: Any = np.array(rows, dtype=BAR)
+
+    def masses(self) -> tuple[Array, Array]:
+        """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
+        mass = np.array([bar.mass_per_length for bar in self._own]) * self.lengths
+        return mass, np.zeros_like(mass)
+
+    def elastic(self, local: Array) -> tuple[Array, float]:
+        """Elastic deformations (elements, 3) under forces (elements, 3), and their energy in J."""
+        deformation, stored = np.empty_like(local), np.empty(len(local))
+        kernels.elastic(self._rows, local, deformation, stored)
+        return deformation, float(stored.sum())
+
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step from the committed state to the one assembled last.
+
+        What the work of the forces leaves beside stored energy and plastic work is algorithmic.
+        """
+        old, new = self._old, self._new
+        (before, held), (after, stored) = self.elastic(old.local), self.elastic(new.local)
+        change = new.deformation - old.deformation
+        flow = change - (after - before)
+        force = weight * new.local + (1.0 - weight) * old.local
+        plastic, ideal = float(np.sum(force * flow)), float(np.sum(new.local * flow))
+        return StepEnergies(
+            stored, plastic, float(np.sum(force * change)) - (stored - held) - plastic, ideal
+        )
+
+    @property
+    def elongations(self) -> Array:
+        """Committed change of chord length of the elements (elements,), in m."""
+        return np.asarray(self._old.deformation[:, 0])
+
+    @property
+    def plastic(self) -> Array:
+        """Committed plastic deformations (elements, 4), all of the elongation at the start."""
+        u, first, last = (self._old.deformation - self.elastic(self._old.local)[0]).T
+        return np.stack([u, first, np.zeros_like(u), last], axis=1)
+
+    def utilisation(self) -> Array:
+        """Radius of N and M over that of the yield curve at both ends (elements, 2)."""
+        return np.array(
+            [
+                (bar.start.gauge(n, -m1), bar.end.gauge(n, m4))
+                for bar, (n, m1, m4) in zip(self._own, self._old.local, strict=True)
+            ]
+        )
+
+    def shapes(self, displacement: Array, points: ArrayLike) -> Array:
+        """Displaced axis (elements, points, 2), bent by the committed moments."""
+        bends = np.array([1.0 / bar.bending_stiffness for bar in self._own])
+        return self.bent(displacement, points, bends, self._old.local[:, 1:])
+
+
+class HingedBars(BarElements):
+    """Bars with plastic hinges of zero length at both ends.
+
+    Arguments: as for `BarElements`; `regularisation`, the share of the elastic stiffness beside
+    the hinges.
+    """
+
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        bars: Sequence[Bar],
+        regularisation: float = 1e-6,
+        first_order: bool = False,
+    ) -> None:
+        self.regularisation, count = regularisation, len(bars)
+        state = BarState(*(np.zeros((count, width)) for width in (3, 3, 3, 2)))
+        super().__init__(nodes, bars, state, first_order)
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars)
+        sides = [side for bar in self._own for side in bar.corners()]
+        corners = np.zeros((len(sides), max(len(side) for side in sides), 3))
+        for row, side in zip(corners, sides, strict=True):
+            row[: len(side)] = side
+        self._tables = BarTables(
+            self._rows,
+            corners.reshape(len(self._own), 2, -1, 3),
+            np.array([len(side) for side in sides]).reshape(-1, 2),
+            np.stack([_first_order(row) for row in self._rows]),
+            self.regularisation,
+        )
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        return (self._tables,)
+
+
+def _first_order(row: Any) -> Array:
+    """Elastic stiffness (3, 3) of a row of BAR without axial force."""
+    near, far = row["bending"] / 3.0 + row["shear"], -row["bending"] / 6.0 + row["shear"]
+    stiffness = np.zeros((3, 3))
+    stiffness[0, 0] = 1.0 / row["axial"]
+    free = [i for i, end in ((1, "1"), (2, "4")) if not row[f"pinned{end}"]]
+    both = np.array([[near + row["spring1"], far], [far, near + row["spring4"]]])
+    if free:
+        kept = np.array(free)
+        stiffness[np.ix_(kept, kept)] = np.linalg.inv(both[np.ix_(kept - 1, kept - 1)])
+    return stiffness

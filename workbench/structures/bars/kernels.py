@@ -1,0 +1,244 @@
+"""Beam-column between two plastic hinges of zero length: local law and assembly.
+
+Unknown are the forces Q = (N, M_1, M_4). At a given N the moments solve a problem of
+complementarity in two unknowns, in closed form (`moments_in_box`); what is left,
+
+    N L / EA + M F'(N) M / 2 + sum |dm_h / dN| |r_h| sign N = elongation - plastic elongation,
+
+rises with N, the last term being the normal plastic flow that goes with the rotations r_h. Moment
+capacities are polylines over |N|, so that N lies on one of their corners or between two of them.
+Tangent: elastic and geometric stiffness less the plastic reduction matrix of the hinges that flow,
+K a a^T K / (a^T K a + h), one after the other. Source: Orbison, McGuire and Abel 1982; the
+implicit form is derived in docs/theory/frame-models.md.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.hinges.kernels import newton_in_bracket
+from workbench.hinges.pair_kernels import End, moments_in_box
+from workbench.structures.bars.beam_kernels import modes
+from workbench.structures.corotation.kernels import add_element, chord_at
+
+ITERATIONS = 60
+CLOSED = 1e-14  # of the terms that make the gap
+
+
+class Flow(NamedTuple):
+    """What follows from an axial force: the `gap` of the elongation, and what makes it.
+
+    Moments, plastic rotations r, bending elongation `bow` and `push` of both hinges (slope of the
+    capacity by N times |r|), slopes `a1`, `a4` of the yield conditions by N.
+    """
+
+    gap: float
+    m1: float
+    m4: float
+    r1: float
+    r4: float
+    push: float
+    a1: float
+    a4: float
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def deform(bars, e, q, deformation):
+    """Chord of element `e` at displacements `q`; writes elongation and end rotations (3,)."""
+    chord = chord_at(bars, e, q)
+    deformation[0] = chord.elongation
+    deformation[1] = q[bars.dofs[e, 2]] - chord.rotation
+    deformation[2] = q[bars.dofs[e, 5]] - chord.rotation
+    return chord
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def flexibility(bar, N):
+    """f_11, f_14, f_44 of beam and springs at N, their first and their second derivatives by N."""
+    (a, a1, a2), (b, b1, b2) = modes(-bar.geometric * N)
+    half, by, s = 0.25 * bar.bending, -bar.geometric, bar.shear
+    one, two = half * by, half * by * by
+    near, far = half * (a + b) + s, half * (b - a) + s
+    values = near + bar.spring1, far, near + bar.spring4
+    return values, (one * (a1 + b1), one * (b1 - a1)), (two * (a2 + b2), two * (b2 - a2))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def form(pair, m1, m4):
+    """Half the quadratic form of a matrix (p, q; q, p), and its product with (m1, m4)."""
+    first, last = pair[0] * m1 + pair[1] * m4, pair[1] * m1 + pair[0] * m4
+    return 0.5 * (m1 * first + m4 * last), first, last
+
+
+@njit(cache=True, error_model="numpy")
+def flow_at(bar, trial, back, N, share, slope):
+    """The `Flow` at an axial force N, capacities at `share` (2,) with `slope` (2,) by |N|."""
+    (f11, f14, f44), first, _ = flexibility(bar, N)
+    # kinematic hardening h: M = X + m + h r leaves (F^-1 + h)^-1 m + r = (1 + F h)^-1 (e - F X)
+    h1, h4 = bar.hardening1, bar.hardening4
+    e1 = trial[1] - f11 * back[0] - f14 * back[1]
+    e4 = trial[2] - f14 * back[0] - f44 * back[1]
+    s1, s4 = 1.0 + f11 * h1, 1.0 + f44 * h4
+    det = s1 * s4 - f14 * f14 * h1 * h4
+    g11, g14, g44 = (s4 * f11 - f14 * f14 * h4) / det, f14 / det, (s1 * f44 - f14 * f14 * h1) / det
+    e1, e4 = (s4 * e1 - f14 * h4 * e4) / det, (s1 * e4 - f14 * h1 * e1) / det
+    one = End(0.0, bar.low1, bar.high1, 1.0, 1.0, bar.pinned1, g11, e1)
+    four = End(0.0, bar.low4, bar.high4, 1.0, 1.0, bar.pinned4, g44, e4)
+    m1, m4, r1, r4, _, _ = moments_in_box(one, four, g14, share[0], share[1])
+    m1 += back[0] + h1 * r1
+    m4 += back[1] + h4 * r4
+    sign = math.copysign(1.0, N)
+    a1 = a4 = 0.0
+    if r1 != 0.0 and not bar.pinned1:
+        a1 = -sign * slope[0] * (bar.high1 if r1 > 0.0 else -bar.low1)
+    if r4 != 0.0 and not bar.pinned4:
+        a4 = -sign * slope[1] * (bar.high4 if r4 > 0.0 else -bar.low4)
+    push = a1 * abs(r1) + a4 * abs(r4)
+    bow, _, _ = form(first, m1, m4)
+    return Flow(N * bar.axial + bow + push - trial[0], m1, m4, r1, r4, push, a1, a4)
+
+
+@njit(cache=True, error_model="numpy")
+def reduce(k, direction, hardening):
+    """Take the rank-one share of a `direction` (3,) that flows from the stiffness `k` (3, 3)."""
+    along = k @ direction
+    size = direction @ along + hardening
+    if size > 0.0:
+        for i in range(3):
+            for j in range(3):
+                k[i, j] -= along[i] * along[j] / size
+
+
+@njit(cache=True, error_model="numpy")
+def tangent(bar, N, flow, fixed, k):
+    """Write the tangent `k` (3, 3) at N; `fixed`: N is at a corner of the yield surface."""
+    (f11, f14, f44), first, second = flexibility(bar, N)
+    bent, _, _ = form(second, flow.m1, flow.m4)
+    _, d1, d4 = form(first, flow.m1, flow.m4)
+    det = f11 * f44 - f14 * f14
+    k[1, 1], k[2, 2] = f44 / det, f11 / det
+    k[1, 2] = k[2, 1] = -f14 / det
+    u1, u4 = k[1, 1] * d1 + k[1, 2] * d4, k[2, 1] * d1 + k[2, 2] * d4
+    k[0, 0] = 1.0 / (bar.axial + bent - d1 * u1 - d4 * u4)
+    k[0, 1] = k[1, 0] = -k[0, 0] * u1
+    k[0, 2] = k[2, 0] = -k[0, 0] * u4
+    k[1, 1] += k[0, 0] * u1 * u1
+    k[2, 2] += k[0, 0] * u4 * u4
+    k[1, 2] += k[0, 0] * u1 * u4
+    k[2, 1] = k[1, 2]
+    direction = np.zeros(3)
+    if bar.pinned1 or flow.r1 != 0.0:
+        direction[0], direction[1] = flow.a1, math.copysign(1.0, flow.r1)
+        reduce(k, direction, bar.hardening1)
+    if bar.pinned4 or flow.r4 != 0.0:
+        direction[0], direction[1], direction[2] = flow.a4, 0.0, math.copysign(1.0, flow.r4)
+        reduce(k, direction, bar.hardening4)
+    if fixed:
+        direction[0], direction[1], direction[2] = 1.0, 0.0, 0.0
+        reduce(k, direction, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def hinged_law(bar, corners, counts, trial, back, k, flow):
+    """Forces of a beam-column and its hinges, for its trial deformations.
+
+    Arguments: `bar`, a row of BAR; `corners` (2, corners, 3), |N| in tension and in compression
+    with the shares of both moments left there, and `counts` (2,) of these; elastic `trial`
+    deformations (3,); backstresses `back` (2,). Writes the tangent `k` (3, 3) and the plastic
+    `flow` (3,); result: N, M_1, M_4.
+    """
+    rest = flow_at(bar, trial, back, 0.0, corners[0, 0, 1:], np.zeros(2))
+    side = 0 if rest.gap < 0.0 else 1
+    sign = 1.0 if side == 0 else -1.0
+    line = corners[side, : counts[side]]
+    last = line.shape[0] - 1
+    slopes = (line[1, 1:] - line[0, 1:]) / line[1, 0]
+    N, fixed, done = 0.0, False, flow_at(bar, trial, back, 0.0, line[0, 1:], slopes)
+    if done.push > 0.0 and abs(rest.gap) <= done.push:
+        fixed = True
+    else:
+        low, high = 0, last  # the first corner at or beyond the root is in (low, high]
+        beyond = False
+        while high - low > 1:
+            middle = (low + high) // 2
+            if left_of(bar, trial, back, line, middle, sign) >= 0.0:
+                high, beyond = middle, True
+            else:
+                low = middle
+        if not beyond and left_of(bar, trial, back, line, last, sign) < 0.0:
+            N, fixed = sign * line[last, 0], True
+            slopes = (line[last, 1:] - line[last - 1, 1:]) / (line[last, 0] - line[last - 1, 0])
+            done = flow_at(bar, trial, back, N, line[last, 1:], slopes)
+        else:
+            width = line[high, 0] - line[low, 0]
+            slopes = (line[high, 1:] - line[low, 1:]) / width
+            a, b = line[low, 0], line[high, 0]
+            N = sign * a
+            done = flow_at(bar, trial, back, N, line[low, 1:], slopes)
+            if low > 0 and sign * done.gap > 0.0:
+                fixed = True
+            else:
+                N = min(max(abs(trial[0]) / bar.axial, a), b)
+                stop = False
+                for _ in range(ITERATIONS):
+                    share = line[low, 1:] + slopes * (N - line[low, 0])
+                    done = flow_at(bar, trial, back, sign * N, share, slopes)
+                    size = N * bar.axial + done.push + abs(trial[0])
+                    if stop or abs(done.gap) <= CLOSED * size:
+                        break
+                    tangent(bar, sign * N, done, False, k)
+                    N, a, b, stop = newton_in_bracket(N, sign * done.gap, 1.0 / k[0, 0], a, b)
+                N *= sign
+    tangent(bar, N, done, fixed, k)
+    flow[0] = done.push - done.gap if fixed else done.push
+    flow[1], flow[2] = done.r1, done.r4
+    return N, done.m1, done.m4
+
+
+@njit(cache=True, error_model="numpy")
+def left_of(bar, trial, back, line, at, sign):
+    """Gap of the elongation along the sign of N at a corner, seen from smaller |N|."""
+    slopes = (line[at, 1:] - line[at - 1, 1:]) / (line[at, 0] - line[at - 1, 0])
+    return sign * flow_at(bar, trial, back, sign * line[at, 0], line[at, 1:], slopes).gap
+
+
+@njit(cache=True, error_model="numpy")
+def elastic(rows, local, deformation, stored):
+    """Write elastic deformations (e, 3) under the forces `local` (e, 3), and energies (e,) in J."""
+    for e in range(rows.shape[0]):
+        bar = rows[e]
+        N, m1, m4 = local[e]
+        (f11, f14, f44), first, _ = flexibility(bar, N)
+        bow, _, _ = form(first, m1, m4)
+        turn1, turn4 = f11 * m1 + f14 * m4, f14 * m1 + f44 * m4
+        deformation[e, 0] = N * bar.axial + bow
+        deformation[e, 1] = turn1
+        deformation[e, 2] = turn4
+        stored[e] = N * (0.5 * N * bar.axial + bow) + 0.5 * (m1 * turn1 + m4 * turn4)
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(step, bars, own, old, new):
+    """Add forces and tangents of all elements for a `step`; write the state `new`."""
+    k, work = np.empty((3, 3)), np.empty((7, 4))
+    trial, flow = np.empty(3), np.empty(3)
+    eta = own.eta
+    for e in range(bars.dofs.shape[0]):
+        bar, deformation = own.rows[e], new.deformation[e]
+        chord = deform(bars, e, step.end, deformation)
+        trial[:] = deformation - old.plastic[e]
+        N, m1, m4 = hinged_law(bar, own.corners[e], own.counts[e], trial, old.back[e], k, flow)
+        new.plastic[e] = old.plastic[e] + flow
+        new.back[e, 0] = old.back[e, 0] + bar.hardening1 * flow[1]
+        new.back[e, 1] = old.back[e, 1] + bar.hardening4 * flow[2]
+        linear = eta * own.stiffness[e]
+        local = linear @ deformation
+        local[0] += (1.0 - eta) * N
+        local[1] += (1.0 - eta) * m1
+        local[2] += (1.0 - eta) * m4
+        new.local[e] = local
+        k *= 1.0 - eta
+        k += linear
+        add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
