@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import cos, cosh, sin, sinh, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_tangent_compatibility_and_dissipation(kind: str) -> None:
         scale = 10.0 ** rng.uniform(-3.0, 1.0)
         trial = YIELD * scale * rng.standard_normal(3)
         forces, k, flow = law(bars, trial)
-        elastic, _ = bars.elastic(forces[None])
+        elastic, _ = bars.elastic(SimpleNamespace(local=forces[None]))
         gap = (elastic[0] + flow - trial) / (scale * YIELD)
         assert np.abs(gap[[0, 2] if pinned else [0, 1, 2]]).max() < 1e-9
         assert forces @ flow >= -1e-9 * abs(forces @ trial)

@@ -3,7 +3,8 @@
 `giberson` knows bending alone: each hinge is a rotational spring, rigid up to the plastic moment
 and from there f times as stiff as the end of the beam, 4 EI / L. `plastic-hinge` takes the hinge
 from a yield surface of axial force and moment, with normal flow, and lets the axial force bend the
-member between its ends. Derivation: docs/theory/frame-models.md.
+member between its ends. `refined-plastic-hinge` loses stiffness by degrees. Derivation:
+docs/theory/frame-models.md.
 """
 
 from abc import abstractmethod
@@ -23,10 +24,26 @@ from workbench.hinges.interaction import RULES, polyline
 from workbench.models.bar_frames import BarFrames
 from workbench.models.frame_model import as_frame
 from workbench.responses import Finding
-from workbench.scenarios import ColumnScenario, Frame, FrameScenario
-from workbench.structures.bars import NO_INTERACTION, Bar, BarElements, HingedBars, PlasticEnd
+from workbench.scenarios import (
+    ColumnScenario,
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FrameScenario,
+    FrameStatic,
+)
+from workbench.structures.bars import (
+    NO_INTERACTION,
+    Bar,
+    BarElements,
+    HingedBars,
+    PlasticEnd,
+    RefinedBars,
+)
 
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
+REMEDY = "take plastic-hinge"
+IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -37,6 +54,17 @@ class BarHinges(BarFrames):
     shear_flexible: bool = checked(Flag(), True)
 
     second_order: ClassVar[bool] = True
+    in_impacts: ClassVar[str] = ""  # why an impact is outside the domain
+    in_cycles: ClassVar[str] = ""
+
+    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
+        """Findings of all member models, and of events that a model is not made for."""
+        told, said = as_frame(scenario), []
+        if isinstance(told, FrameImpact) and self.in_impacts:
+            said.append(Finding("catenary", self.in_impacts, remedy=REMEDY))
+        if self.in_cycles and _reverses(told):
+            said.append(Finding("cycles", self.in_cycles, remedy=REMEDY))
+        return super().domain(scenario) + said
 
     def parts(self, frame: Frame) -> int:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""
@@ -111,6 +139,10 @@ class Giberson(BarHinges):
     version: ClassVar[int] = 1
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     second_order: ClassVar[bool] = False
+    in_impacts: ClassVar[str] = (
+        "a struck member that goes into catenary action stretches without yielding here, and its "
+        "moments stay"
+    )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic beam between two rotational springs: rigid up to the plastic moment, then of "
         "kinematic hardening f 4EI/L.",
@@ -166,6 +198,62 @@ class PlasticHinge(BarHinges):
         return polyline(self.surface, frame.strength_section(piece.member))
 
 
+@dataclass(frozen=True)
+class RefinedPlasticHinge(BarHinges):
+    """Refined plastic hinges: stability functions, tangent modulus, stiffness lost by degrees.
+
+    Options: `imperfect`, E taken 0.877 times, so that the tangent modulus is that of the AISC
+    column curve with its initial crookedness; `shear_flexible`, elastic shear strain; `elements`
+    per member; `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary
+    inertia of every node in kg m2 (None: that of half a section depth of the heaviest bar there);
+    `regularisation`, share of the elastic stiffness beside the elements; `geometry`, co-rotational
+    or linear.
+    """
+
+    imperfect: bool = checked(Flag(), False)
+
+    name: ClassVar[str] = "refined-plastic-hinge"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
+    in_impacts: ClassVar[str] = (
+        "in catenary action moments give way to the axial force without the plastic elongation "
+        "that goes with it"
+    )
+    in_cycles: ClassVar[str] = (
+        "hinges soften anew in every half-cycle above half the strength, also where a section "
+        "would stay elastic"
+    )
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Hinges soften by degrees from a force state of 1/2 on, phi = 4 alpha (1 - alpha), to full "
+        "hinges on the AISC surface; an end whose force state falls is elastic.",
+        "Residual stress and crookedness through a tangent modulus that depends on the "
+        "compression alone.",
+        "Moments return to the surface without normal flow: in catenary action the axial force "
+        "wins and moments vanish.",
+        "No shear yielding, no local buckling, no strain-rate effect.",
+    )
+
+    def parts(self, frame: Frame) -> int:
+        """Bars per member: stability functions hold beyond the Euler load of a pin-ended bar."""
+        return self.elements
+
+    def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
+        """AISC H1-1 for members and joints."""
+        return polyline("aisc", frame.strength_section(piece.member))
+
+    def bars(self, nodes: list[tuple[int, int]], bars: list[Bar]) -> BarElements:
+        """The elements."""
+        reduction = IMPERFECT if self.imperfect else 1.0
+        return RefinedBars(nodes, bars, reduction, self.regularisation, self.first_order)
+
+
+def _reverses(scenario: FrameScenario) -> bool:
+    """Whether a structure is led to and fro."""
+    if isinstance(scenario, FrameStatic):
+        return len(scenario.path) > 1
+    return isinstance(scenario, FrameGroundMotion)
+
+
 def axial_findings(frame: Frame) -> list[Finding]:
     """Warning of members whose dead loads are a share of the squash load that takes moment away."""
     loads = sum(abs(load.y) + abs(load.x) for load in frame.loads)
@@ -176,5 +264,4 @@ def axial_findings(frame: Frame) -> list[Finding]:
         f"dead loads of {loads / least:.2f} of the squash load of the weakest member: hinges "
         "without N-M interaction may overestimate the resistance by a similar share"
     )
-    remedy = "take plastic-hinge"
-    return [Finding("interaction", text, remedy=remedy, number=loads / least)]
+    return [Finding("interaction", text, remedy=REMEDY, number=loads / least)]

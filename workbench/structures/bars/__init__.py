@@ -7,6 +7,15 @@ from workbench.structures.bars.group import (
     BarState,
     HingedBars,
     PlasticEnd,
+    RefinedBars,
 )
 
-__all__ = ["NO_INTERACTION", "Bar", "BarElements", "BarState", "HingedBars", "PlasticEnd"]
+__all__ = [
+    "NO_INTERACTION",
+    "Bar",
+    "BarElements",
+    "BarState",
+    "HingedBars",
+    "PlasticEnd",
+    "RefinedBars",
+]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Indices
-from workbench.structures.bars import kernels
+from workbench.structures.bars import kernels, refined_kernels
 from workbench.structures.elements import Bars, HingedElements, StepEnergies
 
 BAR = np.dtype(
@@ -151,10 +151,10 @@ class BarElements(HingedElements):
         mass = np.array([bar.mass_per_length for bar in self._own]) * self.lengths
         return mass, np.zeros_like(mass)
 
-    def elastic(self, local: Array) -> tuple[Array, float]:
-        """Elastic deformations (elements, 3) under forces (elements, 3), and their energy in J."""
-        deformation, stored = np.empty_like(local), np.empty(len(local))
-        kernels.elastic(self._rows, local, deformation, stored)
+    def elastic(self, state: Any) -> tuple[Array, float]:
+        """Elastic deformations (elements, 3) under the forces of a state, and their energy in J."""
+        deformation, stored = np.empty_like(state.local), np.empty(len(state.local))
+        kernels.elastic(self._rows, state.local, deformation, stored)
         return deformation, float(stored.sum())
 
     def account(self, weight: float) -> StepEnergies:
@@ -163,7 +163,7 @@ class BarElements(HingedElements):
         What the work of the forces leaves beside stored energy and plastic work is algorithmic.
         """
         old, new = self._old, self._new
-        (before, held), (after, stored) = self.elastic(old.local), self.elastic(new.local)
+        (before, held), (after, stored) = self.elastic(old), self.elastic(new)
         change = new.deformation - old.deformation
         flow = change - (after - before)
         force = weight * new.local + (1.0 - weight) * old.local
@@ -180,7 +180,7 @@ class BarElements(HingedElements):
     @property
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4), all of the elongation at the start."""
-        u, first, last = (self._old.deformation - self.elastic(self._old.local)[0]).T
+        u, first, last = (self._old.deformation - self.elastic(self._old)[0]).T
         return np.stack([u, first, np.zeros_like(u), last], axis=1)
 
     def utilisation(self) -> Array:
@@ -248,3 +248,79 @@ def _first_order(row: Any) -> Array:
         kept = np.array(free)
         stiffness[np.ix_(kept, kept)] = np.linalg.inv(both[np.ix_(kept - 1, kept - 1)])
     return stiffness
+
+
+class RefinedState(NamedTuple):
+    """State of refined plastic hinges.
+
+    `local` and `deformation` (e, 3) as of `BarState`; `plastic` elongation (e,); elastic rotations
+    `turn` (e, 2).
+    """
+
+    local: Array
+    deformation: Array
+    plastic: Array
+    turn: Array
+
+
+class RefinedTables(NamedTuple):
+    """Bars as arrays for the kernels.
+
+    `rows`, `stiffness` and `eta` as of `BarTables`; `squash` loads (e, 2) in tension and
+    compression; `reduction` of E; `scale` (e, 3), deformations at yield.
+    """
+
+    rows: Any
+    squash: Array
+    reduction: float
+    scale: Array
+    stiffness: Array
+    eta: float
+
+
+class RefinedBars(BarElements):
+    """Bars with stability functions, tangent modulus and gradual hinges at both ends.
+
+    Arguments: as for `HingedBars`; `reduction` of the elastic modulus.
+    """
+
+    kernels: ClassVar[Any] = refined_kernels
+
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        bars: Sequence[Bar],
+        reduction: float = 1.0,
+        regularisation: float = 1e-6,
+        first_order: bool = False,
+    ) -> None:
+        count, self.reduction, self.regularisation = len(bars), reduction, regularisation
+        widths = ((3,), (3,), (), (2,))
+        state = RefinedState(*(np.zeros((count, *width)) for width in widths))
+        super().__init__(nodes, bars, state, first_order)
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        return (self._tables,)
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars)
+        ends = [(bar.start, bar.end) for bar in self._own]
+        squash = np.array([np.min([end.axial for end in pair], axis=0) for pair in ends])
+        turn = np.array([max(*a.moments, *b.moments) for a, b in ends]) * self._rows["bending"]
+        self._tables = RefinedTables(
+            self._rows,
+            squash,
+            self.reduction,
+            np.stack([squash.max(axis=1) * self._rows["axial"], turn, turn], axis=1),
+            np.stack([_first_order(row) for row in self._rows]),
+            self.regularisation,
+        )
+
+    def elastic(self, state: Any) -> tuple[Array, float]:
+        """Elastic deformations (elements, 3) of a state, with E_t, and their energy in J."""
+        stretch = state.local[:, :1] * self._rows["axial"][:, None]
+        deformation = np.concatenate([stretch, state.turn], axis=1)
+        return deformation, 0.5 * float(np.sum(state.local * deformation))

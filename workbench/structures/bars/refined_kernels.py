@@ -1,0 +1,161 @@
+"""Refined plastic hinge: stability functions, tangent modulus, gradual hinges (Liew et al. 1993).
+
+State of an element are its elastic rotations t = (t_1, t_4), with M = K(N, E_t) t; a rotation d of
+its ends adds
+
+    dt_1 = phi_1 d_1 - phi_4 (1 - phi_1) (k_14 / k_11) d_4,    dt_4 likewise,
+
+which is K^-1 times the matrix of Heng 2017, eq. 2.9: phi is 1 while the force state alpha is below
+1/2 or falls, 4 alpha (1 - alpha) above, 0 in a full hinge, where M stays on the surface alpha = 1.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from workbench.structures.bars.beam_kernels import cotangent
+from workbench.structures.bars.kernels import deform
+from workbench.structures.corotation.kernels import add_element
+
+SUBSTEPS = 8
+SWEEPS = 16  # each leaves at most a quarter of what one end gives to the other
+STEEPEST = 9.6  # of y = h^2; a clamped element buckles at pi^2
+LEAST_MODULUS = 1e-3
+ELASTIC_LIMIT = 0.39  # of the squash load, equation 2.6
+SLOPE = 2.7243  # equation 2.7 with E_t / E on the left, where E / E_t is printed
+STATE = 0.5  # force state up to which a hinge is rigid
+DIFFERENCE = 1e-7
+
+
+@njit(cache=True, error_model="numpy")
+def modulus(n):
+    """Tangent modulus over E at a compression n over the squash load (Heng 2017, 2.6 and 2.7)."""
+    if n <= ELASTIC_LIMIT:
+        return 1.0
+    return max(min(-SLOPE * n * math.log(n), 1.0), LEAST_MODULUS) if n < 1.0 else LEAST_MODULUS
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def force_state(n, m):
+    """Force-state parameter, 1 on the surface of AISC H1-1 (Heng 2017, 2.10 and 2.11)."""
+    return max(n + 8.0 / 9.0 * m, 0.5 * n + m)
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(bar, N, Np, reduction):
+    """k_11, k_14, k_44 of beam, shear and joints at N; E is multiplied by `reduction` and E_t."""
+    share = reduction * modulus(-N / Np)
+    y = min(-bar.geometric * N / share, STEEPEST)
+    r = cotangent(y)
+    symmetric = 2.0 * share / bar.bending * r
+    sway = 6.0 * share / bar.bending
+    if abs(y) > 1e-6:
+        sway = 2.0 * share / bar.bending * y / (1.0 - r)
+    sway /= 1.0 + 2.0 * bar.shear * sway
+    near, far = 0.5 * (sway + symmetric), 0.5 * (sway - symmetric)
+    f1, f4 = bar.spring1, bar.spring4
+    det = (1.0 + near * f1) * (1.0 + near * f4) - far * far * f1 * f4
+    first = (near * (1.0 + near * f4) - far * far * f4) / det
+    last = (near * (1.0 + near * f1) - far * far * f1) / det
+    return first, far / det, last
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def capacity(n, low, high, m):
+    """Moment of the sign of `m` that the surface leaves at n."""
+    share = max(min(9.0 / 8.0 * (1.0 - n), 1.0 - 0.5 * n), 0.0)
+    return share * (high if m > 0.0 else -low)
+
+
+@njit(cache=True, error_model="numpy")
+def soft(state, before, pinned):
+    """Phi of an end at a force state that was `before`."""
+    if pinned:
+        return 0.0
+    if state <= before or state <= STATE:
+        return 1.0
+    inside = min(before, 1.0)
+    return 1.0 if inside <= STATE else 4.0 * inside * (1.0 - inside)
+
+
+@njit(cache=True, error_model="numpy")
+def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
+    """Forces at deformations `end` (3,) of an element that was at `start` (3,), in substeps.
+
+    Arguments: a row of BAR; `squash` loads (2,) in tension and compression; `reduction` of E;
+    `plastic` elongation (m) and elastic rotations `turn` (2,) at the start. Writes N, M_1, M_4 and
+    the rotations at the end to `out` (5,); result: the new plastic elongation.
+    """
+    t1, t4 = turn[0], turn[1]
+    N = (start[0] - plastic) / bar.axial
+    k1, k, k4 = stiffness(bar, N, squash[1], reduction)
+    m1, m4 = k1 * t1 + k * t4, k * t1 + k4 * t4
+    d1, d4 = (end[1] - start[1]) / SUBSTEPS, (end[2] - start[2]) / SUBSTEPS
+    for i in range(1, SUBSTEPS + 1):
+        n = abs(N) / squash[0 if N >= 0.0 else 1]
+        a1 = force_state(n, abs(m1) / (bar.high1 if m1 > 0.0 else -bar.low1))
+        a4 = force_state(n, abs(m4) / (bar.high4 if m4 > 0.0 else -bar.low4))
+        elongation = start[0] + (end[0] - start[0]) * i / SUBSTEPS
+        N = (elongation - plastic) / bar.axial
+        N = max(min(N, squash[0]), -squash[1])
+        plastic = elongation - N * bar.axial
+        n = abs(N) / squash[0 if N >= 0.0 else 1]
+        k1, k, k4 = stiffness(bar, N, squash[1], reduction)
+        e1, e4 = k1 * (t1 + d1) + k * (t4 + d4), k * (t1 + d1) + k4 * (t4 + d4)
+        s1 = force_state(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1))
+        s4 = force_state(n, abs(e4) / (bar.high4 if e4 > 0.0 else -bar.low4))
+        p1, p4 = soft(s1, a1, bar.pinned1), soft(s4, a4, bar.pinned4)
+        t1 += p1 * d1
+        t4 += p4 * d4
+        if p1 < 1.0:
+            t1 -= p4 * (1.0 - p1) * k / k1 * d4
+        if p4 < 1.0:
+            t4 -= p1 * (1.0 - p4) * k / k4 * d1
+        m1, m4 = k1 * t1 + k * t4, k * t1 + k4 * t4
+        # back to the surface by plastic rotations alone: of one end, then of both
+        c1 = 0.0 if bar.pinned1 else capacity(n, bar.low1, bar.high1, m1)
+        c4 = 0.0 if bar.pinned4 else capacity(n, bar.low4, bar.high4, m4)
+        over1, over4 = abs(m1) > c1, abs(m4) > c4
+        if over1 and not over4:
+            t1 -= (m1 - math.copysign(c1, m1)) / k1
+            m1, m4 = math.copysign(c1, m1), k * t1 + k4 * t4
+            over4 = abs(m4) > c4
+        elif over4 and not over1:
+            t4 -= (m4 - math.copysign(c4, m4)) / k4
+            m4, m1 = math.copysign(c4, m4), k1 * t1 + k * t4
+            over1 = abs(m1) > c1
+        if over1 and over4:
+            m1, m4 = math.copysign(c1, m1), math.copysign(c4, m4)
+            det = k1 * k4 - k * k
+            t1, t4 = (k4 * m1 - k * m4) / det, (k1 * m4 - k * m1) / det
+    out[0], out[1], out[2], out[3], out[4] = N, m1, m4, t1, t4
+    return plastic
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(step, bars, own, old, new):
+    """Add forces and tangents of all elements for a `step`; write the state `new`."""
+    k, work = np.empty((3, 3)), np.empty((7, 4))
+    out, moved, end = np.empty(5), np.empty(5), np.empty(3)
+    for e in range(bars.dofs.shape[0]):
+        bar, start, turn = own.rows[e], old.deformation[e], old.turn[e]
+        chord = deform(bars, e, step.end, new.deformation[e])
+        plastic = old.plastic[e]
+        new.plastic[e] = refined_law(
+            bar, own.squash[e], own.reduction, start, new.deformation[e], plastic, turn, out
+        )
+        linear = own.eta * own.stiffness[e]
+        new.local[e] = out[:3] + linear @ new.deformation[e]
+        new.turn[e] = out[3:]
+        if step.tangent:
+            for j in range(3):
+                end[:] = new.deformation[e]
+                by = DIFFERENCE * own.scale[e, j]
+                # onwards, so that a step does not look like unloading
+                by = -by if end[j] < start[j] else by
+                end[j] += by
+                refined_law(bar, own.squash[e], own.reduction, start, end, plastic, turn, moved)
+                for i in range(3):
+                    k[i, j] = (moved[i] - out[i]) / by + linear[i, j]
+        add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
