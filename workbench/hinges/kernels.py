@@ -106,12 +106,11 @@ def project(hinges, trial, stress, tangent):
     count = k.shape[0]
     tangent[:] = 0.0
     T, Np = abs(trial[0]), hinges.squash_loads[0 if trial[0] >= 0.0 else 1]
-    cap = capacity(T / Np, alpha, beta)
-    elastic = Np >= T
+    share = 0.0
     for i in range(count):
         A, Mp = _moment(hinges, trial, i)
-        if Mp * cap < A:
-            elastic = False
+        share = max(share, A / Mp)
+    elastic = T / Np + share <= 1.0 or (T <= Np and share <= capacity(T / Np, alpha, beta))
     if elastic:
         stress[0], tangent[0, 0] = trial[0], kN
         for i in range(count):
@@ -148,8 +147,9 @@ def project(hinges, trial, stress, tangent):
     S = C = n = m = Ca = Sb = 0.0
     for _ in range(ITERATIONS):
         S, C = on_curve(z)
-        n, m = S ** (1.0 / beta), C ** (1.0 / alpha)
-        Ca, Sb = C ** (0.5 * ea), S ** (0.5 * eb)
+        n = S if beta == 1.0 else S ** (1.0 / beta)
+        m = C if alpha == 1.0 else C ** (1.0 / alpha)
+        Ca, Sb = C / m, S / n  # C^(1 - 1 / alpha) and S^(1 - 1 / beta) without two more powers
         factor = Np / (kN * beta) * Ca
         GA = (Np * n - T) * factor
         size = (Np * n + T) * factor

@@ -10,11 +10,12 @@ from numba import njit
 from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
-from workbench.models.four_dof.kinematics import BETA, U1, U2, V
+from workbench.models.four_dof.kinematics import BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_dense
 
 _EPS = 2.220446049250313e-16
 _TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger
+_NEARLY = 2e-5  # below it one more Newton step leaves less than the tolerance
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
 
 
@@ -76,23 +77,52 @@ def step_residual(column, dt, nested, closed, jump, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def predict(column, dt, jump, state, work):
-    """First guess of a step: mean rates as in the last one, the hit point with its acceleration.
+def predict(column, dt, closed, jump, state, work):
+    """First guess of a step: forces grow along the last tangent, bars stretch as linearised.
 
-    `jump`: (1 + eps) gamma_0 of a closed contact, which the two masses share.
+    `jump` as in `step_residual`. That the chords turn about their ends is taken into account.
     """
+    q, q0, w0, step, J = state.q, work.q0, work.w0, work.step, work.J
     for i in range(4):
-        state.q[i] = work.q0[i] + dt * work.rate[i]
-    taken = column.striker_mass / (column.mass[V] + column.striker_mass)
-    mean = work.w0[V] + 0.5 * (dt * work.acceleration - taken * jump)
-    state.q[V] = work.q0[V] + dt * mean
+        q[i] = q0[i]
+        m = column.mass[i] + (column.striker_mass if closed and i == V else 0.0)
+        for k in range(4):
+            J[i, k] = 0.5 * dt * work.K0[i, k] if m > 0.0 else work.K0[i, k]
+        J[i, i] += 2.0 * m / dt
+        step[i] = 2.0 * m * w0[i] - (dt * work.F0[i] if m > 0.0 else work.F0[i])
+    if closed:
+        step[V] -= column.striker_mass * jump
+    if not column.free_head:
+        step[U2] = 0.0
+        statics.hold(J, U2)
+    if statics.rotation_is_free(column, work.K0):
+        step[BETA] = dt * work.rate[BETA]
+        statics.hold(J, BETA)
+    if not solve_dense(J, step):
+        return
+    if column.free_head and not column.small_rotations:
+        v, before = step[V], 0.0
+        for bar in range(2):
+            v0, x0, _ = geometry.place(q, column.lengths, bar)
+            dx = step[U1] if bar == BELOW else step[U2] - step[U1]
+            chord = (v0 * v0 + x0 * x0) ** 0.5
+            chord += (v0 * v + x0 * dx) / chord
+            square = chord * chord - (v0 + v) ** 2
+            if square > 0.0:
+                before += square**0.5 - x0
+                q[U1 if bar == BELOW else U2] += before
+        q[V] += v
+        q[BETA] += step[BETA]
+        return
+    for i in range(4):
+        q[i] += step[i]
 
 
 @njit(cache=True, error_model="numpy")
 def solve_step(column, dt, nested, closed, jump, state, work):
     """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual)."""
     q, step, old = state.q, work.step, work.old
-    predict(column, dt, jump if closed else 0.0, state, work)
+    predict(column, dt, closed, jump, state, work)
     total = 2.0 * column.mass[V] + column.mass[U2] + column.striker_mass
     norm = step_residual(column, dt, nested, closed, jump, state, work)
     for _ in range(30):
@@ -103,8 +133,12 @@ def solve_step(column, dt, nested, closed, jump, state, work):
             return True, norm
         for i in range(4):
             step[i], old[i] = -work.R[i], q[i]
+        solved = solve_dense(work.J, step)
+        if solved and norm <= _NEARLY and column.sliding == panels.RIGID_IN_SHEAR:
+            step_along_tangent(state, work)
+            return True, norm * norm
         factor, new, better = 1.0, norm, False
-        for _half in range(12 if solve_dense(work.J, step) else 0):
+        for _half in range(12 if solved else 0):
             for i in range(4):
                 q[i] = old[i] + factor * step[i]
             new = step_residual(column, dt, nested, closed, jump, state, work)
@@ -116,6 +150,22 @@ def solve_step(column, dt, nested, closed, jump, state, work):
             break
         norm = new
     return False, norm
+
+
+@njit(cache=True, error_model="numpy")
+def step_along_tangent(state, work):
+    """Take the last Newton step `work.step` with forces along the tangent, not evaluated anew."""
+    step, D = work.step, work.D
+    for i in range(4):
+        state.q[i] += step[i]
+        for k in range(4):
+            work.F[i] += work.K[i, k] * step[k]
+    for bar in range(2):
+        sign = 1.0 if bar == BELOW else -1.0
+        dx = step[U1] if bar == BELOW else step[U2] - step[U1]
+        for j in range(3):
+            along = D[bar, j, 0] * step[V] + D[bar, j, 1] * dx + sign * D[bar, j, 2] * step[BETA]
+            state.stress[bar, j] += along
 
 
 @njit(cache=True, error_model="numpy")

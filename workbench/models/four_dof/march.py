@@ -17,9 +17,9 @@ from numba import njit
 from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.models.four_dof import dynamics, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
+from workbench.structures.kernels import copy
 
 _PIECES = 64  # into which the shortest step may be cut where it does not converge
-_VIBRATION = 10.0  # times the tolerated error, once the column only vibrates
 TOO_MANY = 3  # status beside those of `statics`
 
 
@@ -28,13 +28,14 @@ class Pace(NamedTuple):
 
     `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
     displacement of a step over the way that the striker goes in it (infinite: every step is
-    `first`); `flow`, see above; shortest time between two records, `spacing`; steps at `most`.
+    `first`), and that once the column only vibrates; `flow`, see above; shortest time between two records, `spacing`; steps at `most`.
     """
 
     duration: float
     first: float
     longest: float
     error: float
+    vibration: float
     flow: float
     spacing: float
     most: int
@@ -105,6 +106,8 @@ def impact(column, scheme, pace, records, work):
     scale = abs(records[0].striker_velocity)
     n, steps, cuts, residual, time = 0, 0, 0, 0.0, 0.0
     dt, before, highest, smooth, error = pace.first, 0.0, 0.0, False, pace.error
+    copy(work.F, work.F0)
+    copy(work.K, work.K0)
     while time < pace.duration * (1.0 - 1e-12):
         last, state = records[n], records[n + 1]
         dt = aimed(pace, time, dt, last)
@@ -124,7 +127,7 @@ def impact(column, scheme, pace, records, work):
         acceleration, factor = (state.w[V] - last.w[V]) / dt, 0.0 if struck else 2.0
         if smooth and not struck and pace.error < np.inf:
             if state.q[V] < highest and state.w[V] > 0.0 and state.percussion == 0.0:
-                error = _VIBRATION * pace.error
+                error = pace.vibration
             rate = abs(acceleration - work.acceleration) / (0.5 * (dt + before))
             factor = 0.9 * (error * scale / max(dt * dt / 12.0 * rate, 1e-300)) ** 0.5
             factor = min(factor, 0.9 * pace.flow / max(flown(column, last, state), 1e-300))
@@ -138,6 +141,8 @@ def impact(column, scheme, pace, records, work):
             work.rate[i] = (state.q[i] - last.q[i]) / dt
         smooth, before, time, highest = not struck, dt, time + dt, max(highest, state.q[V])
         state.time, state.force = time, work.F[V]
+        copy(work.F, work.F0)
+        copy(work.K, work.K0)
         dt = min(max(dt * factor, pace.first), pace.longest)
         if n > 0 and time - records[n - 1].time <= pace.spacing:
             state.percussion += last.percussion

@@ -30,7 +30,7 @@ def chord_forces(column, bar, stress, work):
 
     A panel has both rotations in one sense: that of the middle changes its sign.
     """
-    trial, D, length = work.trial[:], work.D[:], column.lengths[bar]
+    trial, D, length = work.trial[:], work.D[bar], column.lengths[bar]
     pinned = column.pinned[bar].view(np.bool_)  # as the panels of frames have them
     panel = Panel(column.flexibility[bar], pinned, length, column.web)
     trial[2], stress[2] = -trial[2], -stress[2]

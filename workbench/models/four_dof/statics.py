@@ -59,15 +59,18 @@ STATE = np.dtype(
 )
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
-        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q")),
+        *(
+            (name, float, 4)
+            for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q", "F0")
+        ),
         ("rate", float, 4),  # mean velocities of the last step, and the acceleration of V
         ("acceleration", float),
-        *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4")),
+        *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
         ("f", float, (2, 3)),
         ("stress0", float, (2, 4)),
         ("turn0", float, 2),
         ("k", float, (2, 3, 3)),
-        ("D", float, (3, 3)),
+        ("D", float, (2, 3, 3)),
         ("trial", float, 3),
         ("flow", float, (2, 5)),
     ]
@@ -78,7 +81,8 @@ WORK = np.dtype(  # room for the numbers of one evaluation
 def bar_forces(column, bar, state, work):
     """Forces `work.f` and tangent `work.k` of a bar over (v, x, b); its `state.stress`."""
     k, plastic, stress = column.stiffness, state.plastic, state.stress
-    small, length, trial, D = column.small_rotations, column.lengths[bar], work.trial[:], work.D[:]
+    small, length = column.small_rotations, column.lengths[bar]
+    trial, D = work.trial[:], work.D[bar]
     v, x, b = geometry.place(state.q, column.lengths, bar)
     if column.sliding == panels.SECTION:
         panels.section_forces(column, bar, (v, x, b), state, work)
