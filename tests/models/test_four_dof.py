@@ -277,11 +277,23 @@ def stocky(head_mass: float, share: float) -> ColumnImpact:
     return ColumnImpact("stocky", replace(column, axial_load=load), Striker(1500.0, 5.0))
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.4, 1.0, 1.6])
+def test_controlled_steps_keep_the_peak_and_the_ledger(thesis_impact, shift: float) -> None:
+    """Against equal steps of 5 microseconds, whose Newton iterations are all evaluated."""
+    column = replace(thesis_impact.column, length_below=0.8 + shift, length_above=3.2 - shift)
+    impact = replace(thesis_impact, column=column, duration=0.05)
+    free, fine = FourDof().simulate(impact), FourDof(time_step=5e-6).simulate(impact)
+    peak = float(fine["peak_displacement"])
+    assert float(free["peak_displacement"]) == pytest.approx(peak, rel=1e-3)
+    assert len(free["time"]) < len(fine["time"]) / 20
+    assert float(np.abs(free["balance_error"]).max()) < 1e-6 * impact.input_energy
+
+
 def test_a_bar_that_reaches_its_squash_load_for_a_while_is_followed() -> None:
     bars, frame = FourDof(**THESIS_SPRINGS), RigidSuperelement(shear="none")
     mine, theirs = (model.simulate(stocky(1e5, 0.6)) for model in (bars, frame))
     squash = stocky(1e5, 0.6).column.properties.squash_load
-    assert float(mine["axial_force"].min()) == pytest.approx(-squash)
+    assert float(mine["axial_force"].min()) == pytest.approx(-squash, rel=2e-3)  # at a record
     for name in ("peak_displacement", "residual_displacement"):
         assert float(mine[name]) == pytest.approx(float(theirs[name]), rel=5e-3)  # measured 2.3e-3
     head = float(mine["shortening"].max() - mine["shortening"][0])

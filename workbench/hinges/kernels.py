@@ -110,7 +110,7 @@ def project(hinges, trial, stress, tangent):
     for i in range(count):
         A, Mp = _moment(hinges, trial, i)
         share = max(share, A / Mp)
-    elastic = T / Np + share <= 1.0 or (T <= Np and share <= capacity(T / Np, alpha, beta))
+    elastic = T / Np + share <= 1.0 or (Np >= T and share <= capacity(T / Np, alpha, beta))
     if elastic:
         stress[0], tangent[0, 0] = trial[0], kN
         for i in range(count):

@@ -7,15 +7,15 @@ gamma, with the contact law of `workbench.impact.restitution`.
 
 from numba import njit
 
+from workbench.hinges.kernels import ELASTIC
 from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
-from workbench.models.four_dof.kinematics import BELOW, BETA, U1, U2, V
+from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
 from workbench.structures.kernels import copy, solve_dense
 
 _EPS = 2.220446049250313e-16
 _TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger
-_NEARLY = 2e-5  # below it one more Newton step leaves less than the tolerance
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = 0, 1, 2
 
 
@@ -83,8 +83,8 @@ def predict(column, dt, closed, jump, state, work):
     `jump` as in `step_residual`. That the chords turn about their ends is taken into account.
     """
     q, q0, w0, step, J = state.q, work.q0, work.w0, work.step, work.J
+    copy(q0, q)
     for i in range(4):
-        q[i] = q0[i]
         m = column.mass[i] + (column.striker_mass if closed and i == V else 0.0)
         for k in range(4):
             J[i, k] = 0.5 * dt * work.K0[i, k] if m > 0.0 else work.K0[i, k]
@@ -100,27 +100,25 @@ def predict(column, dt, closed, jump, state, work):
         statics.hold(J, BETA)
     if not solve_dense(J, step):
         return
-    if column.free_head and not column.small_rotations:
-        v, before = step[V], 0.0
-        for bar in range(2):
-            v0, x0, _ = geometry.place(q, column.lengths, bar)
-            dx = step[U1] if bar == BELOW else step[U2] - step[U1]
-            chord = (v0 * v0 + x0 * x0) ** 0.5
-            chord += (v0 * v + x0 * dx) / chord
-            square = chord * chord - (v0 + v) ** 2
-            if square > 0.0:
-                before += square**0.5 - x0
-                q[U1 if bar == BELOW else U2] += before
-        q[V] += v
-        q[BETA] += step[BETA]
+    q[V], q[U1], q[BETA], q[U2] = q0[V] + step[V], q0[U1] + step[U1], q0[BETA] + step[BETA], q0[U2]
+    if not column.free_head or column.small_rotations:
+        q[U2] += step[U2]
         return
-    for i in range(4):
-        q[i] += step[i]
+    for bar, i in ((BELOW, U1), (ABOVE, U2)):  # each end moves along as its bar stretches
+        v, x, _ = geometry.place(q0, column.lengths, bar)
+        dx = step[U1] if bar == BELOW else step[U2] - step[U1]
+        chord = (v * v + x * x) ** 0.5
+        chord += (v * step[V] + x * dx) / chord
+        moved = max(chord * chord - q[V] * q[V], 0.0) ** 0.5 - x
+        q[i] = q0[i] + moved if bar == BELOW else q0[i] + q[U1] - q0[U1] + moved
 
 
 @njit(cache=True, error_model="numpy")
 def solve_step(column, dt, nested, closed, jump, state, work):
-    """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual)."""
+    """Solve a midpoint step by Newton with backtracking; returns (converged, scaled residual).
+
+    Below `work.nearly` one more Newton step is taken without an evaluation.
+    """
     q, step, old = state.q, work.step, work.old
     predict(column, dt, closed, jump, state, work)
     total = 2.0 * column.mass[V] + column.mass[U2] + column.striker_mass
@@ -129,13 +127,13 @@ def solve_step(column, dt, nested, closed, jump, state, work):
         size = abs(q[V]) + abs(q[U2]) + 1e-3
         rounding = 8.0 * _EPS * total * size / (dt**2 * column.squash_loads[0])
         tolerance = max(_TOLERANCE, rounding)
-        if norm <= tolerance:
+        if norm <= tolerance and work.nearly == 0.0:
             return True, norm
         for i in range(4):
             step[i], old[i] = -work.R[i], q[i]
         solved = solve_dense(work.J, step)
-        if solved and norm <= _NEARLY and column.sliding == panels.RIGID_IN_SHEAR:
-            step_along_tangent(state, work)
+        if solved and norm <= max(work.nearly, tolerance):
+            step_along_tangent(column, state, work)
             return True, norm * norm
         factor, new, better = 1.0, norm, False
         for _half in range(12 if solved else 0):
@@ -153,19 +151,31 @@ def solve_step(column, dt, nested, closed, jump, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def step_along_tangent(state, work):
-    """Take the last Newton step `work.step` with forces along the tangent, not evaluated anew."""
-    step, D = work.step, work.D
+def step_along_tangent(column, state, work):
+    """Take the last Newton step `work.step` with forces along the tangent, not evaluated anew.
+
+    Those of an elastic bar are exact: along the tangent it would seem to flow by a round-off.
+    """
+    step, D, elastic = work.step, work.D, column.stiffness
     for i in range(4):
         state.q[i] += step[i]
         for k in range(4):
             work.F[i] += work.K[i, k] * step[k]
     for bar in range(2):
+        plastic, stress = state.plastic[bar], state.stress[bar]
+        if work.branch[bar] == ELASTIC:
+            v, x, b = geometry.place(state.q, column.lengths, bar)
+            length, small = column.lengths[bar], column.small_rotations
+            stretch, angle = geometry.stretch_and_angle(v, x, length, small)
+            stress[0] = elastic[bar, 0] * (stretch - plastic[0])
+            stress[1] = elastic[bar, 1] * (angle - plastic[1])
+            stress[2] = elastic[bar, 2] * (b - angle - plastic[2])
+            continue
         sign = 1.0 if bar == BELOW else -1.0
         dx = step[U1] if bar == BELOW else step[U2] - step[U1]
         for j in range(3):
-            along = D[bar, j, 0] * step[V] + D[bar, j, 1] * dx + sign * D[bar, j, 2] * step[BETA]
-            state.stress[bar, j] += along
+            stress[j] += D[bar, j, 0] * step[V] + D[bar, j, 1] * dx
+            stress[j] += sign * D[bar, j, 2] * step[BETA]
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,11 +15,12 @@ import numpy as np
 from numba import njit
 
 from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
-from workbench.models.four_dof import dynamics, statics
+from workbench.models.four_dof import dynamics, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.structures.kernels import copy
 
 _PIECES = 64  # into which the shortest step may be cut where it does not converge
+_NEARLY = 2e-5  # residual over the squash load; equal steps are solved to their tolerance first
 TOO_MANY = 3  # status beside those of `statics`
 
 
@@ -28,7 +29,8 @@ class Pace(NamedTuple):
 
     `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
     displacement of a step over the way that the striker goes in it (infinite: every step is
-    `first`), and that once the column only vibrates; `flow`, see above; shortest time between two records, `spacing`; steps at `most`.
+    `first`), and that once the column only vibrates; `flow`, see above; shortest time between two
+    records, `spacing`; steps at `most`.
     """
 
     duration: float
@@ -108,6 +110,8 @@ def impact(column, scheme, pace, records, work):
     dt, before, highest, smooth, error = pace.first, 0.0, 0.0, False, pace.error
     copy(work.F, work.F0)
     copy(work.K, work.K0)
+    if column.sliding == panels.RIGID_IN_SHEAR:
+        work.nearly = _NEARLY if pace.error < np.inf else 1e-300
     while time < pace.duration * (1.0 - 1e-12):
         last, state = records[n], records[n + 1]
         dt = aimed(pace, time, dt, last)

@@ -67,7 +67,10 @@ class RigidBars(Declared, table="option"):
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     # without and with restitution: error, that of the vibration, flow
-    _CONTROL: ClassVar[Any] = ((1e-4, 4e-3, 1.0), (2e-5, 2e-4, 0.3))
+    _CONTROL: ClassVar[tuple[tuple[float, float, float], ...]] = (
+        (1e-4, 4e-3, 1.0),
+        (2e-5, 2e-4, 0.3),
+    )
     _BALANCE: ClassVar[float] = 1e-6  # of the input energy, in which the ledger closes
 
     def _strength(self, column: Column, bars: Any) -> None:
@@ -163,18 +166,21 @@ class RigidBars(Declared, table="option"):
         duration, step = scenario.duration, self._fixed_step(scenario)
         if step is not None:
             step = duration / int(np.ceil(duration / step))
-            anything = (np.inf,) * 3
-            return march.Pace(duration, step, step, *anything, 1.001 * step, 64 * _MOST_STEPS)
+            spacing, any_error = 1.001 * step, np.inf
+            return march.Pace(
+                duration, step, step, any_error, np.inf, np.inf, spacing, 64 * _MOST_STEPS
+            )
         column = scenario.column
         axial = column.steel.elastic_modulus * column.properties.area
         square = axial * (1.0 / column.length_below + 1.0 / column.length_above)
         first = _FIRST * float(np.sqrt(column.properties.impact_mass / square))
         share = 0.25**refinement
-        control = np.array(self._CONTROL[scenario.striker.restitution > 0.0])
+        control = self._CONTROL[scenario.striker.restitution > 0.0]
+        error, vibration, flow = (share * each for each in control)
         longest = share * duration / _FEWEST
         first = min(share * first, longest)
         spacing = duration / _RECORDS
-        return march.Pace(duration, first, longest, *(share * control), spacing, _MOST_STEPS)
+        return march.Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column

@@ -59,10 +59,9 @@ STATE = np.dtype(
 )
 WORK = np.dtype(  # room for the numbers of one evaluation
     [
-        *(
-            (name, float, 4)
-            for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q", "F0")
-        ),
+        *((name, float, 4) for name in ("F", "mean", "R", "step", "old", "q0", "w0", "E", "Q")),
+        ("F0", float, 4),  # forces with which the step began
+        ("nearly", float),  # residual of a step, over the squash load, that a Newton step removes
         ("rate", float, 4),  # mean velocities of the last step, and the acceleration of V
         ("acceleration", float),
         *((name, float, (4, 4)) for name in ("K", "J", "B", "D4", "K4", "K0")),
@@ -71,6 +70,7 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("turn0", float, 2),
         ("k", float, (2, 3, 3)),
         ("D", float, (2, 3, 3)),
+        ("branch", int, 2),  # of the projection
         ("trial", float, 3),
         ("flow", float, (2, 5)),
     ]
@@ -97,7 +97,7 @@ def bar_forces(column, bar, state, work):
             trial[j] *= k[bar, j]
         bounds = column.squash_loads[:], column.plastic_moments[:]
         hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
-        project(hinges, trial, stress[bar, :3], D)
+        work.branch[bar] = project(hinges, trial, stress[bar, :3], D)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
     ev, ex, pv, px = geometry.gradients(v, x, length, small)
     f, K = work.f[bar], work.k[bar]
