@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 
@@ -9,11 +10,14 @@ from workbench.errors import InputError
 
 
 @pytest.fixture
-def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
+def plugins(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Four-dof beside third-party entries that are broken, each in its own way."""
+    (tmp_path / "toy_plugin_that_exits.py").write_text("raise SystemExit('no licence')")
+    monkeypatch.syspath_prepend(tmp_path)
     points = [
         ("four-dof", "workbench.models.four_dof:FourDof"),
         ("missing-module", "no_such_module:Model"),
+        ("leaves-the-house", "toy_plugin_that_exits:Model"),
         ("missing-class", "workbench.models.four_dof:Nothing"),
         ("no-dataclass", "workbench.errors:InputError"),
         ("no-model", "workbench.materials:Steel"),
@@ -39,6 +43,7 @@ def test_broken_plugins_are_reported_not_fatal() -> None:
     assert problems.pop("four-dof") == ""
     assert {name: text.partition(":")[0] for name, text in problems.items()} == {
         "missing-module": "ModuleNotFoundError on import",
+        "leaves-the-house": "SystemExit on import",
         "missing-class": "AttributeError on import",
         "no-dataclass": "workbench.errors",
         "no-model": "workbench.materials",

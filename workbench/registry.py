@@ -82,7 +82,7 @@ def _load(name: str, points: list[EntryPoint]) -> tuple[type[Any] | None, str]:
         return None, f"several distributions provide it: {targets}"
     try:
         kind = points[0].load()
-    except Exception as error:  # a third-party import may fail in any way
+    except (Exception, SystemExit) as error:  # a third-party import may fail in any way
         return None, f"{type(error).__name__} on import: {error}"
     missing = [item for item in _DECLARED if not hasattr(kind, item)]
     if not isinstance(kind, type) or not dataclasses.is_dataclass(kind):

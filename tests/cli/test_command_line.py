@@ -125,6 +125,33 @@ def test_a_reader_that_leaves_early_is_no_fault() -> None:
     assert done.stderr == ""
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_standard_output_is_one_line_and_status_2() -> None:
+    command = f"{sys.executable} -c 'from workbench.cli import main; main()' --help > /dev/full"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("workbench: standard output: No space left on device; ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("status", "thesis_column", "--store", "x" * 5000),
+        ("run", "y" * 300),
+        ("simulate", "z" * 5000 + ".toml", "--model", "four-dof"),
+        ("data", "check", "w" * 300 + ".csv"),
+    ],
+)
+def test_overlong_names_are_one_line_and_status_2(
+    arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(arguments) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert len(said) < 500
+
+
 BAD = {
     "unknown key": ("axial_load", "axial_laod", "column.axial_laod"),
     "negative mass": ("mass = 1500.0", "mass = -1500.0", "striker.mass = -1500.0"),

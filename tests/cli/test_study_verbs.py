@@ -64,16 +64,17 @@ def write(
 
 # A background job ignores Ctrl-C and hands that on to its children: the tests' own must hear it.
 START = """
-import signal
+import resource, signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
 from workbench.cli import main
 main()
 """
 
 
-def start(*arguments: str) -> subprocess.Popen[str]:
+def start(*arguments: str, largest_file: int = 10**12) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-c", START, *arguments],
+        [sys.executable, "-c", START, str(largest_file), *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -160,6 +161,58 @@ def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> N
     assert last.startswith(f"workbench: interrupted: {stored} of 12 cells are stored in {store}")
     assert "Traceback" not in said
     until(lambda: not processes_of_group(running.pid))
+
+
+def workers_of_group(group: int) -> list[int]:
+    def command(pid: int) -> bytes:
+        try:
+            return Path(f"/proc/{pid}/cmdline").read_bytes()
+        except OSError:
+            return b""
+
+    return [pid for pid in processes_of_group(group) if b"spawn_main" in command(pid)]
+
+
+def test_an_interrupt_while_workers_import_is_for_the_run_alone(
+    study_file: Path, tmp_path: Path
+) -> None:
+    running = start("run", str(study_file), "--jobs", "2", "--store", str(tmp_path / "store"))
+    until(lambda: len(workers_of_group(running.pid)) == 2)
+    os.killpg(running.pid, signal.SIGINT)
+    _, said = running.communicate()
+    assert running.returncode == 130
+    assert "interrupted: 0 of 12 cells are stored" in said
+    assert "Traceback" not in said
+    until(lambda: not processes_of_group(running.pid))
+
+
+def test_a_worker_killed_while_it_starts_is_told_as_such(study_file: Path, tmp_path: Path) -> None:
+    running = start("run", str(study_file), "--jobs", "1", "--store", str(tmp_path / "store"))
+    until(lambda: workers_of_group(running.pid))
+    os.kill(workers_of_group(running.pid)[0], signal.SIGKILL)
+    _, said = running.communicate()
+    assert running.returncode == 1
+    assert "ended by signal SIGKILL before it was ready; somebody or the system" in said
+    assert "Traceback" not in said
+
+
+def test_a_full_disk_is_one_message_and_loses_nothing(study_file: Path, tmp_path: Path) -> None:
+    """A limit of the size of files stands for it: the system refuses to write in the same way."""
+    store = tmp_path / "store"
+    command = ["run", str(study_file), "--jobs", "0", "--store", str(store)]
+    assert run([*command, "--only", "v8.0"]) == 0
+    before = {path: path.read_bytes() for path in store.rglob("*.*") if path.is_file()}
+    full = start(*command, largest_file=4000)
+    _, said = full.communicate()
+    assert full.returncode in (1, 2)
+    last = said.splitlines()[-1]
+    assert last.startswith("workbench: ")
+    assert "cannot be" in last
+    assert "Traceback" not in said
+    assert {path: path.read_bytes() for path in before} == before
+    assert not list(store.rglob("*.partial"))
+    assert run(command) == 0
+    assert len(stamps(store)) == 24
 
 
 def test_run_status_validate(

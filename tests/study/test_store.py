@@ -84,9 +84,41 @@ def test_exchanged_cells_are_answered_again(small: Study, tmp_path: Path, forged
 def test_records_of_any_content_are_corrupt(small: Study, tmp_path: Path) -> None:
     run_study(small, tmp_path, jobs=0)
     path = Store(tmp_path / "toy").cells / f"{cells_of(small)[0].key}.json"
-    for record in ('{"sha256": 1}', "[]", "7", "[" * 100_000, '{"outcome": "fine"}', "\xff"):
+    sound = json.loads(path.read_text())
+    wrong = {"outcome": [], "wall_time": "2 s", "limit": {}, "provenance": "me", "sha256": 1}
+    forged = [json.dumps({**sound, name: value}) for name, value in wrong.items()]
+    lacking = [json.dumps({k: sound[k] for k in sound if k != name}) for name in wrong]
+    nonsense = ["[]", "7", "[" * 100_000, '{"outcome": "fine"}', "\xff"]
+    for record in (*forged, *lacking, *nonsense):
         path.write_bytes(record.encode("latin-1"))
         assert states(small, tmp_path).count(State.TO_DO) == 1, record[:20]
+    assert run_study(small, tmp_path, jobs=0).answered == 1
+
+
+def test_manifests_of_any_content_are_refused(small: Study, tmp_path: Path) -> None:
+    run_study(small, tmp_path, jobs=0)
+    path = Store(tmp_path / "toy").manifest
+    sound = json.loads(path.read_text())
+    entry = sound["cells"][0]
+    entries = [7, [], {}, {**entry, "key": 1}, {**entry, "ingredients": []}]
+    entries += [{**entry, "case": None}, {**entry, "answered": "yes"}]
+    forged = [json.dumps({**sound, "cells": [each]}) for each in entries]
+    for content in (*forged, '{"cells": 7}', "[]", "[" * 100_000):
+        path.write_text(content)
+        with pytest.raises(InputError, match="cannot be read; remove it and run again"):
+            survey(small, cells_of(small), Store(tmp_path / "toy"))
+    path.unlink()
+    assert run_study(small, tmp_path, jobs=0).answered == 0
+
+
+def test_what_is_written_already_is_not_written_again(small: Study, tmp_path: Path) -> None:
+    """A store that can only be read, on a shared disk, can be judged and reported."""
+    written(small, tmp_path)
+    files = [path for path in (tmp_path / "toy").rglob("*") if path.is_file()]
+    before = {path: path.stat().st_mtime_ns for path in files}
+    assess(small, tmp_path)
+    build_report(tmp_path / "toy", small, formats=("html",), out=tmp_path / "elsewhere")
+    assert {path: path.stat().st_mtime_ns for path in files} == before
 
 
 def test_a_pipe_in_the_place_of_a_cell_does_not_hang(small: Study, tmp_path: Path) -> None:

@@ -297,7 +297,7 @@ def test_workers_that_cannot_start_end_the_run_with_a_reason(
     from workbench.errors import WorkbenchError
 
     task = dataclasses.replace(task_of(cells_of(toy_study)[0]), payload=b"cnowhere\nNothing\n.")
-    with pytest.raises(WorkbenchError, match="cannot load its cell: ModuleNotFoundError"):
+    with pytest.raises(WorkbenchError, match="cannot handle its cell: ModuleNotFoundError"):
         list(Workers(1).run([task]))
 
 

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
-from workbench.errors import InputError, WorkbenchError
+from workbench.errors import InputError, WorkbenchError, shown, told
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
 
@@ -40,9 +40,14 @@ def run(arguments: Sequence[str]) -> int:
     except (InterruptedByUserError, KeyboardInterrupt) as error:
         return _say(str(error) or "interrupted", INTERRUPTED)
     except BrokenPipeError:
-        # the reader of our output has gone, as in `workbench models | head`: no fault of ours
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()  # its reader has gone, as in `workbench models | head`: no fault of ours
         return FAILED
+    except OSError as error:
+        what = "standard output" if error.filename is None else shown(str(error.filename))
+        said = f"{what}: {error.strerror or told(error)}"
+        if error.filename is None:
+            _drop_output()
+        return _say(f"{said}; make room there or name another place", BAD_INPUT)
     except Exception as error:
         # errors of the argument parser; its classes have no common public base in all versions
         if not hasattr(error, "format_message"):
@@ -83,10 +88,14 @@ def _application() -> Callable[..., Any]:
     app.add_typer(fit.app, name="fit")
     app.add_typer(new.app, name="new")
     app.add_typer(data.app, name="data")
-    app.add_typer(new.app, name="new")
     app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command
+
+
+def _drop_output() -> None:
+    """Let what is still to be printed go nowhere, so that the end of the process says no more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say(text: str, status: int) -> int:

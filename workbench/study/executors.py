@@ -93,7 +93,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.pipe, end = context.Pipe()
         self.process = context.Process(target=serve, args=(end,), daemon=True)
-        with _one_thread_environment():
+        with _one_thread_environment(), _deaf_to_interrupts():
             self.process.start()
         end.close()
 
@@ -115,7 +115,7 @@ class _Worker:
                     self.task = None
                     return message
                 if message != READY:
-                    raise WorkbenchError(f"a worker process cannot load its cell: {message}")
+                    raise WorkbenchError(f"a worker process cannot handle its cell: {message}")
                 self.ready = True
                 return None
         except (EOFError, OSError):
@@ -131,14 +131,17 @@ class _Worker:
         self.process.join()
         code, task = self.process.exitcode or 0, self.task
         self.stop()
+        how = f"with status {code}"
+        if code < 0:
+            known = {int(each): each.name for each in signal.Signals}
+            how = f"by signal {known.get(-code, -code)}"
         if not self.ready:
-            raise WorkbenchError(
-                f"a worker process ended with status {code} before it was ready; a script that "
-                "runs a study needs: if __name__ == '__main__'"
-            )
+            why = "a script that runs a study needs: if __name__ == '__main__'"
+            if code < 0:
+                why = "somebody or the system stopped it: is there memory for this many --jobs?"
+            raise WorkbenchError(f"a worker process ended {how} before it was ready; {why}")
         if task is None:
             return None
-        how = f"by signal {signal.Signals(-code).name}" if code < 0 else f"with status {code}"
         message = f"the worker process ended {how} in this cell"
         return unanswered(task, Outcome.CRASHED, message, time.monotonic() - self.since)
 
@@ -185,6 +188,19 @@ def _wait_for(crew: list[_Worker]) -> None:
     ]
     timeout = max(0.0, min(ends) - time.monotonic()) + 0.001 if ends else None
     wait([worker.pipe for worker in crew], timeout)
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """A child inherits what is blocked: Ctrl-C while it imports is then for its parent alone."""
+    if not hasattr(signal, "pthread_sigmask"):  # not a POSIX system
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -97,8 +97,14 @@ def read_manifest(store: Store) -> Manifest:
         return {}
     try:
         manifest: Manifest = json.loads(store.manifest.read_text(encoding="utf-8"))
-        manifest["cells"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        for entry in manifest["cells"]:
+            whose = [entry["case"], entry["label"], entry["key"]]
+            made_of = [entry["ingredients"], entry.get("answered") or {}]
+            if not all(isinstance(name, str) for name in whose):
+                raise TypeError("a cell without a name")
+            if not all(isinstance(each, dict) for each in made_of):
+                raise TypeError("a cell of unknown origin")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(
             "manifest", str(store.manifest), "cannot be read", "remove it and run again"
         ) from error

@@ -13,7 +13,7 @@ import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -33,6 +33,14 @@ _COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compres
 # Attributes of a stored response by the ingredients of its key that they repeat.
 _SIGNED = {"scenario": "scenario_hash", "model": "model", "model_version": "model_version"}
 
+# What a record must hold, whoever has written it.
+_RECORDED: dict[str, Any] = {
+    "outcome": str,
+    "wall_time": (int, float),
+    "limit": (int, float, type(None)),
+    "provenance": dict,
+}
+
 # What reading a record of any content may raise: not there, no JSON, other shapes, too deep.
 _UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
 
@@ -43,8 +51,12 @@ Ingredients = Mapping[str, Any]  # everything that an answer depends on
 def write_atomically(path: Path, content: bytes) -> None:
     """Write, flush to the disk, then rename into place; a link there is replaced, not followed.
 
-    A process killed in between leaves a file ending in `TEMPORARY`, which nobody reads.
+    A process killed in between leaves a file ending in `TEMPORARY`, which nobody reads. A file that
+    holds the content already is left alone, so that finished stores can be read only. Raises
+    `InputError` if the file cannot be written; what was there is then still there.
     """
+    if not path.is_symlink() and path.is_file() and path.read_bytes() == content:
+        return
     temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
     try:
         temporary.unlink(missing_ok=True)
@@ -53,9 +65,11 @@ def write_atomically(path: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    except OSError as error:
+        raise _not_written("file", path, error) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def own_directory(parent: Path, name: str) -> Path:
@@ -76,7 +90,8 @@ def own_directory(parent: Path, name: str) -> Path:
 
 
 def _not_written(field: str, path: Path, error: OSError) -> InputError:
-    return InputError(field, str(path), f"cannot be written: {error.strerror}")
+    advice = "make room there or name another place"
+    return InputError(field, str(path), f"cannot be written: {error.strerror}", advice)
 
 
 def canonical_json(content: Any) -> bytes:
@@ -105,16 +120,24 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
 
 
 def to_netcdf_bytes(response: Response) -> bytes:
-    """A response as the bytes of a netCDF-4 file, without time stamps or fill values."""
+    """A response as the bytes of a netCDF-4 file, without time stamps or fill values.
+
+    Raises `WorkbenchError` if there is no room for temporary files.
+    """
     encoding: dict[Any, dict[str, Any]] = {}
     for name, variable in response.variables.items():
         encoding[name] = {"_FillValue": None}
         if variable.dtype.kind == "f" and variable.size >= _COMPRESSED_FROM:
             encoding[name].update(zlib=True, complevel=4, shuffle=True)
-    with tempfile.TemporaryDirectory(prefix="workbench-") as directory:
-        path = Path(directory) / "response.nc"
-        response.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        return path.read_bytes()
+    try:
+        with tempfile.TemporaryDirectory(prefix="workbench-") as directory:
+            path = Path(directory) / "response.nc"
+            response.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            return path.read_bytes()
+    except (OSError, RuntimeError) as error:  # the netCDF library has errors of both kinds
+        raise WorkbenchError(
+            f"the directory for temporary files cannot be used: {error}"
+        ) from error
 
 
 def read_netcdf(path: Path) -> Response:
@@ -208,7 +231,10 @@ class Store:
             record, file = self.record(key), self.cells / f"{key}.nc"
             content = file.read_bytes() if file.is_file() else b""  # a pipe would never end
             same = hashlib.sha256(content).hexdigest() == record["sha256"]
-            agrees = same and record["key"] == key and _answers(content, asked, record["outcome"])
+            sound = record["key"] == key and all(
+                isinstance(record[name], kinds) for name, kinds in _RECORDED.items()
+            )
+            agrees = same and sound and _answers(content, asked, record["outcome"])
         except (*_UNREADABLE, AttributeError):
             return Presence.CORRUPT
         return Presence.FINISHED if agrees else Presence.CORRUPT
