@@ -1,0 +1,40 @@
+"""The small form of the fuzzing script: the same jobs in every run, and those kept for good."""
+
+from __future__ import annotations
+
+import random
+from itertools import islice
+from pathlib import Path
+
+import pytest
+from builders import made_once
+from fuzz import CORPUS, jobs, make_store, perform, replay
+
+KEPT = sorted(CORPUS.glob("*.json"))
+
+
+@pytest.fixture(scope="module")
+def base(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    def make(directory: Path) -> None:
+        directory.mkdir()
+        make_store(directory)
+
+    return made_once(tmp_path_factory, "fuzz", make)
+
+
+def test_disturbed_input_ends_in_an_answer_or_one_message(base: Path) -> None:
+    root = base / "store"
+    paths = [path for path in root.rglob("*") if path.is_file() and path.stat().st_size]
+    stored = {str(path.relative_to(root)): path.read_bytes() for path in paths}
+    endings = []
+    for job in islice(jobs(random.Random(0), stored, quick=True), 50):
+        ending = perform(job, base)
+        assert ending.fault == "", job.arguments
+        endings.append(ending.status)
+    assert endings.count(0) >= 12  # most jobs must get beyond the reader
+    assert endings.count(2) >= 10
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.stem)
+def test_what_ended_badly_once_does_so_no_more(path: Path, base: Path) -> None:
+    assert replay(path, base).fault == ""
