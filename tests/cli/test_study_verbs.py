@@ -3,6 +3,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import random
 import shutil
 import signal
 import subprocess
@@ -146,6 +147,30 @@ def test_a_killed_run_goes_on_where_it_was(
     assert run([*here, str(tmp_path / "whole")]) == 0
     assert contents(store) == contents(tmp_path / "whole")
     assert len(contents(store)) == 16
+
+
+@pytest.mark.slow
+def test_twenty_kills_at_random_moments_lose_nothing_finished(
+    study_file: Path, tmp_path: Path
+) -> None:
+    write(study_file, delay=0.05)
+    store, chance = tmp_path / "killed", random.Random(3)
+    asked = ["run", str(study_file), "--jobs", "2", "--store"]
+    assert run([*asked[:2], "--jobs", "0", "--store", str(tmp_path / "whole")]) == 0
+    before: dict[str, tuple[int, int]] = {}
+    for _ in range(20):
+        running = start(*asked, str(store))
+        time.sleep(chance.uniform(0.0, 4.0))
+        second = start(*asked, str(store))  # refused, or first in: both leave the store sound
+        time.sleep(chance.uniform(0.0, 0.5))
+        for process in (running, second):
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+        after = stamps(store)
+        assert {name: after[name] for name in before} == before
+        before = after
+    assert run([*asked[:2], "--jobs", "0", "--store", str(store)]) == 0
+    assert contents(store) == contents(tmp_path / "whole")
 
 
 def test_an_interrupt_says_what_is_stored(study_file: Path, tmp_path: Path) -> None:

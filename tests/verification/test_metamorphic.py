@@ -1,0 +1,159 @@
+"""Changes of a scenario that must not change the answer, or must change it in one direction only.
+
+Over every registered model of columns and frames, so that a new one is held to them as it comes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+from test_registered_models import model_of
+
+from workbench.models.base import Model
+from workbench.registry import model_kind, model_names
+from workbench.responses import Outcome, outcome_of
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    Frame,
+    FrameImpact,
+    FrameStriker,
+    Load,
+    Member,
+    Node,
+    Striker,
+)
+from workbench.sections import Section, square
+
+READ = ("published", "measured")  # answer what is printed, no other case
+ROUNDING = 1e-6
+# a mesh follows its parts, and so do the bars and lumped masses of superelements
+SPLIT, SPLIT_BARS = 0.01, {"rigid-superelement": 0.15, "flexible-superelement": 0.05}
+
+
+SLOW = ("solid-plane-stress",)
+
+
+def of(kind: str) -> list[Any]:
+    names = [n for n in model_names() if n not in READ and kind in model_kind(n).answers]
+    return [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in names]
+
+
+COLUMNS, FRAMES = of(ColumnImpact.KIND), of(FrameImpact.KIND)
+
+
+@cache
+def model(name: str) -> Model:
+    return model_of(name)
+
+
+@cache
+def peak(name: str, scenario: Any) -> float | None:
+    """The peak of a model, None where it refuses."""
+    response = model(name).simulate(scenario)
+    if outcome_of(response) is Outcome.OUT_OF_DOMAIN:
+        return None
+    assert outcome_of(response) is Outcome.OK, response.attrs["message"]
+    return float(response["peak_displacement"])
+
+
+def column_hit(mass: float = 800.0, velocity: float = 6.0, below: float = 1.5) -> ColumnImpact:
+    column = Column(square(0.2), below, 4.0 - below, axial_load=2e5)
+    return ColumnImpact("hit", column, Striker(mass, velocity), 0.05)
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_columns_move_farther_the_faster_and_the_heavier_the_striker(name: str) -> None:
+    base = peak(name, column_hit())
+    for more in (column_hit(velocity=7.0), column_hit(mass=1000.0)):
+        farther = peak(name, more)
+        assert (base is None) == (farther is None)
+        assert base is None or farther is None or farther > 1.02 * base
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_a_column_upside_down_is_the_same_column(name: str) -> None:
+    """Clamped base and guided head differ in how they shorten only, by inertia of axial motion."""
+    up, down = peak(name, column_hit()), peak(name, column_hit(below=2.5))
+    assert (up is None) == (down is None)
+    assert up is None or up == pytest.approx(down, rel=5e-3)
+
+
+def frame(side: float = 0.2) -> Frame:
+    """A portal of two struts and a beam, the left strut split where it is hit."""
+    section: Section = square(side)
+    nodes = (
+        Node("a", 0.0, 0.0, "clamped"),
+        Node("hit", 0.0, 1.2),
+        Node("b", 0.0, 3.0),
+        Node("c", 4.0, 3.0),
+        Node("d", 4.0, 0.0, "clamped"),
+    )
+    members = (
+        Member("lower", "a", "hit", section),
+        Member("upper", "hit", "b", section),
+        Member("beam", "b", "c", section),
+        Member("right", "c", "d", section),
+    )
+    return Frame(nodes, members, loads=(Load("b", y=-1e5), Load("c", y=-1.5e5)))
+
+
+def hit(
+    of: Frame, direction: str = "+x", mass: float = 500.0, velocity: float = 6.0
+) -> FrameImpact:
+    return FrameImpact(
+        "hit", of, FrameStriker(mass, velocity, node="hit", direction=direction), 0.04
+    )
+
+
+def moved(of: Frame, x: Any, y: Any) -> Frame:
+    """The frame with another place for every node and another direction for every load."""
+    nodes = [replace(n, x=x(n.x, n.y), y=y(n.x, n.y)) for n in of.nodes]
+    loads = [replace(load, x=x(load.x, load.y), y=y(load.x, load.y)) for load in of.loads]
+    return replace(of, nodes=tuple(nodes), loads=tuple(loads))
+
+
+def reversed_members(of: Frame) -> Frame:
+    return replace(of, members=tuple(replace(m, start=m.end, end=m.start) for m in of.members))
+
+
+def reordered(of: Frame) -> Frame:
+    nodes, members = of.nodes, of.members
+    turned = (*nodes[2:], *nodes[:2]), (*members[1:], *members[:1])
+    return replace(of, nodes=turned[0], members=turned[1], loads=of.loads[::-1])
+
+
+SAME = {
+    "mirrored": (hit(moved(frame(), lambda x, y: -x, lambda x, y: y), "-x")),
+    "turned by a right angle": hit(moved(frame(), lambda x, y: -y, lambda x, y: x), "+y"),
+    "upside down": hit(moved(frame(), lambda x, y: x, lambda x, y: -y)),
+    "members told from the other end": hit(reversed_members(frame())),
+    "told in another order": hit(reordered(frame())),
+}
+
+
+@pytest.mark.parametrize("change", SAME)
+@pytest.mark.parametrize("name", FRAMES)
+def test_what_a_frame_does_depends_on_nothing_but_the_frame(name: str, change: str) -> None:
+    one, other = peak(name, hit(frame())), peak(name, SAME[change])
+    assert (one is None) == (other is None)
+    assert one is None or one == pytest.approx(other, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
+    one, other = peak(name, hit(frame())), peak(name, hit(frame().split("beam", 1.7, "new")))
+    assert (one is None) == (other is None)
+    assert one is None or one == pytest.approx(other, rel=SPLIT_BARS.get(name, SPLIT))
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_frames_move_farther_the_faster_and_the_heavier_the_striker(name: str) -> None:
+    base = peak(name, hit(frame()))
+    for more in (hit(frame(), velocity=7.0), hit(frame(), mass=650.0)):
+        farther = peak(name, more)
+        assert (base is None) == (farther is None)
+        assert base is None or farther is None or farther > 1.02 * base
