@@ -28,6 +28,7 @@ from workbench.models.practice.deflected_shape import Beam
 from workbench.models.resistance import Mechanism, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE, falling_root
+from workbench.models.resistance.mechanism import LINEAR
 from workbench.models.resistance.shapes import analytic, put, simplified_points
 from workbench.models.single_dof import SingleDof
 from workbench.scenarios import Column
@@ -109,8 +110,8 @@ def profile(mechanism: Mechanism, stretching: float) -> ResistanceCurve:
 
 def rigid_plastic(mechanism: Mechanism) -> ResistanceCurve:
     """Event-driven curve whose plastic hinges turn with the whole mechanism."""
-    s, K, phi, kappa, Mp, Np, N0, c = mechanism.kernel
-    pieces, unloads = analytic((s, K, np.zeros_like(phi), kappa, Mp, Np, N0, c))
+    s, K, phi, *others = mechanism.kernel
+    pieces, unloads = analytic((s, K, np.zeros_like(phi), *others))
     if unloads:
         raise OutOfDomainError("a yielded hinge would unload while the push goes on")
     limit = pieces["start"][pieces["plastic"].any(axis=1)][0]
@@ -120,7 +121,7 @@ def rigid_plastic(mechanism: Mechanism) -> ResistanceCurve:
 @lru_cache(maxsize=256)
 def catenary_curve(column: Column, shape: str) -> ResistanceCurve:
     """Resistance of a column at its hit point by one of the three models; kept for the next."""
-    mechanism = mechanism_of(column)
+    mechanism = mechanism_of(column, interaction=LINEAR)
     if shape == TRILINEAR:
         return trilinear(mechanism)
     if shape == RIGID_PLASTIC:
