@@ -110,8 +110,8 @@ def profile(mechanism: Mechanism, stretching: float) -> ResistanceCurve:
 
 def rigid_plastic(mechanism: Mechanism) -> ResistanceCurve:
     """Event-driven curve whose plastic hinges turn with the whole mechanism."""
-    s, K, phi, *others = mechanism.kernel
-    pieces, unloads = analytic((s, K, np.zeros_like(phi), *others))
+    s, K, phi, kappa, Mp, Np, N0, c, corner = mechanism.kernel
+    pieces, unloads = analytic((s, K, np.zeros_like(phi), kappa, Mp, Np, N0, c, corner))
     if unloads:
         raise OutOfDomainError("a yielded hinge would unload while the push goes on")
     limit = pieces["start"][pieces["plastic"].any(axis=1)][0]
