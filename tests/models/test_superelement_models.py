@@ -257,8 +257,8 @@ def test_moments_turn_their_sign_with_the_member(thesis_impact) -> None:
 
 
 BARS_AND_LUMPED = [
-    (RigidSuperelement(shear="none"), FourDof(**THESIS_SPRINGS)),
-    (RigidSuperelement(), FourDofShear(hit_mass="thesis", **THESIS_SPRINGS)),
+    (RigidSuperelement(shear="none", elements=1), FourDof(**THESIS_SPRINGS)),
+    (RigidSuperelement(elements=1), FourDofShear(hit_mass="thesis", **THESIS_SPRINGS)),
 ]
 
 

@@ -6,32 +6,39 @@ The element itself stands in `structures/superelements`, the two models in `mode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 
 from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
-from workbench.scenarios import Frame, Joint, Member
+from workbench.responses import Finding
+from workbench.scenarios import Frame, FrameImpact, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
+_LONGEST = 1.0  # m, of an element of a struck member where none are asked for
+_SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
+_MOST_PARTS = 16
 
 
 @dataclass(frozen=True)
 class Piece:
     """One of the equal parts into which a member is cut, as the maker of superelements sees it.
 
-    The `member`; `length` in m; elastic EA (N) and EI (N m2); `joints` at its two ends (a rigid
-    one inside the member); `pins`, rotational stiffness of the joints or supports at its ends
-    (N m/rad), zero also at a support that leaves the end free to turn; mass (kg/m) and rotary
+    The `member`, of which it is number `index` of `parts`; `length` in m; elastic EA (N) and EI
+    (N m2); `joints` at its two ends (a rigid one inside the member); `pins`, rotational stiffness
+    of the joints or supports at its ends (N m/rad), zero also at a support that leaves the end
+    free to turn; mass (kg/m) and rotary
     inertia (kg m) per length.
     """
 
     member: Member
+    index: int
+    parts: int
     length: float
     axial: float
     bending: float
@@ -67,7 +74,67 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-def cut_members(frame: Frame, parts: int) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
+def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
+    """Parts of every member where none are asked for: of struck ones a `multiple`, else one.
+
+    A node shares its velocity with a third of each bar beside it at once, of which the beam knows
+    nothing: in an inelastic hit that takes its share of the energy. Bars are at most a metre long,
+    and so short that two of them take some `_SHARED`, unless they were shorter than high.
+    """
+    counts = [1] * len(scenario.frame.members)
+    if isinstance(scenario, FrameImpact):
+        for number, member in _struck(scenario):
+            mass = scenario.frame.properties(member).mass_per_length
+            longest = min(_LONGEST, 1.5 * _SHARED * scenario.striker.mass / mass)
+            pairs = scenario.frame.length(member) / max(longest, member.section.height) / multiple
+            counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+    return counts
+
+
+def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
+    """Warning of elements whose lumped mass takes much of the energy in the first collision."""
+    if not isinstance(scenario, FrameImpact) or scenario.striker.restitution > 0.0:
+        return []
+    frame, striker = scenario.frame, scenario.striker
+    shared = sum(
+        frame.properties(member).mass_per_length * frame.length(member) / parts[number] / 3.0
+        for number, member in _struck(scenario)
+    )
+    lost = shared / (shared + striker.mass)
+    if lost <= _MUCH_SHARED:
+        return []
+    text = (
+        f"the elements beside node {striker.node} share {shared:.3g} kg of their mass with the "
+        f"striker at once: the first collision takes {100.0 * lost:.0f} % of the energy, which a "
+        "beam keeps, and peaks come out too small by about as much"
+    )
+    remedy = "take more elements, or a fiber reference"
+    return [Finding("hit-mass", text, remedy=remedy, number=lost)]
+
+
+def _struck(scenario: FrameImpact) -> list[tuple[int, Member]]:
+    """Members at the struck node, and their numbers."""
+    node = scenario.striker.node
+    members = enumerate(scenario.frame.members)
+    return [(number, m) for number, m in members if node in (m.start, m.end)]
+
+
+def curvature_shares(parts: int) -> Array:
+    """Shares (parts, 2) of the length that each end of each of equal parts stands for.
+
+    Weights of Simpson's rule (of its 3/8 form for the first three of an odd number), split where
+    parts meet: the work of a moment that is straight along the member is exact.
+    """
+    shares = np.tile([[1.0, 2.0], [2.0, 1.0]], (parts // 2 + 1, 1))[:parts] / 3.0
+    if parts % 2:
+        shares = np.roll(shares, 1, axis=0)
+        shares[:3] = np.array([[3.0, 4.5], [4.5, 4.5], [4.5, 3.0]]) / 8.0
+    return shares / parts
+
+
+def cut_members(
+    frame: Frame, parts: Sequence[int]
+) -> tuple[Array, list[tuple[int, int]], list[Piece]]:
     """Every member of a frame in so many equal `parts`.
 
     Result: coordinates (nodes, 2) in m, those of the frame's nodes first; of every part, in the
@@ -76,13 +143,14 @@ def cut_members(frame: Frame, parts: int) -> tuple[Array, list[tuple[int, int]],
     number = {node.name: i for i, node in enumerate(frame.nodes)}
     points = [[node.x, node.y] for node in frame.nodes]
     nodes: list[tuple[int, int]] = []
-    for member in frame.members:
-        inner = range(len(points), len(points) + parts - 1)
+    pieces: list[Piece] = []
+    for member, own in zip(frame.members, parts, strict=True):
+        inner = range(len(points), len(points) + own - 1)
         line = [number[member.start], *inner, number[member.end]]
         from_, to = np.array(points[line[0]]), np.array(points[line[-1]])
-        points.extend((from_ + (to - from_) * k / parts).tolist() for k in range(1, parts))
+        points.extend((from_ + (to - from_) * k / own).tolist() for k in range(1, own))
         nodes.extend(pairwise(line))
-    pieces = [_piece(frame, member, parts, k) for member in frame.members for k in range(parts)]
+        pieces.extend(_piece(frame, member, own, k) for k in range(own))
     return np.array(points), nodes, pieces
 
 
@@ -112,6 +180,8 @@ def _piece(frame: Frame, member: Member, parts: int, index: int) -> Piece:
     )
     return Piece(
         member=member,
+        index=index,
+        parts=parts,
         length=frame.length(member) / parts,
         axial=modulus * properties.area,
         bending=modulus * properties.second_moment,
@@ -150,13 +220,13 @@ def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
 class SuperelementMembers(MemberReader):
     """Reads the members of a frame off their superelements.
 
-    Arguments: the `group` of all elements, so many `parts` for every member in turn;
+    Arguments: the `group` of all elements, so many `parts` of every member in turn;
     `coordinates` (nodes, 2) of the nodes in m.
     """
 
-    def __init__(self, group: HingedElements, coordinates: Array, parts: int) -> None:
-        super().__init__(group, np.arange(0, len(group.nodes) + 1, parts))
-        self._group, self._parts = group, parts
+    def __init__(self, group: HingedElements, coordinates: Array, parts: Sequence[int]) -> None:
+        super().__init__(group, np.concatenate([[0], np.cumsum(parts)]))
+        self._group, self._parts = group, np.array(parts)
         self._side: Indices = np.where(self._at_start, 0, 1)
         self._origin: Array = coordinates[group.nodes[:, 0]]
 
@@ -175,12 +245,13 @@ class SuperelementMembers(MemberReader):
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""
-        along = POINTS * self._parts
-        piece = np.minimum(along.astype(int), self._parts - 1)
-        shapes = np.empty((len(self._ends) // 2, len(POINTS), 2))
-        for k in range(self._parts):
-            here = piece == k
-            of_piece = slice(k, None, self._parts)
-            moved = self._group.shapes(assembly.displacement, along[here] - k)[of_piece]
-            shapes[:, here] = self._origin[of_piece, None] + moved
+        shapes = np.empty((len(self._parts), len(POINTS), 2))
+        for parts in np.unique(self._parts):
+            along = POINTS * parts
+            piece = np.minimum(along.astype(int), parts - 1)
+            members = np.flatnonzero(self._parts == parts)
+            for k in range(parts):
+                here, of_piece = np.flatnonzero(piece == k), self._first[members] + k
+                moved = self._group.shapes(assembly.displacement, along[here] - k)[of_piece]
+                shapes[np.ix_(members, here)] = self._origin[of_piece, None] + moved
         return shapes

@@ -1,5 +1,6 @@
 """Frames of a few bars per member, plastic at their ends: options, steps, structure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import Piece, SuperelementMembers, joint_inertias
 from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.models.frame_model import FrameModel
-from workbench.scenarios import Frame, FrameImpact
+from workbench.scenarios import Frame, FrameImpact, FrameScenario
 from workbench.structures.elements import HingedElements
 from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU
 
@@ -26,7 +27,7 @@ Cut = tuple[Array, list[tuple[int, int]], list[Piece]]  # see `cut_members`
 class BarFrames(FrameModel):
     """What all these models do alike; each explains the options."""
 
-    elements: int = checked(Number(1, 100, integer=True), 1)
+    elements: int | None = checked(Number(1, 100, integer=True), 1)
     integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
@@ -50,8 +51,14 @@ class BarFrames(FrameModel):
         """Whether equilibrium is that of the undeformed structure."""
         return self.geometry == "linear"
 
-    def stand(self, frame: Frame, cut: Cut, group: HingedElements, parts: int) -> FrameStructure:
-        """The frame with its members as a `group`, `cut` in so many parts, under its dead loads."""
+    def parts(self, scenario: FrameScenario) -> list[int]:
+        """Elements of every member."""
+        return [self.elements or 1] * len(scenario.frame.members)
+
+    def stand(
+        self, frame: Frame, cut: Cut, group: HingedElements, parts: Sequence[int]
+    ) -> FrameStructure:
+        """The frame of a `group`, its members `cut` in so many parts, under its dead loads."""
         coordinates, nodes, pieces = cut
         inertia = joint_inertias(nodes, pieces)
         if self.node_inertia is not None:
@@ -68,8 +75,8 @@ class BarFrames(FrameModel):
         duration = scenario.duration
         if self.time_step is not None:
             return [(duration, self.time_step)]
-        wave = min(wave_times(scenario.frame))
+        waves = np.array(wave_times(scenario.frame)) / self.parts(scenario)
         peak = time_to_peak(scenario)
-        coarsest = min(duration / LEAST_STEPS, 2.0 * wave / self.elements)
+        coarsest = min(duration / LEAST_STEPS, 2.0 * float(waves.min()))
         share = 1.0 if scenario.striker.restitution == 0.0 else 0.5
         return spans_to(peak, duration, peak / PEAK_STEPS, coarsest, share)

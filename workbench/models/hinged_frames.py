@@ -66,19 +66,19 @@ class BarHinges(BarFrames):
             said.append(Finding("cycles", self.in_cycles, remedy=REMEDY))
         return super().domain(scenario) + said
 
-    def parts(self, frame: Frame) -> int:
+    def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""
-        most = self.elements
+        frame, (most, *_) = scenario.frame, super().parts(scenario)
         for member in frame.members if self.second_order else ():
             p, length = frame.properties(member), frame.length(member)
             bending = SAFE * pi**2 * frame.steel.elastic_modulus * p.second_moment
             most = max(most, ceil(length * sqrt(p.squash_load / bending)))
-        return most
+        return [most] * len(frame.members)
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
-        frame = as_frame(scenario).frame
-        parts = self.parts(frame)
+        told = as_frame(scenario)
+        frame, parts = told.frame, self.parts(told)
         cut = cut_members(frame, parts)
         group = self.bars(cut[1], [self._bar(frame, piece) for piece in cut[2]])
         return self.stand(frame, cut, group, parts)

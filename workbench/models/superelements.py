@@ -29,10 +29,13 @@ from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,
     Piece,
+    curvature_shares,
     cut_members,
     hinge_ends,
+    hit_mass_findings,
     joint_surface,
     series,
+    struck_parts,
 )
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.models.bar_frames import BarFrames
@@ -62,9 +65,11 @@ class _HingedBars(BarFrames):
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
+    elements: int | None = checked(Number(1, 100, integer=True), optional=True)
     shear: str = checked(Choice(("panel", "none")), "panel")
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+    least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
@@ -80,8 +85,9 @@ class _HingedBars(BarFrames):
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
-        frame = as_frame(scenario).frame
-        coordinates, nodes, pieces = cut_members(frame, self.elements)
+        told = as_frame(scenario)
+        frame, parts = told.frame, self.parts(told)
+        coordinates, nodes, pieces = cut_members(frame, parts)
         surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
         elements = []
         for piece in pieces:
@@ -97,7 +103,7 @@ class _HingedBars(BarFrames):
             regularisation=self.regularisation,
             first_order=self.first_order,
         )
-        return self.stand(frame, (coordinates, nodes, pieces), group, self.elements)
+        return self.stand(frame, (coordinates, nodes, pieces), group, parts)
 
     def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""
@@ -108,8 +114,8 @@ class _HingedBars(BarFrames):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, of shear only where members are rigid in it."""
-        frame = as_frame(scenario).frame
-        findings = super().domain(scenario)
+        told = as_frame(scenario)
+        frame, findings = told.frame, super().domain(scenario)
         webs = {m.name: self._web(frame, m) for m in frame.members}
         if any(webs.values()):
             rigid = {name for name, web in webs.items() if web is None}
@@ -124,7 +130,13 @@ class _HingedBars(BarFrames):
             if web is not None:
                 found = panel_findings(web, frame.properties(member), f"member {member.name}")
                 findings += [f for f in found if f not in findings]
-        return findings
+        return findings + hit_mass_findings(told, self.parts(told))
+
+    def parts(self, scenario: FrameScenario) -> list[int]:
+        """Elements of every member."""
+        if self.elements is None:
+            return struck_parts(scenario, self.least_parts)
+        return super().parts(scenario)
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
@@ -138,8 +150,10 @@ class RigidSuperelement(_HingedBars):
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal);
     `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member that ends
-    in a pin gets half of it at the other end); `axial_stiffness`, c of c EA/L (2: exact);
-    `elements` per member; `inertia` of the turning bar, nonlinear, linear (of the initial
+    in a pin gets half of it at the other end; None: 6 of one element, several are exact
+    together); `axial_stiffness`, c of c EA/L (2: exact);
+    `elements` per member (None: one, of struck members more, see `struck_parts`);
+    `inertia` of the turning bar, nonlinear, linear (of the initial
     position) or none; `integrator`; `time_step` in s (None: 1/150 of the expected time to the
     peak, four times as long after six such times, at most the time of a wave along an element and
     back, half of that with restitution);
@@ -151,12 +165,13 @@ class RigidSuperelement(_HingedBars):
     none: members are rigid in shear.
     """
 
-    rotational_stiffness: float = checked(Number(0.1, 1e6), 6.0)
+    rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     axial_stiffness: float = checked(Number(0.1, 1e6), 2.0)
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
+    least_parts: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",
@@ -171,8 +186,14 @@ class RigidSuperelement(_HingedBars):
             raise self.refusal("integrator", text, advice)
 
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
-        factor = self.rotational_stiffness / 6.0
-        bending = sway_stiffness(piece.length, factor * piece.bending, piece.pins)
+        if piece.parts == 1 or self.rotational_stiffness is not None:
+            factor = (self.rotational_stiffness or 6.0) / 6.0
+            bending = sway_stiffness(piece.length, factor * piece.bending, piece.pins)
+        else:
+            whole = piece.parts * piece.length
+            turned = piece.bending / (whole * curvature_shares(piece.parts)[piece.index])
+            first, last = (series(*pair) for pair in zip(turned, piece.pins, strict=True))
+            bending = first, last
         axial = self.axial_stiffness * piece.axial / piece.length
         return Superelement(
             *hinge_ends(piece, surfaces, axial, bending),
@@ -202,7 +223,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",
