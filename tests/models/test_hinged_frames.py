@@ -85,9 +85,9 @@ def test_bilinear_ratio_is_the_slope_after_yield() -> None:
 
 
 def test_slender_members_are_cut_into_more_bars() -> None:
-    frame = cantilever(30.0, 0.0, 1e-3).frame
-    assert PlasticHinge().parts(frame) > 3
-    assert Giberson().parts(frame) == 1
+    push = cantilever(30.0, 0.0, 1e-3)
+    assert min(PlasticHinge().parts(push)) > 3
+    assert set(Giberson().parts(push)) == {1}
 
 
 @pytest.mark.parametrize("model", [PlasticHinge(), PlasticHinge(surface="aisc")])
@@ -95,7 +95,7 @@ def test_thesis_frame_hit_as_by_a_superelement(model: FrameModel) -> None:
     frame = thesis_frame().split("C0-C1", 0.8, "hit")
     hit = FrameImpact("hit", frame, FrameStriker(1500.0, 50.0, node="hit"), duration=0.035)
     response = model.simulate(hit)
-    expected = FlexibleSuperelement(shear="none").simulate(hit)
+    expected = FlexibleSuperelement(shear="none", elements=1).simulate(hit)
     assert response.attrs["outcome"] == "ok", response.attrs["message"]
     bound = 0.02 if model == PlasticHinge() else 0.10  # the rule is up to 20 % low in a square
     ratio = float(response["peak_displacement"]) / float(expected["peak_displacement"])
