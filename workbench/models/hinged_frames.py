@@ -233,9 +233,9 @@ class RefinedPlasticHinge(BarHinges):
         "No shear yielding, no local buckling, no strain-rate effect.",
     )
 
-    def parts(self, frame: Frame) -> int:
+    def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: stability functions hold beyond the Euler load of a pin-ended bar."""
-        return self.elements
+        return BarFrames.parts(self, scenario)
 
     def curve(self, frame: Frame, piece: Piece, joint_governs: bool) -> Array:
         """AISC H1-1 for members and joints."""
