@@ -34,6 +34,7 @@ from workbench.models.resistance.limits import (
     shear_utilisation,
 )
 from workbench.models.single_dof import kernels
+from workbench.models.single_dof.pulse import Pushed, pulse_response
 from workbench.responses import (
     Finding,
     Outcome,
@@ -42,7 +43,15 @@ from workbench.responses import (
     peak_contact_force,
     peak_of,
 )
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    MemberPulse,
+    Scenario,
+)
+from workbench.scenarios.pulse import UNIFORM
 
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
@@ -88,7 +97,7 @@ class SingleDof(Declared, table="option"):
 
     name: ClassVar[str] = "single-dof"
     version: ClassVar[int] = 4
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
         "rotations, one axial force for both bars, no axial inertia.",
@@ -112,6 +121,13 @@ class SingleDof(Declared, table="option"):
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""
         return with_hit_mass(scenario, self.hit_mass)
+
+    def pushed(self, scenario: MemberPulse) -> Pushed:
+        """What a pulse moves: a line load does half the work of its resultant at the hit point."""
+        column = scenario.column
+        share = (0.5 if scenario.load == UNIFORM else 1.0) * scenario.whole
+        curve = self.curve(column)
+        return Pushed(curve, ((0.0, column.properties.impact_mass),), share, True)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
@@ -162,6 +178,8 @@ class SingleDof(Declared, table="option"):
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
+        if isinstance(scenario, MemberPulse):
+            return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
