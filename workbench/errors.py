@@ -65,6 +65,10 @@ class OutOfDomainError(WorkbenchError):
     """A model met a state outside its assumptions; the message says which and what to do."""
 
 
+class CrumpledError(OutOfDomainError):
+    """An element has lost its length to a hinge under compression: another mesh may go on."""
+
+
 class Mechanism(StrEnum):
     """How a structure collapses, as a model sees it.
 

@@ -1,5 +1,6 @@
 """The fiber reference: published column, refinement, closed forms, contract, random columns."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from workbench.errors import InputError
 from workbench.references.fiber_corotational import FiberCorotational
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker, frame_of
 from workbench.sections import find, square
@@ -214,10 +216,23 @@ def test_collapse_is_an_answer():
     collapse = collapse_of(coarse.simulate(impact))
     assert (collapse.mechanism, collapse.parts) == ("geometry", ("below",))
     assert 0.0 < collapse.time < 0.4
-    # elements that crumple on the way there say nothing about the column
+    # elements that crumple on the way there, on two coarser meshes too, say nothing of the column
     response = FiberCorotational(levels=1).simulate(impact)
     assert outcome_of(response) is Outcome.OUT_OF_DOMAIN
-    assert "member below crumples at 0.15" in response.attrs["message"]
+    assert "member below crumples at 0.49" in response.attrs["message"]
+
+
+def test_a_mesh_that_crumples_is_followed_by_a_coarser_one_within_a_percent():
+    column = Column(find("HEB 220"), 0.8, 3.2, restraint_stiffness=1e7)
+    column = replace(column, axial_load=0.3 * column.properties.squash_load)
+    impact = ColumnImpact("crumples", column, Striker(1500.0, 11.0), 0.03)
+    response = FiberCorotational(levels=1).simulate(impact)
+    (told,) = (f for f in warnings_of(response) if "crumples" in f.text)
+    assert "elements 2 times as long" in told.text
+    assert json.loads(response.attrs["options"])["refinement"] == 1
+    beam = FiberReissner(levels=1).simulate(impact)
+    peak = float(beam["peak_displacement"])
+    assert float(response["peak_displacement"]) == pytest.approx(peak, rel=0.02)  # measured 0.012
 
 
 def test_overrides_that_fibers_cannot_follow_are_told():

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
+from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure, upright_names
 
@@ -46,7 +46,7 @@ class CollapseWatch:
     def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
 
-        Without a `time` (s), on a static path, nothing collapses. Raises `OutOfDomainError` where
+        Without a `time` (s), on a static path, nothing collapses. Raises `CrumpledError` where
         an element crumples: that depends on its length, and other meshes may go on and survive.
         """
         structure = self._structure
@@ -58,7 +58,7 @@ class CollapseWatch:
 
         left, worst = structure.members.slightest()
         if left < LEAST_LENGTH:
-            raise OutOfDomainError(
+            raise CrumpledError(
                 f"member {names[worst]} crumples at {displacement:.4g} m: a plastic hinge under "
                 f"compression has shortened its element to less than {LEAST_LENGTH:g} of its "
                 "length; take fiber-reissner, or a larger smallest_element, which puts this off"

@@ -6,20 +6,38 @@ plasticity localises in single elements: forces and displacements converge to th
 zero length, strains do not.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import ClassVar
 
+from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.shear import shear_stiffness
+from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
-from workbench.references.refine import REFINEMENT
-from workbench.scenarios import Frame, FrameScenario, FrameStatic, Member
+from workbench.references.refine import COARSEST, REFINEMENT, refined
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    findings_of,
+    outcome_of,
+    set_findings,
+)
+from workbench.scenarios import (
+    ColumnScenario,
+    Frame,
+    FrameScenario,
+    FrameStatic,
+    Member,
+    Scenario,
+)
 from workbench.structures.fiber_beams import FiberBeams, radau_rule
 from workbench.structures.fibers import BeamSection
 from workbench.structures.uniaxial import LinearHardening
 
+_RETRIES = 2  # meshes of twice the element size each, after one that crumples
 INTERPOLATED, BALANCED = ELEMENTS = ("interpolated", "balanced")
 # Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
 SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0}
@@ -54,7 +72,7 @@ class FiberCorotational(FiberReference):
     shear_flexible: bool = checked(Flag(), True)
 
     name: ClassVar[str] = "fiber-corotational"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflection between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",
@@ -64,6 +82,32 @@ class FiberCorotational(FiberReference):
         "Point contact; no local denting, no local buckling, no strain-rate effect, no fracture.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a scenario; a mesh whose element crumples is followed by coarser ones."""
+        coarser: list[FiberCorotational] = []
+
+        def solve(given: ColumnScenario | FrameScenario) -> Response:
+            model = self
+            while True:
+                try:
+                    return refined(model, given, model.solve)
+                except CrumpledError:
+                    if len(coarser) == _RETRIES or model.refinement == COARSEST:
+                        raise
+                    levels = max(1, model.levels - 1)
+                    model = replace(model, refinement=model.refinement - 1, levels=levels)
+                    coarser.append(model)
+
+        response = respond(self, scenario, solve)
+        if coarser and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
+            text = (
+                f"an element crumples with refinement = {self.refinement}; answered with "
+                f"refinement = {coarser[-1].refinement}, elements {2 ** len(coarser)} times as long"
+            )
+            remedy = "compare fiber-reissner, whose elements do not crumple"
+            set_findings(response, [Finding("mesh", text, remedy=remedy), *findings_of(response)])
+        return response
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
