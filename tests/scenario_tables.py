@@ -47,6 +47,7 @@ REGULAR: dict[str, Any] = {
 GROUND = {"acceleration": [0.0, 1.0, -1.0], "time_step": 0.02, "node": "hit", "direction": "x"}
 TESTS = {"asked": "strength", "tables": ["stud-push-out"], "curves": ["stud-load-slip"],
          "calibrate": ["a"], "validate": ["b"], "confidence": 0.9, "digests": []}  # fmt: skip
+PULSE = {"shape": "friedlander", "peak": 1e5, "length": 0.01, "decay": 1.5}
 FLIGHT = {**STRIKER, "node": "hit", "direction": "-x"}
 SCENARIOS: dict[str, dict[str, Any]] = {
     "pushover": {"kind": "column-pushover", **COLUMN, "pushover": {"displacement": 0.1}},
@@ -58,6 +59,11 @@ SCENARIOS: dict[str, dict[str, Any]] = {
     "regular": {"kind": "frame-impact", **REGULAR, "striker": FLIGHT, "time": {"duration": 0.1}},
     "ground": {"kind": "frame-ground-motion", **FRAME, "ground": {**GROUND, "damping": 0.1},
                "time": {"duration": 1.0}},
+    "pulse": {"kind": "member-pulse", **COLUMN, "pulse": {**PULSE, "load": "uniform"},
+              "time": {"duration": 0.1}},
+    "frame-pulse": {"kind": "frame-pulse", **FRAME, "pattern": [LOAD],
+                    "pulse": {**PULSE, "node": "hit", "direction": "x", "members": []},
+                    "time": {"duration": 0.1}},
     "studs": {"kind": "stud-tests", "tests": TESTS},
 }  # fmt: skip
 

@@ -12,7 +12,14 @@ from workbench.evidence.published import Published
 from workbench.impact_tests import impact_tests
 from workbench.models.base import Model
 from workbench.registry import make_model, model_kind, model_names
-from workbench.scenarios import ColumnPushover, ImpactProblem, StudTests, frame_scenario
+from workbench.scenarios import (
+    ColumnPushover,
+    ImpactProblem,
+    MemberPulse,
+    Pulse,
+    StudTests,
+    frame_scenario,
+)
 from workbench.testing import check_model
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -82,9 +89,11 @@ def model_of(name: str) -> Model:
 def test_every_model_keeps_the_contract(name: str, thesis_impact) -> None:
     model = model_of(name)
     thesis_impact = replace(thesis_impact, duration=0.03)  # past the peak
+    pulse = Pulse("triangular", 1e6, 0.01)
     scenarios = [
         thesis_impact.at_velocity(10.0),
         ColumnPushover("push", thesis_impact.column, 0.05),
+        MemberPulse("pulse", thesis_impact.column, pulse, "uniform", 0.012),
     ]
     if name == "measured":
         scenarios = [impact_tests("synthetic-impacts")[0].scenario, *scenarios]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic
+from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, FrameStatic
 
 STRAIGHT = 1e-6  # sine of the largest kink
 NAMED = 4  # members that a sentence names
@@ -69,6 +69,8 @@ def eventful(scenario: FrameScenario) -> set[str]:
     nodes = {load.node for load in scenario.frame.loads}
     if isinstance(scenario, FrameStatic):
         return nodes | {scenario.node} | {load.node for load in scenario.loads}
+    if isinstance(scenario, FramePulse):
+        return nodes | {load.node for load in scenario.loads}
     return nodes | ({scenario.striker.node} if isinstance(scenario, FrameImpact) else set())
 
 

@@ -10,7 +10,7 @@ from workbench.frames.elastic import ElasticFrame
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FrameScenario, FrameStatic
+from workbench.scenarios import Frame, FramePulse, FrameScenario, FrameStatic
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
@@ -27,7 +27,7 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
     frame = scenario.frame
     findings = []
     spinning = {frame.nodes[number].name for number in free_to_spin(frame)}
-    pattern = scenario.loads if isinstance(scenario, FrameStatic) else ()
+    pattern = scenario.loads if isinstance(scenario, FrameStatic | FramePulse) else ()
     twisted = [p.node for p in (*frame.loads, *pattern) if p.moment and p.node in spinning]
     if twisted:
         text = f"a moment acts on node {twisted[0]}, where only pins meet: nothing resists it"

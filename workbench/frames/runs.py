@@ -13,7 +13,7 @@ from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.responses import Finding, Response, build_response, energy_error
-from workbench.scenarios import FrameGroundMotion, FrameImpact, FrameStatic
+from workbench.scenarios import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
@@ -87,17 +87,19 @@ def run_static(
     return _response(record, values, _gone_far(record, imposed=not leads))
 
 
-def run_ground_motion(
-    scenario: FrameGroundMotion,
+def run_driven(
+    scenario: FrameGroundMotion | FramePulse,
     structure: FrameStructure,
     steps: Iterator[TimeStep],
     least_yield_ratio: float,
+    whole: float = 1.0,
 ) -> Response:
-    """Follow `steps` of the driver of ground motion on a frame under its dead loads.
+    """Follow `steps` of the driver of ground motion or of a pulse on a frame under its dead loads.
 
     Displacements and kinetic energy are relative to the ground; what damping takes counts as
-    dissipated, the work of the ground as external. The input energy is the largest work of the
-    ground so far. Raises `SolverError`, and `CollapseError` when the frame collapses.
+    dissipated, the work of ground or pulse as external, `whole` the force of a pulse of 1. The
+    input energy is the largest of that work so far. Raises `SolverError`, and `CollapseError` when
+    the frame collapses.
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
     length = _follow(record, steps)
@@ -109,8 +111,11 @@ def run_ground_motion(
         "external_work": ground + record.total(lambda s: s.external_work),
         "input_energy": np.max(np.abs(ground)),
     }
+    at = record.column("at")
+    if isinstance(scenario, FramePulse):
+        values["load"] = scenario.pulse.force(at) * whole
     warnings = _softened(record, least_yield_ratio)
-    response = _response(record, values, warnings, time=record.column("at"), time_step=length)
+    response = _response(record, values, warnings, time=at, time_step=length)
     _check_ledger(response, OPEN_LEDGER)
     return response
 

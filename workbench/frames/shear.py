@@ -6,7 +6,7 @@ from math import sqrt
 from workbench.frames.chains import chains, eventful, named
 from workbench.materials import Steel
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FrameScenario, Member
+from workbench.scenarios import Frame, FramePulse, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
 
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
@@ -40,15 +40,19 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     """Shear force of a bending mechanism over the plastic shear resistance, per member.
 
     An upper bound for members without loads between their ends: plastic moments (without axial
-    force) at both ends over the length, zero at pins. Members that continue each other without a
-    load or striker between them count as one.
+    force) at both ends over the length, zero at pins; under a line load twice the sum of these and
+    of two in the span over the length. Members that continue each other without a load or striker
+    between them count as one.
     """
     frame = scenario.frame
     kept = eventful(scenario) | {node.name for node in frame.nodes if node.mass > 0.0}
+    pressed = scenario.members if isinstance(scenario, FramePulse) else ()
     demand = {}
     for chain in chains(frame, kept):
         length = sum(frame.length(name) for name in chain.members)
         moment = sum(_end_moment(frame, frame.member(name), start) for name, start in chain.ends)
+        if set(chain.members) & set(pressed):
+            moment = 2.0 * (moment + 2.0 * frame.properties(chain.members[0]).plastic_moment)
         for name in chain.members:
             demand[name] = moment / length / frame.properties(name).shear_resistance
     return demand

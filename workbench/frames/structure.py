@@ -44,6 +44,10 @@ class MemberReader(ABC):
         local = self.elements.local_forces[self._ends]
         return np.where(self._at_start, -local[:, 1], local[:, 2])
 
+    def of_member(self, number: int) -> slice:
+        """Elements of a member."""
+        return slice(int(self._first[number]), int(self._first[number + 1]))
+
     @abstractmethod
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), those of the joints included."""
@@ -106,6 +110,21 @@ class FrameStructure:
     def pattern(self, loads: Sequence[Load]) -> Array:
         """Nodal forces (dofs,) of `loads`."""
         return nodal_forces(self.frame, self.assembly, loads)
+
+    def line_load(self, members: Sequence[str], direction: str) -> Array:
+        """Nodal forces (dofs,) of 1 N/m on `members` along x or y, with a sign.
+
+        Half of what stands on an element acts at each of its ends, which does the work of the line
+        load in any mechanism of the elements.
+        """
+        forces, names = np.zeros(self.assembly.size), member_names(self.frame)
+        elements, sign = self.members.elements, -1.0 if direction.startswith("-") else 1.0
+        for name in members:
+            own = self.members.of_member(names.index(name))
+            for end in elements.nodes[own].T:
+                dofs = self.assembly.dofs(end, COMPONENT[direction.lstrip("+-")])
+                np.add.at(forces, dofs, 0.5 * sign * elements.lengths[own])
+        return forces
 
 
 def hinge_names(frame: Frame) -> list[str]:

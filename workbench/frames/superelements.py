@@ -14,12 +14,13 @@ from workbench.arrays import Array, Indices
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FrameImpact, FrameScenario, Joint, Member
+from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
+FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
 _LONGEST = 1.0  # m, of an element of a struck member where none are asked for
 _SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
@@ -79,7 +80,8 @@ def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
 
     A node shares its velocity with a third of each bar beside it at once, of which the beam knows
     nothing: in an inelastic hit that takes its share of the energy. Bars are at most a metre long,
-    and so short that two of them take some `_SHARED`, unless they were shorter than high.
+    and so short that two of them take some `_SHARED`, unless they were shorter than high. Members
+    under a line load, which acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
     counts = [1] * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
@@ -88,6 +90,10 @@ def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
             longest = min(_LONGEST, 1.5 * _SHARED * scenario.striker.mass / mass)
             pairs = scenario.frame.length(member) / max(longest, member.section.height) / multiple
             counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+    if isinstance(scenario, FramePulse):
+        for number, member in enumerate(scenario.frame.members):
+            if member.name in scenario.members:
+                counts[number] = multiple * ceil(FEWEST_LOADED / multiple)
     return counts
 
 

@@ -7,8 +7,9 @@ from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding
-from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, FrameScenario
+from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
 from workbench.scenarios.members import MemberProperties
+from workbench.scenarios.pulse import UNIFORM
 
 SHEAR_REMEDY = "take four-dof-shear, whose webs yield in shear, or fiber-shear"
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
@@ -17,7 +18,7 @@ _STUB = 2.0  # length of a segment over the height of its section
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
 
-def euler_load(column_scenario: ColumnImpact | ColumnPushover) -> float:
+def euler_load(column_scenario: ColumnScenario) -> float:
     """Elastic critical load of the whole column in the plane of the impact, in N."""
     column = column_scenario.column
     bending = column.steel.elastic_modulus * column.properties.second_moment
@@ -25,17 +26,22 @@ def euler_load(column_scenario: ColumnImpact | ColumnPushover) -> float:
     return pi**2 * bending / buckling_length**2
 
 
-def shear_demand(scenario: ColumnImpact | ColumnPushover) -> dict[str, float]:
+def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
     """Shear force of the bending mechanism over the plastic shear resistance, per segment.
 
     A segment with plastic hinges at both ends carries V = 2 M / length, with one at the hit
-    point only (pinned end) V = M / length; M is the plastic moment without axial force.
+    point only (pinned end) V = M / length; M is the plastic moment without axial force. Under a
+    line load half of what stands on the segment comes on top, q the line load of the mechanism.
     """
     column = scenario.column
     properties = column.properties
     below = (2.0 if column.base == "clamped" else 1.0) / column.length_below
     above = (1.0 if column.head == "pinned" else 2.0) / column.length_above
     ratio = properties.plastic_moment / properties.shear_resistance
+    if isinstance(scenario, MemberPulse) and scenario.load == UNIFORM:
+        line = 2.0 * (below + above) / column.length  # q over M, by virtual work
+        below += 0.5 * line * column.length_below
+        above += 0.5 * line * column.length_above
     return {"below": below * ratio, "above": above * ratio}
 
 
@@ -46,7 +52,7 @@ def member_findings(scenario: ColumnScenario | FrameScenario) -> list[Finding]:
     Refusal: axial load above the Euler load. Warnings: axial load above half of it; a segment
     whose bending mechanism needs more shear force than models without shear yielding allow.
     """
-    if not isinstance(scenario, ColumnImpact | ColumnPushover):
+    if not isinstance(scenario, ColumnScenario):
         return frame_findings(scenario)
     return buckling_findings(scenario) + shear_findings(scenario)
 

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Declared
-from workbench.frames.runs import OPEN_LEDGER, run_ground_motion, run_impact, run_static
+from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
 from workbench.frames.structure import FrameStructure
 from workbench.frames.timing import Spans
 from workbench.models.base import respond
@@ -25,22 +25,25 @@ from workbench.scenarios import (
     ColumnScenario,
     FrameGroundMotion,
     FrameImpact,
+    FramePulse,
     FrameScenario,
     FrameStatic,
+    MemberPulse,
     Scenario,
     frame_scenario,
 )
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, lumped_mass
-from workbench.structures.ground_motion import ground_motion, rigid_displacement
+from workbench.structures.ground_motion import follow_force, ground_motion, rigid_displacement
 from workbench.structures.impact import impact
 from workbench.structures.paths import PathStep, follow_displacement, follow_load
 from workbench.structures.time_steps import PointMass, TimeStep
 
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
-COLUMNS = (ColumnImpact, ColumnPushover)
+PULSE_STEPS = 20.0  # of the length of a pulse, at least
+COLUMNS = (ColumnImpact, ColumnPushover, MemberPulse)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
 
 
@@ -60,7 +63,7 @@ class FrameModel(ABC, Declared, table="option"):
     version: ClassVar[int]
     assumptions: ClassVar[tuple[str, ...]]
     answers: ClassVar[tuple[str, ...]] = tuple(
-        kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, *COLUMNS)
+        kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, *COLUMNS)
     )
     least_yield_ratio: ClassVar[float] = 0.99
 
@@ -130,9 +133,15 @@ class FrameModel(ABC, Declared, table="option"):
         elif isinstance(scenario, FrameImpact):
             steps = self._hit(scenario, structure)
             response = run_impact(scenario, structure, steps, self.largest_error, least)
+        elif isinstance(scenario, FramePulse):
+            pattern = structure.pattern(scenario.loads)
+            pattern += structure.line_load(scenario.members, scenario.direction)
+            whole = abs(float(np.sum(pattern)))
+            steps = self._press(scenario, structure, pattern)
+            response = run_driven(scenario, structure, steps, least, whole)
         else:
             steps = self._shake(scenario, structure)
-            response = run_ground_motion(scenario, structure, steps, least)
+            response = run_driven(scenario, structure, steps, least)
         response.attrs["solve_time"] = perf_counter() - started
         return response
 
@@ -169,15 +178,12 @@ class FrameModel(ABC, Declared, table="option"):
 
         By rule they are 1/100 of the fundamental period, at most the step of the acceleration.
         """
-        weight, _ = self.scheme
-        if weight is None:
-            text = "explicit steps are known for impacts only: take implicit ones"
-            raise OutOfDomainError(text)
+        weight = self._implicit_weight()
         assembly, duration = structure.assembly, float(scenario.duration or 0.0)
         direction = rigid_displacement(assembly, scenario.direction)
         step = self.time_step
         if step is None:
-            period = _fundamental_period(assembly, direction)
+            period = _fundamental_period(assembly, assembly.mass_times(direction))
             step = min(scenario.time_step, period / PERIOD_STEPS)
         return ground_motion(
             assembly,
@@ -189,11 +195,39 @@ class FrameModel(ABC, Declared, table="option"):
             scenario.damping,
         )
 
+    def _press(
+        self, scenario: FramePulse, structure: FrameStructure, pattern: Array
+    ) -> Iterator[TimeStep]:
+        """Time steps under a pulse times a `pattern` (dofs,).
 
-def _fundamental_period(assembly: PlanarAssembly, direction: Array) -> float:
-    """Rayleigh's estimate (s) from the elastic shape under inertia along `direction` (dofs,)."""
+        By rule they are 1/100 of the period of its shape, and 1/20 of the pulse while it lasts.
+        """
+        weight, share = self._implicit_weight(), 0.5**self.halvings
+        later = self.time_step
+        if later is None:
+            period = _fundamental_period(structure.assembly, pattern)
+            later = min(scenario.duration, period) / PERIOD_STEPS
+        end = min(scenario.pulse.end, scenario.duration)
+        first = later if self.time_step else min(later, end / PULSE_STEPS)
+        spans = [(end, share * first), (scenario.duration, share * later)]
+
+        def mean(begin: float, length: float) -> float:
+            return float(scenario.pulse.means(np.array([begin, begin + length]))[0])
+
+        return follow_force(structure.assembly, pattern, mean, spans, weight)
+
+    def _implicit_weight(self) -> float:
+        """Weight of the end stresses; explicit steps are known for impacts only."""
+        weight, _ = self.scheme
+        if weight is None:
+            text = "explicit steps are known for impacts only: take implicit ones"
+            raise OutOfDomainError(text)
+        return weight
+
+
+def _fundamental_period(assembly: PlanarAssembly, driven: Array) -> float:
+    """Rayleigh's estimate (s) from the elastic shape under the forces `driven` (dofs,)."""
     assembly.assemble(assembly.displacement, None)
-    driven = assembly.mass_times(direction)
     shape = assembly.solve(driven)
     if shape is None:
         raise SolverError("fundamental period", np.inf, "the tangent is singular")

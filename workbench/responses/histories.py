@@ -30,20 +30,22 @@ def implied(
     """What the histories among the `values` of a response imply, and what has to be said of it.
 
     A displacement over `time` (s; None: load steps) implies its peak; with the percussion of a
-    striker also the residual displacement, impulse and contact force; energies imply how far
+    striker also the residual displacement, impulse and contact force, with the load of a pulse the
+    residual displacement; energies imply how far
     their balance is open. What takes time to find is left out where the values give it.
     """
     given = {name: np.asarray(v, dtype=float) for name, v in values.items() if v is not None}
     blow = "percussion" in given
+    hit = blow or "load" in given
     found: dict[str, Any] = {}
     findings = []
     if time is not None and "displacement" in given:
         displacement = given["displacement"]
         peak = peak_of(time, displacement)
         found |= peak
-        if blow and peak and "residual_displacement" not in values:
+        if hit and peak and "residual_displacement" not in values:
             found["residual_displacement"] = residual_of(time, displacement)
-        elif blow and not peak:
+        elif hit and not peak:
             text = f"the displacement still grows at the end of the record, {time[-1]:g} s"
             findings.append(Finding(NO_PEAK, text, remedy="extend time.duration to find the peak"))
     if time is not None and blow:

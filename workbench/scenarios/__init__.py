@@ -19,6 +19,7 @@ from workbench.scenarios.files import to_toml as to_toml
 from workbench.scenarios.frame import Frame as Frame
 from workbench.scenarios.frame_events import FrameGroundMotion as FrameGroundMotion
 from workbench.scenarios.frame_events import FrameImpact as FrameImpact
+from workbench.scenarios.frame_events import FramePulse as FramePulse
 from workbench.scenarios.frame_events import FrameStatic as FrameStatic
 from workbench.scenarios.frame_events import FrameStriker as FrameStriker
 from workbench.scenarios.frame_events import cyclic_path as cyclic_path
@@ -29,5 +30,6 @@ from workbench.scenarios.frame_parts import Member as Member
 from workbench.scenarios.frame_parts import Node as Node
 from workbench.scenarios.impact_problem import ImpactProblem as ImpactProblem
 from workbench.scenarios.members import MemberProperties as MemberProperties
+from workbench.scenarios.pulse import MemberPulse as MemberPulse
 from workbench.scenarios.pulse import Pulse as Pulse
 from workbench.scenarios.stud import StudTests as StudTests

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
 from workbench.scenarios.frame import Frame
-from workbench.scenarios.frame_events import FrameImpact, FrameStatic, FrameStriker
+from workbench.scenarios.frame_events import FrameImpact, FramePulse, FrameStatic, FrameStriker
 from workbench.scenarios.frame_parts import Load, Member, Node
 from workbench.scenarios.members import OVERRIDES
+from workbench.scenarios.pulse import UNIFORM, MemberPulse
 
 HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
 
@@ -30,14 +31,22 @@ def frame_of(column: Column) -> Frame:
     return Frame((base, hit, head), members, loads, steel=column.steel, fillets=column.fillets)
 
 
-def frame_scenario(scenario: ColumnPushover | ColumnImpact) -> FrameStatic | FrameImpact:
+def frame_scenario(
+    scenario: ColumnPushover | ColumnImpact | MemberPulse,
+) -> FrameStatic | FrameImpact | FramePulse:
     """What happens to a column as what happens to its frame; forces and strikes along +x."""
-    frame = frame_of(scenario.column)
+    frame, name = frame_of(scenario.column), scenario.name
+    pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):
-        pattern = (Load("hit", x=1.0),)
-        return FrameStatic(
-            scenario.name, frame, pattern, "hit", "x", (scenario.displacement,), "displacement"
+        path = (scenario.displacement,)
+        return FrameStatic(name, frame, pattern, "hit", "x", path, "displacement")
+    if isinstance(scenario, MemberPulse):
+        pulse = FramePulse(
+            name, frame, scenario.pulse, "hit", "x", pattern, duration=scenario.duration
         )
+        if scenario.load == UNIFORM:
+            pulse = replace(pulse, loads=(), members=("below", "above"))
+        return pulse
     own = scenario.striker
     striker = FrameStriker(own.mass, own.velocity, own.restitution, node="hit", direction="+x")
-    return FrameImpact(scenario.name, frame, striker, scenario.duration)
+    return FrameImpact(name, frame, striker, scenario.duration)

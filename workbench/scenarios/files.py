@@ -14,19 +14,20 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.scenarios.codec import label_of, read, write
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
-from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FrameStatic
+from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.impact_problem import ImpactProblem
+from workbench.scenarios.pulse import MemberPulse
 from workbench.scenarios.stud import StudTests
 
-ColumnScenario = ColumnPushover | ColumnImpact
-FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion
+ColumnScenario = ColumnPushover | ColumnImpact | MemberPulse
+FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion | FramePulse
 Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem
 
 KINDS: dict[str, type[Any]] = {
     kind.KIND: kind
     for kind in (
-        *(ColumnPushover, ColumnImpact, FrameStatic, FrameImpact, FrameGroundMotion, StudTests),
-        ImpactProblem,
+        *(ColumnPushover, ColumnImpact, MemberPulse),
+        *(FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, StudTests, ImpactProblem),
     )
 }
 LARGEST_FILE = 5_000_000  # bytes; a record of the ground of 100 000 steps has some 1 MB

@@ -12,6 +12,7 @@ from workbench.scenarios.column import DURATION, Impact, Striker
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_forms import FrameForm
 from workbench.scenarios.frame_parts import COMPONENT, NAME, Load
+from workbench.scenarios.pulse import Pulse
 
 MOTIONS = ("x", "y", "rotation", "-x", "-y", "-rotation")
 STRIKES = ("+x", "-x", "+y", "-y")
@@ -159,6 +160,40 @@ class FrameGroundMotion(Declared, table="ground"):
             object.__setattr__(self, "duration", RECORD.check("time.duration", end))
 
 
+@dataclass(frozen=True)
+class FramePulse(Declared, table="pulse"):
+    """A pulse on a frame at rest under its dead loads; followed for `duration` (s).
+
+    Arguments: `name`; `frame`; the `pulse`, a factor on the `loads` of a pattern, and a line load
+    (N/m) along `direction` (x, y, -x or -y) on every metre of the `members`; `node`, whose
+    displacement along `direction` is recorded. Raises `InputError`.
+    """
+
+    name: str = checked(Text(), path="name")
+    frame: Frame = checked(FRAME)
+    pulse: Pulse = checked(Instance(Pulse))
+    node: str = checked(NAME)
+    direction: str = checked(Choice(("x", "y", "-x", "-y")), "x")
+    loads: tuple[Load, ...] = checked(Many(Instance(Load)), (), path="pattern")
+    members: tuple[str, ...] = checked(Many(NAME, different=True), ())
+    duration: float = checked(DURATION, 0.1, path="time.duration")
+
+    KIND: ClassVar[str] = "frame-pulse"
+    STATIC: ClassVar[bool] = False
+
+    def check(self) -> None:
+        """Refuse a pulse on nothing, and nodes and members that are not there."""
+        _check_motion(self.frame, self)
+        for load in self.loads:
+            self.frame.node(load.node, f"pattern.{load.node}.node")
+        known = [member.name for member in self.frame.members]
+        for name in self.members:
+            if name not in known:
+                raise self.refusal("members", f"{name} is not among {', '.join(known)}")
+        if not self.loads and not self.members:
+            raise self.refusal("members", "must not be empty without a [[pattern]] of loads")
+
+
 def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ...]:
     """Targets that swing `cycles` times between both signs of each amplitude, then end at zero.
 
@@ -171,7 +206,9 @@ def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ..
     return (*(target for pair in path for target in pair), 0.0)
 
 
-def _check_motion(frame: Frame, motion: FrameStatic | FrameGroundMotion | FrameStriker) -> None:
+def _check_motion(
+    frame: Frame, motion: FrameStatic | FrameGroundMotion | FramePulse | FrameStriker
+) -> None:
     """Refuse nodes that are not there or cannot move along a direction."""
     node, axis = frame.node(motion.node, f"{motion.TABLE}.node"), motion.direction.lstrip("+-")
     if COMPONENT[axis] in node.held or node.locked == axis:

@@ -1,14 +1,16 @@
 """A force that comes and goes: pulses of impact rules and of blast, and histories of one's own."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
-from workbench.fields import Choice, Declared, Many, Number, checked
+from workbench.fields import Choice, Declared, Instance, Many, Number, Text, checked
+from workbench.scenarios.column import DURATION, Column
 
-TABLE = "table"
+TABLE, POINT, UNIFORM = "table", "point", "uniform"
 PULSES = ("rectangular", "triangular", "exponential", "friedlander", "ramp", TABLE)
 LENGTH = Number(1e-9, 1e3, "s", advice="lengths of pulses are in seconds")
 _TIMES = Many(Number(0.0, 1e3, "s"), 2, 100_000)
@@ -22,21 +24,19 @@ class Pulse(Declared, table="pulse"):
     Arguments: `shape` and its `length` T (s), with x = t / T: rectangular f = 1, triangular
     f = 1 - x, friedlander f = (1 - x) exp(-`decay` x), all zero after T; exponential
     f = exp(-x) for ever; ramp f = x, and 1 after T; table: straight lines between `factors` at
-    `times` (s, rising from 0), zero after the last. `peak` in N, or N/m along a member; negative
-    against the direction of the displacement. Raises `InputError`.
+    `times` (s, rising from 0), zero after the last. `peak` in N, or N/m along a member. Raises
+    `InputError`.
     """
 
     shape: str = checked(Choice(PULSES))
-    peak: float = checked(Number(-1e12, 1e12, "N or N/m"))
+    peak: float = checked(Number(0.0, 1e12, "N or N/m", low_included=False))
     length: float | None = checked(LENGTH, optional=True)
     decay: float = checked(Number(0.01, 100.0), 1.0)
     times: tuple[float, ...] | None = checked(_TIMES, optional=True)
     factors: tuple[float, ...] | None = checked(_FACTORS, optional=True)
 
     def check(self) -> None:
-        """Refuse a pulse of no force, and shapes that lack what they are made of."""
-        if self.peak == 0.0:
-            raise self.refusal("peak", "must not be 0", "a pulse has a force")
+        """Refuse shapes that lack what they are made of, or have what is of another."""
         if self.shape != TABLE:
             if self.length is None:
                 raise self.refusal("length", "is missing", f"shape = {self.shape} needs it, in s")
@@ -109,3 +109,27 @@ class Pulse(Declared, table="pulse"):
         into = at - times[i]
         slope = (factors[i + 1] - factors[i]) / steps[i]
         return np.asarray(self.peak * (sums[i] + into * (factors[i] + 0.5 * slope * into)))
+
+
+@dataclass(frozen=True)
+class MemberPulse(Declared, table="time"):
+    """A member at rest under its axial load meets a pulse; followed for `duration` (s).
+
+    Arguments: `name`; the member, a `column`; the `pulse`; `load`: point, its force (N) acts on
+    the hit point, or uniform, a line load (N/m) on the whole length; then the hit point is where
+    the displacement is recorded and where lumped models have their hinge.
+    """
+
+    name: str = checked(Text(), path="name")
+    column: Column = checked(Instance(Column))
+    pulse: Pulse = checked(Instance(Pulse))
+    load: str = checked(Choice((POINT, UNIFORM)), POINT, path="pulse.load")
+    duration: float = checked(DURATION, 0.1)
+
+    KIND: ClassVar[str] = "member-pulse"
+    STATIC: ClassVar[bool] = False
+
+    @property
+    def whole(self) -> float:
+        """Force of the whole load over the pulse: 1, or the length (m) of a loaded member."""
+        return self.column.length if self.load == UNIFORM else 1.0

@@ -1,4 +1,4 @@
-"""Ground motion: the supports move together, the structure is followed relative to them.
+"""Forces over time, and ground motion, whose structure is followed relative to its supports.
 
 In coordinates relative to the ground, M x'' + damping M x' + f(x) = p - M r a(t): r is the rigid
 displacement of all dofs for a unit displacement of the ground, M includes point masses, and dead
@@ -7,7 +7,7 @@ of the step, so that the ledger closes with the input energy -r . M (x1 - x0) a 
 1990, relative energy).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -79,27 +79,47 @@ def ground_motion(
     `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy exactly); mass-proportional
     `damping` in 1/s; `tolerance` of the residual over the largest force; `most_cuts`, how often a
     step may be halved when Newton's method fails.
-    Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
+    Gives a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
     """
     ground = Accelerogram(acceleration, sample_step)
-    if not (np.isfinite(damping) and damping >= 0.0):
-        raise InputError("damping", damping, "must not be negative")
     if np.shape(direction) != (assembly.size,):
         raise InputError("direction", None, f"must be a number for each of {assembly.size} dofs")
     driven = assembly.mass_times(np.asarray(direction, dtype=float))
+    return follow_force(
+        assembly, -driven, ground.mean, spans, weight, damping, tolerance, most_cuts
+    )
+
+
+def follow_force(
+    assembly: PlanarAssembly,
+    pattern: Array,
+    mean: Callable[[float, float], float],
+    spans: Sequence[tuple[float, float]],
+    weight: float,
+    damping: float = 0.0,
+    tolerance: float = 1e-8,
+    most_cuts: int = 12,
+) -> Iterator[TimeStep]:
+    """Follow a structure under a `pattern` (dofs,) of forces times a factor over time.
+
+    `mean` gives the mean factor of a step from its start and its length (s); the rest as
+    `ground_motion`. Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
+    """
+    if not (np.isfinite(damping) and damping >= 0.0):
+        raise InputError("damping", damping, "must not be negative")
 
     def advance(begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
-        mean = ground.mean(begin, dt)
-        load = assembly.load - mean * driven
+        factor = mean(begin, dt)
+        load = assembly.load + factor * pattern
         trial = solve_step(assembly, dt, weight, load, tolerance, damping=damping)
         found = trial.solution
         if not found.converged:
             return None, found.evaluations, found.residual
         change = found.x - assembly.displacement
         damped = damping * float(change @ assembly.mass_times(change)) / dt
-        given = -mean * float(driven @ change)
+        given = factor * float(pattern @ change)
         step = settle(assembly, dt, found.x, trial.velocity, weight)
-        step = step._replace(acceleration=mean, input_energy=given, damped=damped)
+        step = step._replace(acceleration=factor, input_energy=given, damped=damped)
         return step, found.evaluations, found.residual
 
-    yield from march(spans, advance, most_cuts, "line search")
+    return march(spans, advance, most_cuts, "line search")

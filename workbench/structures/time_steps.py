@@ -49,8 +49,8 @@ class TimeStep(NamedTuple):
     and `kinetic` energy of the structure at its end, in J; end `time` in s; `evaluations` of the
     residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
     `percussion` of the step in N s and the energy `contact_loss` in J. Of a ground motion, all
-    relative to the ground, its mean `acceleration` in m/s2 and the `input_energy` and `damped`
-    energy of the step in J.
+    relative to the ground, its mean `acceleration` in m/s2 (of a force its mean factor) and the
+    `input_energy` and `damped` energy of the step in J.
     """
 
     length: float

@@ -107,7 +107,7 @@ class RigidBars(Declared, table="option"):
         """Answer a column pushover or a column impact."""
         return respond(self, scenario, self._solve)
 
-    def _solve(self, scenario: ColumnScenario) -> Response:
+    def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
         return self._impact(scenario)

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from workbench.arrays import Array
 from workbench.fields import checked
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.catenary import beam_of
@@ -15,7 +16,10 @@ from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
-from workbench.scenarios import Column, ColumnImpact
+from workbench.models.single_dof.pulse import Pushed, pulse_response
+from workbench.responses import Response
+from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
+from workbench.scenarios.pulse import UNIFORM
 
 _PLACES = ("base", "hit", "head")  # nodes of the beam
 
@@ -67,6 +71,71 @@ class Biggs(SingleDof):
             if energy_to_absorb(found) >= curve.work(stage.start):
                 break
         return found
+
+    def pushed(self, scenario: MemberPulse) -> Pushed:
+        """What a pulse moves: the mass K_LM M of each stage against the resistance to its load.
+
+        A line load does the work of K_L times it, another K_L in each stage: energies of the member
+        are not those of the equivalent system then.
+        """
+        column, uniform = scenario.column, scenario.load == UNIFORM
+        total = column.properties.mass_per_length * column.length
+        stages = self.stages(column, uniform)
+        masses = tuple((stage.start, stage.load_mass_factor * total) for stage in stages)
+        return Pushed(stage_curve(column, stages), masses, scenario.whole, not uniform)
+
+    def _solve(self, scenario: ColumnScenario) -> Response:
+        if not isinstance(scenario, MemberPulse):
+            return super()._solve(scenario)
+        stages = self.stages(scenario.column, scenario.load == UNIFORM)
+
+        def known(values: dict[str, Any]) -> dict[str, Any]:
+            moved = values["displacement"], values["force"], values["load"]
+            return {"reaction": dynamic_reactions(stages, scenario.load == UNIFORM, *moved)}
+
+        return pulse_response(scenario, self.pushed(scenario), known)
+
+
+def dynamic_reactions(
+    stages: tuple[Stage, ...], uniform: bool, displacement: Array, force: Array, load: Array
+) -> Array:
+    """Reactions (2, times) of both supports, from resistance and load over time.
+
+    Biggs 1964, section 5.3: inertia forces have the shape of the stage, and the moments at ends and
+    hit point are those of the resistance. Both bars in equilibrium, vertically and about the
+    support, give both reactions, the shear forces beside the hit point and the size of the inertia.
+    """
+    furthest = np.maximum.accumulate(displacement)
+    now = np.searchsorted([stage.start for stage in stages], furthest, side="right") - 1
+    elastic = stages[0].rates
+    found = np.zeros((2, len(force)))
+    for number, stage in enumerate(stages):
+        here = now == number
+        base, hit, head = stage.shape.nodes
+        reached = stage.load + stage.stiffness * (furthest[here] - stage.start)
+        moments = stage.moments + np.outer(reached - stage.load, stage.rates)
+        moments += np.outer(force[here] - reached, elastic)  # what has been taken off since
+        (below, at_below), (above, at_above) = stage.shape.inertia(0, 1), stage.shape.inertia(1, 2)
+        line = 1.0 / (head - base) if uniform else 0.0
+        # reactions down, shear forces of the hit point on either bar, inertia; all along the load
+        balance = np.array(
+            [
+                [-1.0, 0.0, 1.0, 0.0, -below],
+                [0.0, 0.0, hit - base, 0.0, -below * (at_below - base)],
+                [0.0, -1.0, 0.0, 1.0, -above],
+                [0.0, 0.0, 0.0, head - hit, -above * (head - at_above)],
+                [0.0, 0.0, 1.0, 1.0, 0.0],
+            ]
+        )
+        own = line * np.array([hit - base, (hit - base) ** 2 / 2.0, head - hit])
+        own = np.append(own, line * (head - hit) ** 2 / 2.0)
+        right = np.zeros((5, int(here.sum())))
+        right[:4] = -np.outer(own, load[here])
+        right[1] += moments[:, 1] - moments[:, 0]
+        right[3] += moments[:, 1] - moments[:, 2]
+        right[4] = 0.0 if uniform else load[here]
+        found[:, here] = np.linalg.solve(balance, right)[:2]
+    return found
 
 
 @lru_cache(maxsize=256)

@@ -27,7 +27,7 @@ from workbench.models.resistance.limits import (
     reached_findings,
     shear_utilisation,
 )
-from workbench.models.single_dof.pulse import push
+from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact.model import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, Pulse, Scenario
@@ -96,9 +96,8 @@ class HardImpact(Declared, table="option"):
         values: dict[str, Any] = {}
         time = None
         if self.application == DYNAMIC:
-            stages = [(0.0, column.properties.impact_mass)]
-            run = push(curve, column, stages, pulse, 1.0, scenario.duration)
-            time, values = run.time, dict(run.values)
+            pushed = Pushed(curve, ((0.0, column.properties.impact_mass),), 1.0, True)
+            time, values = push(pushed, column, pulse, scenario.duration)
             top = float(values["displacement"].max())
         else:
             top = self._static(curve, scenario, self.amplification * pulse.peak)

@@ -10,7 +10,7 @@ from workbench.models.resistance.curve import Array, ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover
+from workbench.scenarios import Column, ColumnPushover, ColumnScenario
 
 SEGMENTS = ("below", "above")
 _ROTATION = 0.5  # rad; small rotations change the force by about 7 % here
@@ -47,7 +47,7 @@ def out_of_reach(column: Column, displacement: float, time: float | None = None)
     return CollapseError(collapse, "the displacement passes nine tenths of the shorter segment")
 
 
-def curve_findings(scenario: ColumnImpact | ColumnPushover, shape: str) -> list[Finding]:
+def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
     Of the shape of panels those of the four-DOF column with them. Warning: a head mass, which
@@ -56,7 +56,7 @@ def curve_findings(scenario: ColumnImpact | ColumnPushover, shape: str) -> list[
     own = FourDofShear().domain if shape == PANEL else member_findings
     findings = own(scenario)
     column = scenario.column
-    if column.head_mass > 0.0 and isinstance(scenario, ColumnImpact):
+    if column.head_mass > 0.0 and not isinstance(scenario, ColumnPushover):
         text = (
             f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
         )

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
-from math import ceil, pi, sqrt
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -35,6 +34,7 @@ from workbench.models.resistance.limits import (
     shear_utilisation,
 )
 from workbench.models.single_dof import kernels
+from workbench.models.single_dof.pulse import Pushed, pulse_response
 from workbench.responses import (
     Finding,
     Outcome,
@@ -43,15 +43,21 @@ from workbench.responses import (
     peak_contact_force,
     peak_of,
 )
-from workbench.responses.histories import FORCE_WINDOW
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    MemberPulse,
+    Scenario,
+)
+from workbench.scenarios.pulse import UNIFORM
 
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _STEPS_PER_PERIOD = 16  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
 _FEWEST_STEPS = 100  # of a record
-_FIRST_STEPS = 20  # of the millisecond over which contact forces are averaged
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 _ENDINGS: dict[type[Exception], Outcome] = {
@@ -76,9 +82,8 @@ class SingleDof(Declared, table="option"):
     Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
     or panel (webs yield in shear: the static curve of `four-dof-shear`);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
-    16th of the shortest period, of that with the striker on while it pushes, a 1000th with
-    restitution or Moreau's scheme, at most a 100th of the record; the midpoint scheme keeps the
-    energy whatever the step);
+    16th of the shortest period, a 1000th with restitution or Moreau's scheme, at most a 100th of
+    the record; the midpoint scheme keeps the energy whatever the step);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
@@ -91,8 +96,8 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 5
-    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND)
+    version: ClassVar[int] = 4
+    answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
         "rotations, one axial force for both bars, no axial inertia.",
@@ -116,6 +121,13 @@ class SingleDof(Declared, table="option"):
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""
         return with_hit_mass(scenario, self.hit_mass)
+
+    def pushed(self, scenario: MemberPulse) -> Pushed:
+        """What a pulse moves: a line load does half the work of its resultant at the hit point."""
+        column = scenario.column
+        share = (0.5 if scenario.load == UNIFORM else 1.0) * scenario.whole
+        curve = self.curve(column)
+        return Pushed(curve, ((0.0, column.properties.impact_mass),), share, True)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
@@ -166,48 +178,39 @@ class SingleDof(Declared, table="option"):
     def _solve(self, scenario: ColumnScenario) -> Response:
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
+        if isinstance(scenario, MemberPulse):
+            return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
         curve = self.curve(column)
-        pace, scheme = self._pace(scenario, curve), _SCHEMES[self.integrator]
-        records = np.zeros(round(scenario.duration / pace.step) + _FIRST_STEPS + 2, kernels.RECORD)
+        steps = self._steps(scenario, curve)
+        step, scheme = scenario.duration / steps, _SCHEMES[self.integrator]
+        records = np.zeros(steps + 1, kernels.RECORD)
         limit = limit_of(curve, column)
         mass = column.properties.impact_mass
         blow = kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
         status, last, residual, state = kernels.impact(
-            scheme, pace, blow, curve.elastic_limit, limit, curve.pieces, records
+            scheme, step, blow, curve.elastic_limit, limit, curve.pieces, records
         )
         if status == kernels.NO_CONVERGENCE:
             tried = "Newton with bisection; the resistance may soften too fast for the step"
-            where = f"time {records['time'][last]:.4g} s (step of {pace.step:.3g} s)"
+            where = f"time {last * step:.4g} s (step of {step:.3g} s)"
             raise SolverError(where, residual, tried)
         if status == kernels.COLLAPSE:
-            now = records[last]
-            since = (float(now["displacement"]) - limit) / float(now["velocity"])
-            raise collapsed(curve, column, limit, float(now["time"]) - since)
-        records = records[: last + 1]
-        return _Run(records["time"], records, state, curve)
+            raise collapsed(curve, column, float(records["displacement"][last]), last * step)
+        return _Run(np.linspace(0.0, scenario.duration, steps + 1), records, state, curve)
 
-    def _pace(self, scenario: ColumnImpact, curve: ResistanceCurve) -> kernels.Pace:
-        duration = scenario.duration
+    def _steps(self, scenario: ColumnImpact, curve: ResistanceCurve) -> int:
         if self.time_step is not None:
-            step = duration / max(1, ceil(duration / self.time_step))
-            return kernels.Pace(duration, step, step, step, 0.0)
-        column = scenario.column
-        period = 2.0 * pi / _frequency(curve, column)
+            return max(1, int(np.ceil(scenario.duration / self.time_step)))
+        period = 2.0 * np.pi / _frequency(curve, scenario.column)
         event_bound = scenario.striker.restitution > 0.0 or self.integrator == "moreau"
         share = _FINE_STEPS if event_bound else _STEPS_PER_PERIOD
-        longest = duration / _FEWEST_STEPS
-        step = duration / min(ceil(duration / min(period / share, longest)), _MOST_STEPS)
-        if event_bound:
-            return kernels.Pace(duration, step, step, step, 0.0)
-        slower = sqrt(1.0 + scenario.striker.mass / column.properties.impact_mass)
-        push = max(step, min(slower * step, longest))
-        window = min(FORCE_WINDOW, duration)  # which sees the first collision
-        return kernels.Pace(duration, step, push, min(step, window / _FIRST_STEPS), window)
+        step = min(period / share, scenario.duration / _FEWEST_STEPS)
+        return min(int(np.ceil(scenario.duration / step)), _MOST_STEPS)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
@@ -268,7 +271,7 @@ class SingleDof(Declared, table="option"):
 def _frequency(curve: ResistanceCurve, column: Column) -> float:
     """Highest circular frequency of the impact mass on the spring, in rad/s."""
     steepest = curve.unloading_stiffness(reach(column))
-    return sqrt(steepest / column.properties.impact_mass)
+    return float(np.sqrt(steepest / column.properties.impact_mass))
 
 
 def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:

@@ -22,7 +22,7 @@ from workbench.models.single_dof.kernels import (
 
 
 @njit(cache=True, error_model="numpy")
-def pushed(dt, stages, means, elastic_limit, limit, pieces, records):
+def follow(dt, stages, means, elastic_limit, limit, pieces, records):
     """Follow a push in steps of `dt`: (status, last step, residual, final spring, works).
 
     Arguments: `stages` (n, 2), displacement (m) from which on a mass (kg) moves; `means` (steps,)

@@ -110,7 +110,7 @@ class SolidPlaneStress(Declared, table="option"):
         last = int(np.searchsorted(at, final * (1.0 - 1e-12)))
         return np.asarray(at[: last + 1] * (final / at[last]))
 
-    def _solve(self, scenario: ColumnScenario) -> Response:
+    def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
         column = scenario.column
         with threadpool_limits(1, user_api="blas"):
             mesh = solid_mesh(column, self.smallest_element, self.refinement)

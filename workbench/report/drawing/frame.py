@@ -11,7 +11,14 @@ from workbench.report.drawing.layout import Layout, displacement_unit
 from workbench.report.drawing.sheet import first
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
 from workbench.report.drawing.symbols import LIGHT, arrow, circle, face, note
-from workbench.scenarios import Frame, FrameGroundMotion, FrameImpact, FrameScenario, FrameStatic
+from workbench.scenarios import (
+    Frame,
+    FrameGroundMotion,
+    FrameImpact,
+    FramePulse,
+    FrameScenario,
+    FrameStatic,
+)
 from workbench.scenarios.frame_parts import Load, Member, Node
 from workbench.sections import Section
 
@@ -196,6 +203,9 @@ def draw_actions(panel: Axes, layout: Layout, scenarios: Sequence[FrameScenario]
         return _strikers(panel, layout, impacts)
     if pushes:
         return _pattern(panel, layout, pushes)
+    pulses = [s for s in scenarios if isinstance(s, FramePulse)]
+    if pulses:
+        return _pulses(panel, layout, pulses)
     _motion(panel, layout, [s for s in scenarios if isinstance(s, FrameGroundMotion)])
     return []
 
@@ -253,6 +263,19 @@ def _pattern(panel: Axes, layout: Layout, pushes: Sequence[FrameStatic]) -> list
         kind = "force" if shown.loads[0].x or shown.loads[0].y else "moment"
         said.insert(0, f"λ P is the {kind} that is sought.")
     return said
+
+
+def _pulses(panel: Axes, layout: Layout, pulses: Sequence[FramePulse]) -> list[str]:
+    shown = pulses[0]
+    for load in shown.loads:
+        away = _beyond(layout, load.node, complex(load.x, load.y))
+        load_arrows(panel, layout, load, ACTION, "p(t)", away)
+    _ring(panel, layout, shown.node, "displacement")
+    on = f", a line load along {shown.direction} on {', '.join(shown.members)}"
+    shapes = ", ".join(dict.fromkeys(each.pulse.shape for each in pulses))
+    peaks = listed([each.pulse.peak for each in pulses])
+    unit = "N/m" if shown.members else "N"
+    return [f"Pulses p(t), {shapes}, of at most {peaks} {unit}{on if shown.members else ''}."]
 
 
 def _beyond(layout: Layout, node: str, direction: complex) -> float:

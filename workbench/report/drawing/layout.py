@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.content.formatting import Unit, unit_of
-from workbench.scenarios import ColumnImpact, ColumnPushover, Frame, FrameScenario, Member
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.scenarios.column_as_frame import frame_scenario
 from workbench.study.definition import Case
 
@@ -119,7 +119,7 @@ def frame_scenario_of(case: Case) -> FrameScenario | None:
     None if the case is about neither.
     """
     scenario = case.scenario
-    if isinstance(scenario, (ColumnImpact, ColumnPushover)):
+    if isinstance(scenario, ColumnScenario):
         return frame_scenario(scenario)
     return scenario if isinstance(scenario, FrameScenario) else None
 

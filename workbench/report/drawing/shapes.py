@@ -18,7 +18,7 @@ from workbench.errors import InputError
 from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
 from workbench.report.drawing.sheet import Absences, Array, Request
 from workbench.responses import Response
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Frame, FrameScenario
+from workbench.scenarios import Column, ColumnScenario, Frame, FrameScenario
 from workbench.study.definition import Case
 
 Points = NDArray[np.complex128]
@@ -191,7 +191,7 @@ def shapes_of(case: Case, response: Response) -> Shapes | None:
         if "utilisation" in response:
             used = response["utilisation"].values.astype(float)
             hinges = tuple(str(name) for name in response["hinge"].values)
-    elif "shortening" in response and isinstance(case.scenario, (ColumnImpact, ColumnPushover)):
+    elif "shortening" in response and isinstance(case.scenario, ColumnScenario):
         even = np.linspace(0, len(when) - 1, min(_CHORDS, len(when))).round().astype(int)
         chosen = np.unique([*even, int(np.argmax(np.abs(moved)))])
         at, down = when[chosen], response["shortening"].values.astype(float)[chosen]
