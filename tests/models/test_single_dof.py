@@ -485,3 +485,15 @@ def test_batch_gives_the_numbers_of_single_runs(thesis_impact) -> None:
     assert "collapse" in peaks.failure[2]
     assert "Euler load" in peaks.failure[4]
     assert np.isnan(peaks.impulse[2])
+
+
+def test_long_steps_of_the_push_keep_peak_force_and_ledger(thesis_impact) -> None:
+    """Against equal steps of 2 microseconds."""
+    own, fine = (
+        SingleDof().simulate(thesis_impact),
+        SingleDof(time_step=2e-6).simulate(thesis_impact),
+    )
+    for name, bound in (("peak_displacement", 1e-4), ("impulse", 1e-3), ("peak_force", 0.03)):
+        assert float(own[name]) == pytest.approx(float(fine[name]), rel=bound)
+    assert len(own["time"]) < 400
+    assert float(np.abs(own["balance_error"]).max()) < 1e-12 * thesis_impact.input_energy

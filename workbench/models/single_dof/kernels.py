@@ -17,7 +17,7 @@ HISTORIES = (
     *("displacement", "velocity", "striker_velocity", "percussion", "force"),
     *("kinetic", "elastic", "dissipated", "contact_loss"),
 )
-RECORD = np.dtype([(name, float) for name in HISTORIES])
+RECORD = np.dtype([(name, float) for name in (*HISTORIES, "time")])
 _EPS = 2.220446049250313e-16
 _TOUCHING = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
 
@@ -45,6 +45,19 @@ class Blow(NamedTuple):
     striker: float
     velocity: float
     restitution: float
+
+
+class Pace(NamedTuple):
+    """Duration of the record and steps, in s: in general, and while the striker pushes on.
+
+    The `first` are taken until the time `until`.
+    """
+
+    duration: float
+    step: float
+    push: float
+    first: float
+    until: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -104,8 +117,10 @@ def spring_energy(state, pieces):
 @njit(cache=True, error_model="numpy")
 def spring_moved(state, v1, pieces):
     """State after the straight path to v1: force, top, unloading stiffness, dissipation."""
-    f1 = spring_path(state, v1, pieces)[0]
     v0, f0, v_top, f_top, k, yielded, dissipated = state
+    if unloads(state, v1):
+        return Spring(v1, f0 + k * (v1 - v0), v_top, f_top, k, True, dissipated)
+    f1 = spring_path(state, v1, pieces)[0]
     if not yielded:
         if abs(v1) <= v_top:
             return Spring(v1, f1, v_top, f_top, k, False, dissipated)
@@ -126,6 +141,14 @@ def spring_moved(state, v1, pieces):
 
 
 @njit(cache=True, error_model="numpy")
+def unloads(state, v1):
+    """Whether the spring stays on its unloading line on the way to v1."""
+    v0, f0, v_top, f_top, k, yielded, _ = state
+    rise = k * (v1 - v0)
+    return yielded and v0 < v_top and v1 < v_top and -f_top <= f0 + rise <= f_top
+
+
+@njit(cache=True, error_model="numpy")
 def solve_midpoint(dt, w0, mass, jump, state, pieces):
     """End velocity w1 of mass (w1 - w0) + jump + dt F_mean = 0; returns (w1, residual).
 
@@ -136,6 +159,8 @@ def solve_midpoint(dt, w0, mass, jump, state, pieces):
     elastic = state.stiffness if state.yielded and state.v < state.top else 0.0
     ahead = jump + dt * (state.force + 0.5 * dt * elastic * w0)  # exact on the unloading line
     w1 = w0 - ahead / (mass + 0.25 * dt * dt * elastic)
+    if unloads(state, v0 + 0.5 * dt * (w0 + w1)):
+        return w1, 0.0
     low, high, residual = -np.inf, np.inf, np.inf
     for _ in range(200):
         v1 = v0 + 0.5 * dt * (w0 + w1)
@@ -213,12 +238,12 @@ def _record(row, state, pieces):
 
 
 @njit(cache=True, error_model="numpy")
-def impact(scheme, dt, blow, elastic_limit, limit, pieces, records):
-    """Follow the impact in steps of `dt`: (status, last step, residual, final state).
+def impact(scheme, pace, blow, elastic_limit, limit, pieces, records):
+    """Follow the impact: (status, last record, residual, final state).
 
     The first collision, whose instant is known, comes before the first step; later ones are
-    found by the steps. Its percussion is recorded with the first step. `records` (steps + 1,) of
-    RECORD are zero at first. COLLAPSE when v passes `limit`.
+    found by the steps. Its percussion is recorded with the first step. `records` of RECORD are
+    zero at first. COLLAPSE when v passes `limit`.
     """
     state = spring_at_rest(elastic_limit, pieces)
     mass, striker, velocity, restitution = blow
@@ -227,16 +252,27 @@ def impact(scheme, dt, blow, elastic_limit, limit, pieces, records):
     first = explicit_percussion(-velocity, -velocity, restitution, mass, striker)
     motion = (first / mass, 0.0, velocity - first / striker)
     lost = contact_loss(first, -velocity, motion[0] - motion[2])
-    for n in range(1, records.size):
+    n, time, percussion = 0, 0.0, first
+    while time < pace.duration - 1e-9 * pace.step:
+        rises = state.v >= state.top or not state.yielded
+        ahead = (mass + striker) * motion[0] - state.force * pace.push  # still rising after it
+        inside = state.v + pace.push * motion[0] < limit
+        dt = pace.push if percussion > 0.0 and rises and inside and ahead > 0.0 else pace.step
+        if time < pace.until:
+            dt = pace.first
+        dt = min(dt, pace.duration - time)
         if scheme == MOREAU:
             found = _moreau_step(dt, motion, blow, state, pieces)
         else:
             found = _midpoint_step(dt, motion, blow, state, pieces)
         residual, motion, state, percussion, loss = found
+        n += 1
+        time = n * pace.step if pace.until == 0.0 else time + dt
         if residual > 1e-9:
             return NO_CONVERGENCE, n, residual, state
         lost += loss
         row = records[n]
+        row.time = min(time, pace.duration)
         row.displacement, row.velocity, row.striker_velocity = state.v, motion[0], motion[2]
         row.percussion = percussion + first if n == 1 else percussion
         row.kinetic = 0.5 * (mass * motion[0] ** 2 + striker * motion[2] ** 2)
@@ -244,7 +280,7 @@ def impact(scheme, dt, blow, elastic_limit, limit, pieces, records):
         _record(row, state, pieces)
         if state.v > limit:
             return COLLAPSE, n, 0.0, state
-    return OK, records.size - 1, 0.0, state
+    return OK, n, 0.0, state
 
 
 @njit(cache=True, error_model="numpy")

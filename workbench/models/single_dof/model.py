@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
+from math import ceil, pi, sqrt
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -43,6 +44,7 @@ from workbench.responses import (
     peak_contact_force,
     peak_of,
 )
+from workbench.responses.histories import FORCE_WINDOW
 from workbench.scenarios import (
     Column,
     ColumnImpact,
@@ -58,6 +60,7 @@ _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _STEPS_PER_PERIOD = 16  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
 _FEWEST_STEPS = 100  # of a record
+_FIRST_STEPS = 20  # of the millisecond over which contact forces are averaged
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 _ENDINGS: dict[type[Exception], Outcome] = {
@@ -82,8 +85,9 @@ class SingleDof(Declared, table="option"):
     Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
     or panel (webs yield in shear: the static curve of `four-dof-shear`);
     `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
-    16th of the shortest period, a 1000th with restitution or Moreau's scheme, at most a 100th of
-    the record; the midpoint scheme keeps the energy whatever the step);
+    16th of the shortest period, of that with the striker on while it pushes, a 1000th with
+    restitution or Moreau's scheme, at most a 100th of the record; the midpoint scheme keeps the
+    energy whatever the step);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
@@ -96,7 +100,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -186,31 +190,42 @@ class SingleDof(Declared, table="option"):
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
         curve = self.curve(column)
-        steps = self._steps(scenario, curve)
-        step, scheme = scenario.duration / steps, _SCHEMES[self.integrator]
-        records = np.zeros(steps + 1, kernels.RECORD)
+        pace, scheme = self._pace(scenario, curve), _SCHEMES[self.integrator]
+        records = np.zeros(round(scenario.duration / pace.step) + _FIRST_STEPS + 2, kernels.RECORD)
         limit = limit_of(curve, column)
         mass = column.properties.impact_mass
         blow = kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
         status, last, residual, state = kernels.impact(
-            scheme, step, blow, curve.elastic_limit, limit, curve.pieces, records
+            scheme, pace, blow, curve.elastic_limit, limit, curve.pieces, records
         )
         if status == kernels.NO_CONVERGENCE:
             tried = "Newton with bisection; the resistance may soften too fast for the step"
-            where = f"time {last * step:.4g} s (step of {step:.3g} s)"
+            where = f"time {records['time'][last - 1]:.4g} s (step of {pace.step:.3g} s)"
             raise SolverError(where, residual, tried)
         if status == kernels.COLLAPSE:
-            raise collapsed(curve, column, float(records["displacement"][last]), last * step)
-        return _Run(np.linspace(0.0, scenario.duration, steps + 1), records, state, curve)
+            now = records[last]
+            since = (float(now["displacement"]) - limit) / float(now["velocity"])
+            raise collapsed(curve, column, limit, float(now["time"]) - since)
+        records = records[: last + 1]
+        return _Run(records["time"], records, state, curve)
 
-    def _steps(self, scenario: ColumnImpact, curve: ResistanceCurve) -> int:
+    def _pace(self, scenario: ColumnImpact, curve: ResistanceCurve) -> kernels.Pace:
+        duration = scenario.duration
         if self.time_step is not None:
-            return max(1, int(np.ceil(scenario.duration / self.time_step)))
-        period = 2.0 * np.pi / _frequency(curve, scenario.column)
+            step = duration / max(1, ceil(duration / self.time_step))
+            return kernels.Pace(duration, step, step, step, 0.0)
+        column = scenario.column
+        period = 2.0 * pi / _frequency(curve, column)
         event_bound = scenario.striker.restitution > 0.0 or self.integrator == "moreau"
         share = _FINE_STEPS if event_bound else _STEPS_PER_PERIOD
-        step = min(period / share, scenario.duration / _FEWEST_STEPS)
-        return min(int(np.ceil(scenario.duration / step)), _MOST_STEPS)
+        longest = duration / _FEWEST_STEPS
+        step = duration / min(ceil(duration / min(period / share, longest)), _MOST_STEPS)
+        if event_bound:
+            return kernels.Pace(duration, step, step, step, 0.0)
+        slower = sqrt(1.0 + scenario.striker.mass / column.properties.impact_mass)
+        push = max(step, min(slower * step, longest))
+        window = min(FORCE_WINDOW, duration)  # which sees the first collision
+        return kernels.Pace(duration, step, push, min(step, window / _FIRST_STEPS), window)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
@@ -271,7 +286,7 @@ class SingleDof(Declared, table="option"):
 def _frequency(curve: ResistanceCurve, column: Column) -> float:
     """Highest circular frequency of the impact mass on the spring, in rad/s."""
     steepest = curve.unloading_stiffness(reach(column))
-    return float(np.sqrt(steepest / column.properties.impact_mass))
+    return sqrt(steepest / column.properties.impact_mass)
 
 
 def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
