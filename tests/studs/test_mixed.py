@@ -266,6 +266,16 @@ def test_leaving_a_campaign_out_finds_the_odd_one() -> None:
     assert max(abs(each.bias) for name, each in left.items() if name != "2") < 0.35  # measured 0.27
 
 
+def test_of_many_campaigns_as_many_as_tell_enough_are_left_out() -> None:
+    y, groups = synthetic(np.random.default_rng(6), 120, 1, 0.05, 0.05)
+    left = leave_one_campaign_out(mean_problem(y, groups))
+    numbers = sorted(int(each.campaign) for each in left)
+    assert len(numbers) == 50
+    assert max(np.diff(numbers)) <= 3  # evenly through the table
+    covered = np.mean([each.covered for each in left])
+    assert 0.8 <= covered <= 1.0
+
+
 def test_robust_losses_are_not_led_by_outliers() -> None:
     y, groups = synthetic(np.random.default_rng(9), 5, 8, 0.05, 0.05)
     bad = y.copy()
