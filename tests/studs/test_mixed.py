@@ -271,7 +271,7 @@ def test_of_many_campaigns_as_many_as_tell_enough_are_left_out() -> None:
     left = leave_one_campaign_out(mean_problem(y, groups))
     numbers = sorted(int(each.campaign) for each in left)
     assert len(numbers) == 50
-    assert max(np.diff(numbers)) <= 3  # evenly through the table
+    assert max(np.diff(numbers)) <= 8  # evenly through the table, in the order of their names
     covered = np.mean([each.covered for each in left])
     assert 0.8 <= covered <= 1.0
 
