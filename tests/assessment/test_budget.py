@@ -23,7 +23,7 @@ from workbench.assessment.budget import (
     together,
     varied_term,
 )
-from workbench.assessment.model_form import RANGES, TABLE, Trend, descriptors, model_form
+from workbench.assessment.model_form import RANGES, TABLE, Trend, model_form
 from workbench.assessment.variations import (
     MILD_STEEL,
     SPREADS,
@@ -33,6 +33,7 @@ from workbench.assessment.variations import (
 )
 from workbench.errors import InputError
 from workbench.evidence import load
+from workbench.models.descriptors import descriptors
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.solid import SolidPlaneStress

@@ -12,9 +12,9 @@ import pytest
 from toy_models import Spring
 
 from workbench.assessment.budget import TOTAL
-from workbench.assessment.model_form import DEMAND, YIELDING, descriptors
 from workbench.content.terminal import render_text
 from workbench.errors import InputError
+from workbench.models.descriptors import DEMAND, YIELDING, descriptors
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.budgets import budget_tables
 from workbench.report.drawing.sheet import Request

@@ -6,63 +6,20 @@ columns of a region; regions are told apart by what a scenario says before anyth
 what was sampled nothing is known, and nothing is extrapolated.
 """
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from math import expm1, log, sqrt
 from typing import Any
 
 from workbench.assessment.budget import COVERAGE, MODEL_FORM, Term
 from workbench.evidence import dataset, load
-from workbench.models.base import Model, options_of
-from workbench.models.domain import euler_load, shear_demand
-from workbench.models.hit_mass import elastic_energy
+from workbench.models.base import Model
+from workbench.models.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
 from workbench.scenarios import ColumnImpact
 
 TABLE, RANGES = "model-form", "model-form-ranges"
 FEWEST = 6  # columns of a region
-DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
 BOUNDS = (DEMAND, YIELDING, STRIKER)  # descriptors that tell regions apart
-_NO_NUMBERS = ("levels",)  # options that leave the answer as it is
-
-
-def descriptors(scenario: ColumnImpact) -> dict[str, float]:
-    """What tells columns and hits apart, without a run and without units.
-
-    V/Vpl of the bending mechanism; energy after the hit over that of the column at its mechanism;
-    lengths over the height of the section; axial load over squash and Euler load; velocity over
-    (fy / rho)^½; striker over lumped mass; restraint over axial stiffness of the column; shape
-    factor of the section; restitution, mass at the head, and whether the head is fixed.
-    """
-    column, striker = scenario.column, scenario.striker
-    properties, section, steel = column.properties, column.section, column.steel
-    lumped = properties.impact_mass / striker.mass
-    axial = steel.elastic_modulus * properties.area / column.length
-    return {
-        DEMAND: max(shear_demand(scenario).values()),
-        YIELDING: scenario.input_energy / (1.0 + lumped) / elastic_energy(scenario),
-        "below_over_height": column.length_below / section.height,
-        "above_over_height": column.length_above / section.height,
-        "axial_over_squash": column.axial_load / properties.squash_load,
-        "axial_over_euler": column.axial_load / euler_load(scenario),
-        "velocity_over_plastic": striker.velocity / sqrt(steel.yield_stress / steel.density),
-        STRIKER: 1.0 / lumped,
-        "restraint_over_axial": column.restraint_stiffness / axial,
-        "shape_factor": section.plastic_section_modulus / section.elastic_section_modulus,
-        "restitution": striker.restitution,
-        "head_mass_over_striker": column.head_mass / striker.mass,
-        "fixed_head": float(column.head == "fixed"),
-    }
-
-
-def variant_of(model: Model) -> str:
-    """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
-    usual = {
-        f.name: f.default
-        for f in dataclasses.fields(model)  # type: ignore[arg-type]
-    }
-    own = {name: value for name, value in options_of(model).items() if value != usual[name]}
-    return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +51,7 @@ class Trend:
         return quantile * self.scatter * sqrt(1.0 + 1.0 / self.count + away**2)
 
 
-TREND = tuple(f.name for f in dataclasses.fields(Trend))
+TREND = tuple(f.name for f in fields(Trend))
 
 
 def model_form(model: Model, scenario: ColumnImpact, quantity: str) -> Term:

@@ -17,18 +17,9 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.assessment.model_form import (
-    BOUNDS,
-    DEMAND,
-    FEWEST,
-    STRIKER,
-    TREND,
-    YIELDING,
-    Trend,
-    descriptors,
-    variant_of,
-)
+from workbench.assessment.model_form import BOUNDS, FEWEST, TREND, Trend
 from workbench.errors import InputError
+from workbench.models.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
 from workbench.scenarios import ColumnImpact
 from workbench.study.assess import Assessment
 from workbench.study.definition import Study

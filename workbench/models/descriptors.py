@@ -1,0 +1,51 @@
+"""What tells columns and hits apart before a run, and one variant of a model from another.
+
+Regions in which models were measured, and the rules of validity found there, are told by these.
+"""
+
+import dataclasses
+from math import sqrt
+from typing import Any
+
+from workbench.models.domain import euler_load, shear_demand
+from workbench.models.hit_mass import elastic_energy
+from workbench.scenarios import ColumnImpact
+
+DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
+_NO_NUMBERS = ("levels",)  # options that leave the answer as it is
+
+
+def descriptors(scenario: ColumnImpact) -> dict[str, float]:
+    """What tells columns and hits apart, without a run and without units.
+
+    V/Vpl of the bending mechanism; energy after the hit over that of the column at its mechanism;
+    lengths over the height of the section; axial load over squash and Euler load; velocity over
+    (fy / rho)^½; striker over lumped mass; restraint over axial stiffness of the column; shape
+    factor of the section; restitution, mass at the head, and whether the head is fixed.
+    """
+    column, striker = scenario.column, scenario.striker
+    properties, section, steel = column.properties, column.section, column.steel
+    lumped = properties.impact_mass / striker.mass
+    axial = steel.elastic_modulus * properties.area / column.length
+    return {
+        DEMAND: max(shear_demand(scenario).values()),
+        YIELDING: scenario.input_energy / (1.0 + lumped) / elastic_energy(scenario),
+        "below_over_height": column.length_below / section.height,
+        "above_over_height": column.length_above / section.height,
+        "axial_over_squash": column.axial_load / properties.squash_load,
+        "axial_over_euler": column.axial_load / euler_load(scenario),
+        "velocity_over_plastic": striker.velocity / sqrt(steel.yield_stress / steel.density),
+        STRIKER: 1.0 / lumped,
+        "restraint_over_axial": column.restraint_stiffness / axial,
+        "shape_factor": section.plastic_section_modulus / section.elastic_section_modulus,
+        "restitution": striker.restitution,
+        "head_mass_over_striker": column.head_mass / striker.mass,
+        "fixed_head": float(column.head == "fixed"),
+    }
+
+
+def variant_of(model: Any) -> str:
+    """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
+    pairs = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))
+    own = {name: value for name, usual, value in pairs if value != usual}
+    return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)
