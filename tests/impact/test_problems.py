@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from workbench.impact.march import run
 from workbench.impact.problems import PROBLEMS, bar, cradle, problem
 from workbench.impact.schemes import scheme
+from workbench.models.impact_systems import frame_problem
 
 TIGHT = {"rtol": 1e-12, "atol": 1e-13, "dense_output": True}
 
@@ -93,6 +94,23 @@ def test_the_cradle_of_both_laws(law: str, coefficients: tuple[float, ...]) -> N
         found = run(*(scheme(name).stepper, given.system(), given.law, given.start, 0.4, 0.4 / 64))
         exact = given.answer(found.t)
         np.testing.assert_allclose(found.v[-1], np.diff(exact, axis=0)[-1] * 64 / 0.4, atol=1e-12)
+
+
+def test_the_struck_frame_is_the_same_for_two_schemes_and_dissipates() -> None:
+    """Energy-conserving and event-driven steps share nothing but the forces of the elements."""
+    given = frame_problem()
+    found = {
+        name: run(scheme(name).stepper, given.system(), given.law, given.start, 0.015, step)
+        for name, step in (("midpoint", 5e-5), ("event-driven", 2.5e-5))
+    }
+    mine, other = found["midpoint"].q, found["event-driven"].q[::2]
+    assert np.abs(mine - other).max() < 0.01 * np.abs(other).max()
+    struck = found["midpoint"].energies[0, 0]
+    assert 0.3 * struck < found["midpoint"].energies[-1, 2] < 0.5 * struck
+    total = found["midpoint"].energies.sum(axis=1) + np.append(
+        0.0, np.cumsum(found["midpoint"].contact_loss)
+    )
+    assert np.ptp(total) < 1e-8 * struck
 
 
 def test_a_lumped_bar_rings_where_the_bar_of_dalembert_does_not() -> None:

@@ -10,6 +10,7 @@ import pytest
 from workbench.content.tree import Bullets, Table, walk
 from workbench.errors import InputError
 from workbench.impact.problems import PROBLEMS as BUILT
+from workbench.models.impact_systems import PROBLEMS as STRUCTURES
 from workbench.models.integrators import ImpactExact, ImpactIntegrator
 from workbench.report.build import document
 from workbench.report.gallery import draw_all
@@ -47,7 +48,7 @@ def stored(tmp_path_factory) -> Stored:
 
 
 def test_scenarios_name_the_problems_of_the_laboratory() -> None:
-    assert (*BUILT, "column") == PROBLEMS
+    assert (*BUILT, *STRUCTURES) == PROBLEMS
     scenario = ImpactProblem("mine", "ball")
     assert scenario_from(to_tables(scenario)) == scenario
     with pytest.raises(InputError, match=r"impact.problem = 'bal': must be one of ball, "):

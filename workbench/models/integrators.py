@@ -18,7 +18,7 @@ from workbench.impact.march import Run, run
 from workbench.impact.problems import Problem, problem
 from workbench.impact.schemes import SCHEMES
 from workbench.models.base import respond
-from workbench.models.impact_systems import COLUMN, column_problem
+from workbench.models.impact_systems import PROBLEMS as STRUCTURES
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ImpactProblem, Scenario
 
@@ -32,8 +32,8 @@ _ROUNDING = 1e-10
 
 
 def problem_of(name: str) -> Problem:
-    """The problem of this name: those of the laboratory, and the column of four unknowns."""
-    return column_problem() if name == COLUMN else problem(name)
+    """The problem of this name: those of the laboratory, the column and the frame."""
+    return STRUCTURES[name]() if name in STRUCTURES else problem(name)
 
 
 @cache

@@ -7,13 +7,13 @@ from workbench.fields import Choice, Declared, Text, checked
 
 PROBLEMS = (
     *("ball", "ball-lively", "ball-elastic", "table", "two-masses", "cradle", "oscillator"),
-    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing", "column"),
+    *("grazing", "bar", "soft-impact", "soft-impact-plastic", "duffing", "column", "frame"),
 )
 
 
 @dataclass(frozen=True)
 class ImpactProblem(Declared, table="impact"):
-    """A problem of `workbench.impact.problems`, or the column of four unknowns.
+    """A problem of `workbench.impact.problems`, or a struck column or frame.
 
     Raises `InputError` for an unknown one.
     """
