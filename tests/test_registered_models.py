@@ -37,6 +37,8 @@ THEORY = {
     "izzuddin": "practice.md",
     "rigid-superelement": "superelements.md",
     "flexible-superelement": "superelements.md",
+    "force-based-beam": "frame-models.md",
+    "fiber-hinge": "frame-models.md",
     "giberson": "frame-models.md",
     "refined-plastic-hinge": "frame-models.md",
     "plastic-hinge": "frame-models.md",

@@ -21,7 +21,7 @@ from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
 from workbench.hinges.interaction import RULES, polyline
-from workbench.models.bar_frames import BarFrames
+from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
 from workbench.responses import Finding
 from workbench.scenarios import (
@@ -80,7 +80,7 @@ class BarHinges(BarFrames):
         told = as_frame(scenario)
         frame, parts = told.frame, self.parts(told)
         cut = cut_members(frame, parts)
-        group = self.bars(cut[1], [self._bar(frame, piece) for piece in cut[2]])
+        group = self.group(frame, cut, [self._bar(frame, piece) for piece in cut[2]])
         return self.stand(frame, cut, group, parts)
 
     def _bar(self, frame: Frame, piece: Piece) -> Bar:
@@ -117,9 +117,9 @@ class BarHinges(BarFrames):
         """Stiffness of a hinge that flows, in N m/rad."""
         return 0.0
 
-    def bars(self, nodes: list[tuple[int, int]], bars: list[Bar]) -> BarElements:
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
-        return HingedBars(nodes, bars, self.regularisation, self.first_order)
+        return HingedBars(cut[1], bars, self.regularisation, self.first_order)
 
 
 @dataclass(frozen=True)
@@ -241,10 +241,10 @@ class RefinedPlasticHinge(BarHinges):
         """AISC H1-1 for members and joints."""
         return polyline("aisc", frame.strength_section(piece.member))
 
-    def bars(self, nodes: list[tuple[int, int]], bars: list[Bar]) -> BarElements:
+    def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
         reduction = IMPERFECT if self.imperfect else 1.0
-        return RefinedBars(nodes, bars, reduction, self.regularisation, self.first_order)
+        return RefinedBars(cut[1], bars, reduction, self.regularisation, self.first_order)
 
 
 def _reverses(scenario: FrameScenario) -> bool:

@@ -12,6 +12,7 @@ from typing import ClassVar
 
 from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.fibers import fiber_section
 from workbench.frames.shear import shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
@@ -33,14 +34,14 @@ from workbench.scenarios import (
     Member,
     Scenario,
 )
-from workbench.structures.fiber_beams import FiberBeams, radau_rule
+from workbench.structures.fiber_beams import FiberBeams, lobatto_points, radau_rule
 from workbench.structures.fibers import BeamSection
-from workbench.structures.uniaxial import LinearHardening
 
 _RETRIES = 2  # meshes of twice the element size each, after one that crumples
-INTERPOLATED, BALANCED = ELEMENTS = ("interpolated", "balanced")
+INTERPOLATED, BALANCED, LOBATTO = ELEMENTS = ("interpolated", "balanced", "lobatto")
 # Distance of the sampled section from the hinge over the element: Gauss, or Radau on the hinge.
-SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0}
+# Lobatto points lie on it, but end moments are means over all points: measured on a cantilever.
+SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0, LOBATTO: 0.32}
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,10 @@ class FiberCorotational(FiberReference):
     Its options: `element`, interpolated (the classical element with two Gauss points and linear
     axial displacement) or balanced (one axial force per element, plasticity sampled at the end
     that is nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the
-    member only); `smallest_element` in m, at both ends of every member (None: 1/32 of the shorter
-    one that is hit, 1/16 in statics, 1/12 for balanced elements, but not below 0.1, 0.2 and 0.3
-    of the depth);
+    member only) or lobatto (the classical element with four Gauss-Lobatto points, as in programs
+    of practice); `smallest_element` in m, at both ends of every member (None:
+    1/32 of the shorter one that is hit, 1/16 in statics, 1/12 for balanced elements, but not below
+    0.1, 0.2 and 0.3 of the depth);
     `largest_element` in m (None: 1/40 of the longest member in dynamics, 1/8 in statics);
     `layers` over the depth of the section; `weight` of the end stresses in a time step (1/2
     conserves energy, but does not converge on fine plastic meshes); `hardening_ratio`, the
@@ -123,17 +125,14 @@ class FiberCorotational(FiberReference):
         balanced = self.element == BALANCED
         sections = [self.section(frame, member) for member in frame.members]
         rule = radau_rule(mesh.upper) if balanced else None
+        if self.element == LOBATTO:
+            rule = lobatto_points(len(mesh.member))
         return FiberBeams(mesh.nodes, mesh.member, sections, rule, balanced=balanced)
 
     def section(self, frame: Frame, member: Member) -> BeamSection:
         """The fibers of a member's strength section with its material and mass."""
-        steel, section = frame.steel, frame.strength_section(member)
-        y, area = section.fibers(self.layers)
-        modulus = steel.elastic_modulus
-        return BeamSection(
-            y,
-            area,
-            LinearHardening(modulus, steel.yield_stress, self.hardening_ratio * modulus),
-            frame.properties(member).mass_per_length,
-            shear_stiffness=shear_stiffness(section, steel) if self.shear_flexible else 0.0,
-        )
+        section = fiber_section(frame, member, self.layers, self.hardening_ratio)
+        if not self.shear_flexible:
+            return section
+        shape = frame.strength_section(member)
+        return replace(section, shear_stiffness=shear_stiffness(shape, frame.steel))

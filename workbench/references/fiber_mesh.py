@@ -43,6 +43,8 @@ class MeshRule(NamedTuple):
 # an element over the loss of stiffness when its hinge crumples.
 STATIC_SHARE = 1.0 / 8.0  # no hinge travels in statics
 COROTATIONAL_RULES = {
+    ("lobatto", False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
+    ("lobatto", True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
     ("interpolated", False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
     ("interpolated", True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
     ("balanced", False): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),

@@ -1,5 +1,6 @@
 """Beam-columns whose plasticity is lumped at, or told of as that of, their two ends."""
 
+from workbench.structures.bars.fiber_bars import FiberBars, Rule, hinge_rule, lobatto_rule
 from workbench.structures.bars.group import (
     NO_INTERACTION,
     Bar,
@@ -15,7 +16,11 @@ __all__ = [
     "Bar",
     "BarElements",
     "BarState",
+    "FiberBars",
     "HingedBars",
     "PlasticEnd",
     "RefinedBars",
+    "Rule",
+    "hinge_rule",
+    "lobatto_rule",
 ]

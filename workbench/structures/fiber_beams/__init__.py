@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.structures.fiber_beams import kernels
-from workbench.structures.fibers import BeamSection, FiberElements
+from workbench.structures.fibers import BeamSection, FiberElements, lobatto
 
 
 class Points(NamedTuple):
@@ -40,6 +40,12 @@ def radau_rule(hinge_at_end: ArrayLike) -> Points:
     abscissae = np.where(at_end, [[1.0 / 3.0, 1.0]], [[0.0, 2.0 / 3.0]])
     weights = np.where(at_end, [[0.75, 0.25]], [[0.25, 0.75]])
     return Points(abscissae, weights)
+
+
+def lobatto_points(elements: int, points: int = 4) -> Points:
+    """The same Gauss-Lobatto points in every element, both ends among them."""
+    xi, weights = lobatto(points)
+    return Points(np.tile(xi, (elements, 1)), np.tile(weights, (elements, 1)))
 
 
 class FiberState(NamedTuple):

@@ -137,3 +137,10 @@ class FiberElements(MemberElements):
         tables = self._sections
         lever = (tables.y * tables.area / tables.second[:, None])[tables.of]
         return np.asarray(-self.lengths * np.sum(self.plastic_strains * lever, axis=1))
+
+
+def lobatto(points: int) -> tuple[Array, Array]:
+    """Places in 0..1 and weights of Gauss-Lobatto quadrature, both ends among the places."""
+    inner = np.polynomial.Legendre.basis(points - 1)
+    x = np.concatenate([[-1.0], np.sort(inner.deriv().roots().real), [1.0]])
+    return 0.5 * (1.0 + x), 1.0 / (points * (points - 1) * inner(x) ** 2)

@@ -1,0 +1,57 @@
+"""Force-based elements against fine displacement-based ones, and hinges of fibers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_hinged_frames import MP, cantilever
+
+from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
+from workbench.references.fiber_corotational import FiberCorotational
+
+pytestmark = pytest.mark.usefixtures("few_load_steps")
+FINE = {"smallest_element": 0.05, "largest_element": 0.2, "levels": 1, "refinement": 0}
+
+
+def test_one_element_reaches_the_fine_mesh_where_steel_hardens() -> None:
+    scenario = cantilever(4.0, 0.0, 0.3)
+    fine = FiberCorotational(hardening_ratio=0.02, **FINE).simulate(scenario)
+    model = ForceBasedBeam(hardening_ratio=0.02, points=8)
+    found = np.interp([0.03, 0.1, 0.3], *_curve(model.simulate(scenario)))
+    assert found == pytest.approx(np.interp([0.03, 0.1, 0.3], *_curve(fine)), rel=0.01)
+
+
+def test_perfectly_plastic_resistance_is_that_of_the_section() -> None:
+    scenario = cantilever(4.0, 0.0, 0.2)
+    for model in (ForceBasedBeam(geometry="linear"), FiberHinge(geometry="linear")):
+        response = model.simulate(scenario)
+        assert float(response["resistance"]) == pytest.approx(MP / 4.0, rel=2e-3)
+        # rotation of the plastic hinge: that of the chord less the elastic one
+        elastic = MP / 4.0 * 0.2 / float(response["force"][10]) * 10.0 / 200.0
+        expected = (0.2 - elastic) / 4.0
+        assert float(response["largest_plastic_rotation"]) == pytest.approx(expected, rel=0.02)
+
+
+def test_cycles_dissipate_as_on_a_fine_mesh() -> None:
+    scenario = replace(cantilever(4.0, 0.0, 0.2), path=(0.2, -0.2, 0.2))
+    fine = float(FiberCorotational(**FINE).simulate(scenario)["dissipated"][-1])
+    for model in (ForceBasedBeam(), FiberHinge()):
+        response = model.simulate(scenario)
+        assert float(response["dissipated"][-1]) == pytest.approx(fine, rel=0.03)
+        assert np.abs(response["balance_error"].values).max() < 1e-4 * fine
+
+
+def test_displacement_based_elements_with_lobatto_points_overestimate_as_told() -> None:
+    """Their end moment is a mean over the points: resistance Mp / (L - 0.32 h), order 1 in h."""
+    for size in (1.0, 0.5):
+        mesh = {"smallest_element": size, "largest_element": size, "levels": 1, "refinement": 0}
+        model = FiberCorotational(element="lobatto", **mesh)
+        response = model.simulate(cantilever(4.0, 0.0, 0.2))
+        expected = MP / (4.0 - model.sampled * size)
+        assert float(response["resistance"]) == pytest.approx(expected, rel=0.01)
+
+
+def _curve(response) -> tuple[np.ndarray, np.ndarray]:
+    return response["displacement"].values, response["force"].values

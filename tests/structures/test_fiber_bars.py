@@ -1,0 +1,105 @@
+"""Force-based elements: quadrature, elastic stiffness, tangent, equilibrium at every point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from superelement_cases import NP
+
+from workbench.hinges.interaction import polyline
+from workbench.sections import square
+from workbench.structures.bars import Bar, FiberBars, PlasticEnd, Rule, hinge_rule, lobatto_rule
+from workbench.structures.bars import fiber_kernels as kernels
+from workbench.structures.elements import Bars
+from workbench.structures.fibers import BeamSection
+from workbench.structures.uniaxial import LinearHardening
+
+LENGTH, SHEAR, JOINT = 3.0, 2e8, 5e7
+E, FY = 210e9, 355e6
+
+
+def section(hardening: float = 1e-5) -> BeamSection:
+    """A square of 0.2 m in 20 layers."""
+    y, area = square(0.2).fibers(20)
+    return BeamSection(y, area, LinearHardening(E, FY, hardening * E), 314.0)
+
+
+def group(rule: Rule, fibers: BeamSection, joint: float = np.inf) -> FiberBars:
+    """One element along x, its start with a joint."""
+    curve = polyline("exact", square(0.2))
+    axial = E * fibers.area.sum()
+    ends = [PlasticEnd((NP, NP), (1e6, 1e6), curve, stiffness) for stiffness in (joint, np.inf)]
+    bar = Bar(*ends, axial, axial * fibers.radius_squared, 314.0, SHEAR, second_order=False)
+    made = FiberBars([[0, 1]], [bar], [rule], [fibers])
+    places = np.zeros((1, 36), dtype=np.int64)
+    made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
+    return made
+
+
+def law(bars: FiberBars, q, state=None):
+    """Forces, strains, new fiber states and tangent at deformations `q` from a committed state."""
+    (own,) = bars.tables
+    shape = (own.xi.shape[1], 2, own.sections.y.shape[1])
+    forces, strains, old = state or (np.zeros(3), np.zeros((shape[0], 2)), np.zeros(shape))
+    forces, strains, new, k = forces.copy(), strains.copy(), np.zeros(shape), np.empty((3, 3))
+    kernels.force_law(own, 0, np.inf, np.asarray(q, float), forces, strains, old, new, k)
+    return (forces, strains, new), k
+
+
+@pytest.mark.parametrize("points", [3, 5, 8])
+def test_lobatto_integrates_polynomials(points: int) -> None:
+    rule = lobatto_rule(points)
+    for power in range(2 * points - 2):
+        assert rule.weights @ rule.xi**power == pytest.approx(1.0 / (power + 1.0), rel=1e-12)
+    assert rule.xi[0] == 0.0 and rule.xi[-1] == 1.0  # noqa: PT018
+
+
+@pytest.mark.parametrize("share", [0.03, 0.125, 0.6])
+def test_hinge_rule_is_exact_for_elastic_flexibility(share: float) -> None:
+    rule = hinge_rule(share)
+    for power in range(3):
+        assert rule.weights @ rule.xi**power == pytest.approx(1.0 / (power + 1.0), rel=1e-12)
+    assert rule.weights[0] == min(share, 0.125)
+    assert list(rule.elastic) == [False, True, True, True, True, False]
+
+
+@pytest.mark.parametrize("rule", [lobatto_rule(5), hinge_rule(0.07)])
+def test_elastic_stiffness_with_shear_and_joint(rule: Rule) -> None:
+    fibers = section()
+    bending = E * fibers.area.sum() * fibers.radius_squared
+    f = np.array([[2.0, -1.0], [-1.0, 2.0]]) * LENGTH / (6.0 * bending) + 1.0 / (LENGTH * SHEAR)
+    f[0, 0] += 1.0 / JOINT
+    _, k = law(group(rule, fibers, JOINT), [1e-6, 1e-6, -2e-6])
+    assert k[1:, 1:] == pytest.approx(np.linalg.inv(f), rel=1e-9)
+    assert k[0, 0] == pytest.approx(E * fibers.area.sum() / LENGTH, rel=1e-9)
+    _, k = law(group(rule, fibers, 0.0), [1e-6, 3e-6, -2e-6])
+    assert np.all(k[1] == 0.0)
+    assert k[2, 2] == pytest.approx(1.0 / (f[1, 1]), rel=1e-9)
+
+
+@pytest.mark.parametrize("rule", [lobatto_rule(5), hinge_rule(0.07)])
+def test_equilibrium_compatibility_and_tangent_far_in_the_plastic_range(rule: Rule) -> None:
+    bars, rng = group(rule, section()), np.random.default_rng(4)
+    (own,) = bars.tables
+    size = np.sqrt([2.8e9, 3.7e7, 3.7e7])
+    off = 0
+    for _ in range(40):
+        first = rng.standard_normal(3) * np.array([0.01, 0.05, 0.05])
+        state, _ = law(bars, first)
+        q = first + 10.0 ** rng.uniform(-4, 0) * rng.standard_normal(3) * [0.02, 0.1, 0.1]
+        (forces, strains, _), k = law(bars, q, state)
+        total = own.rest[0] @ forces
+        for p, (x, w) in enumerate(zip(rule.xi, rule.weights, strict=True)):
+            n, m, *_ = kernels.respond(
+                own, 0, p, np.inf, strains[p], state[2], np.zeros_like(state[2])
+            )
+            assert n == pytest.approx(forces[0], abs=5.0)
+            assert m == pytest.approx((x - 1.0) * forces[1] + x * forces[2], abs=1.0)
+            total += w * LENGTH * np.array([1.0, x - 1.0, x]) * strains[p, [0, 1, 1]]
+        assert total == pytest.approx(q, abs=1e-9)
+        differences = np.empty((3, 3))
+        for j, step in enumerate(np.diag([1e-8, 1e-7, 1e-7])):
+            plus, minus = law(bars, q + step, state)[0][0], law(bars, q - step, state)[0][0]
+            differences[:, j] = (plus - minus) / (2.0 * step[j])
+        off += np.abs((k - differences) / np.outer(size, size)).max() > 1e-3
+    assert off <= 3  # differences across the yield point of a fiber

@@ -1,0 +1,180 @@
+"""Force-based element: exact bending moments, sections of fibers at points along the element.
+
+N and M(x) = (x/L - 1) M_1 + x/L M_4 are in equilibrium whatever yields. Section strains e_p and
+forces Q are unknown: s(e_p) = b_p Q at every point and sum w_p L b_p^T e_p + F_r Q = q, with the
+flexibility F_r of joints and of elastic shear. It is the minimum of a convex energy under the
+latter constraint; Newton's steps keep to it and are cut where the energy would rise again.
+Sources: Spacone, Filippou and Taucer 1996; the line search is ours.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.structures.bars.kernels import deform
+from workbench.structures.corotation.kernels import add_element
+from workbench.structures.fibers.kernels import section_energies, section_response
+
+ITERATIONS = 200
+CUTS = 12
+CLOSED = 1e-10  # of squash load and elastic moment
+
+
+@njit(cache=True, error_model="numpy")
+def respond(own, e, p, duration, strain, old, new):
+    """N, M and tangent NN, NM, MM of a point at `strain` (2,): axial strain and curvature."""
+    if own.elastic[e, p]:
+        area, second = own.modulus[e] * own.area[e], own.modulus[e] * own.second[e]
+        return area * strain[0], second * strain[1], area, 0.0, second
+    n, _, m, c00, _, c02, _, _, c22 = section_response(
+        own.sections, own.sections.of[e], duration, strain[0], 0.0, strain[1], old[p], new[p]
+    )
+    return n, m, c00, c02, c22
+
+
+@njit(cache=True, error_model="numpy")
+def rise(own, e, duration, strains, change, carried, onwards, old, new):
+    """Derivative of the energy along a `change` of strains (points, 2) at `strains`.
+
+    Arguments: forces `carried` (3,) by joints and shear, and their change `onwards`; strains are
+    weighted by the length of the element.
+    """
+    total = onwards @ (own.rest[e] @ carried)
+    for p in range(strains.shape[0]):
+        n, m, _, _, _ = respond(own, e, p, duration, strains[p], old, new)
+        total += own.weights[e, p] * own.lengths[e] * (n * change[p, 0] + m * change[p, 1])
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def force_law(own, e, duration, q, Q, strains, old, new, k):
+    """Forces of element `e` at deformations `q` (3,) from its committed state.
+
+    Arguments: committed forces `Q` (3,) and `strains` (points, 2), which the new ones replace;
+    fiber states `old`, `new` (points, states, f). Writes the tangent `k` (3, 3); NaN forces tell
+    that no solution was found.
+    """
+    points = strains.shape[0]
+    pinned, xi, weights = own.pinned[e], own.xi[e], own.weights[e]
+    loose, change = np.empty((points, 2)), np.empty((points, 2))
+    soft = np.empty((points, 3))
+    carried, F, gap = Q.copy(), np.empty((3, 3)), np.empty(3)
+    for count in range(ITERATIONS):
+        F[:] = own.rest[e]
+        gap[:] = q - F @ Q
+        worst = 0.0
+        for p in range(points):
+            n, m, c00, c02, c22 = respond(own, e, p, duration, strains[p], old, new)
+            b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * own.lengths[e]
+            dn, dm = Q[0] - n, b1 * Q[1] + b4 * Q[2] - m
+            worst = max(worst, abs(dn) / own.scale[e, 0], abs(dm) / own.scale[e, 1])
+            det = c00 * c22 - c02 * c02
+            f00, f02, f22 = c22 / det, -c02 / det, c00 / det
+            soft[p, 0], soft[p, 1], soft[p, 2] = f00, f02, f22
+            loose[p, 0], loose[p, 1] = f00 * dn + f02 * dm, f02 * dn + f22 * dm
+            strain, curvature = w * (strains[p, 0] + loose[p, 0]), w * (strains[p, 1] + loose[p, 1])
+            gap[0] -= strain
+            gap[1] -= b1 * curvature
+            gap[2] -= b4 * curvature
+            F[0, 0] += w * f00
+            F[0, 1] += w * b1 * f02
+            F[0, 2] += w * b4 * f02
+            F[1, 1] += w * b1 * b1 * f22
+            F[1, 2] += w * b1 * b4 * f22
+            F[2, 2] += w * b4 * b4 * f22
+        F[1, 0], F[2, 0], F[2, 1] = F[0, 1], F[0, 2], F[1, 2]
+        for i in range(1, 3):
+            if pinned[i - 1]:
+                F[i, :] = 0.0
+                F[:, i] = 0.0
+                F[i, i] = 1.0
+                gap[i] = 0.0
+        if not np.isfinite(F.sum()):
+            break
+        k[:] = np.linalg.inv(F)
+        step = k @ gap
+        if count > 0 and worst <= CLOSED:
+            for i in range(1, 3):
+                if pinned[i - 1]:
+                    k[i, i] = 0.0
+            return
+        goal = Q + step
+        for p in range(points):
+            dn, dm = step[0], (xi[p] - 1.0) * step[1] + xi[p] * step[2]
+            change[p, 0] = loose[p, 0] + soft[p, 0] * dn + soft[p, 1] * dm
+            change[p, 1] = loose[p, 1] + soft[p, 1] * dn + soft[p, 2] * dm
+        t = 1.0
+        if count > 0:  # the first step, elastic or not, makes strains compatible
+            on = goal - carried
+            first = abs(rise(own, e, duration, strains, change, carried, on, old, new))
+            low, fall, high, climb = 0.0, -first, 1.0, np.inf
+            for _ in range(CUTS):
+                there, at = carried + t * on, strains + t * change
+                end = rise(own, e, duration, at, change, there, on, old, new)
+                if end > 0.5 * first:
+                    high, climb = t, end
+                elif end < -0.5 * first and t < 1.0:
+                    low, fall = t, end
+                else:
+                    break
+                # between the secant, which a kink leaves far from the minimum, and the middle
+                t = 0.5 * (low - fall * (high - low) / (climb - fall)) + 0.25 * (low + high)
+        strains += t * change
+        carried += t * (goal - carried)
+        Q[:] = goal
+    Q[:] = np.nan
+
+
+@njit(cache=True, error_model="numpy")
+def assemble(step, bars, own, old, new):
+    """Add forces and tangents of all elements for a `step`; write the state `new`."""
+    k, work = np.empty((3, 3)), np.empty((7, 4))
+    for e in range(bars.dofs.shape[0]):
+        chord = deform(bars, e, step.end, new.deformation[e])
+        new.local[e] = old.local[e]
+        new.strains[e] = old.strains[e]
+        force_law(
+            own,
+            e,
+            step.duration,
+            new.deformation[e],
+            new.local[e],
+            new.strains[e],
+            old.fibers[e],
+            new.fibers[e],
+            k,
+        )
+        add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
+
+
+@njit(cache=True, error_model="numpy")
+def account(weight, bars, own, old, new):
+    """Energies of a step from the committed to the trial state of a group, see `StepEnergies`."""
+    stored = plastic = algorithmic = ideal = 0.0
+    for e in range(bars.lengths.shape[0]):
+        rest, change = own.rest[e], new.local[e] - old.local[e]
+        stored += 0.5 * new.local[e] @ (rest @ new.local[e])
+        algorithmic += (weight - 0.5) * change @ (rest @ change)
+        for p in range(own.xi.shape[1]):
+            dx = own.weights[e, p] * bars.lengths[e]
+            before, after = old.strains[e, p], new.strains[e, p]
+            if own.elastic[e, p]:
+                area, second = own.modulus[e] * own.area[e], own.modulus[e] * own.second[e]
+                d0, d1 = after[0] - before[0], after[1] - before[1]
+                stored += 0.5 * dx * (area * after[0] ** 2 + second * after[1] ** 2)
+                algorithmic += (weight - 0.5) * dx * (area * d0 * d0 + second * d1 * d1)
+                continue
+            parts = section_energies(
+                own.sections,
+                own.sections.of[e],
+                weight,
+                dx,
+                (before[0], 0.0, before[1]),
+                (after[0], 0.0, after[1]),
+                old.fibers[e, p],
+                new.fibers[e, p],
+            )
+            stored += parts[0]
+            plastic += parts[1]
+            algorithmic += parts[2]
+            ideal += parts[3]
+    return stored, plastic, algorithmic, ideal
