@@ -43,59 +43,78 @@ class CollapseWatch:
         lines = ((self._chained * self._lengths) @ self._across)[chained.argmax(axis=0)]
         self._drifting = lines[[place[name] for name in upright_names(frame)]]
 
-    def check(self, displacement: float, time: float | None) -> None:
+    def check(self, displacement: Array | float, time: Array | float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
 
-        Without a `time` (s), on a static path, nothing collapses. Raises `CrumpledError` where
-        an element crumples: that depends on its length, and other meshes may go on and survive.
+        Of one record or of several. Without a `time` (s), on a static path, nothing collapses.
+        Raises `CrumpledError` where an element crumples: that depends on its length, and other
+        meshes may go on and survive.
         """
-        structure = self._structure
-        names = [member.name for member in structure.frame.members]
+        left, across = self._structure.members.lengths_left(), self._apart(now=True)
+        lost = self._structure.members.contractions() @ self._chained.T
+        over = left.min(axis=-1) < LEAST_LENGTH
+        if time is not None:
+            over = over | (across.max(axis=-1) > COLLAPSE_SIDEWAYS)
+            over = over | (lost.max(axis=-1) > COLLAPSE_CONTRACTION)
+        if np.any(over):
+            first = int(np.argmax(over))
+            left, across, lost = (np.atleast_2d(v)[first] for v in (left, across, lost))
+            at = float(np.atleast_1d(displacement)[first])
+            when = None if time is None else float(np.atleast_1d(time)[first])
+            self._tell(left, across, lost, at, when)
+
+    def _tell(
+        self, left: Array, across: Array, lost: Array, displacement: float, time: float | None
+    ) -> None:
+        """Raise what the numbers of one record say."""
+        names = [member.name for member in self._structure.frame.members]
 
         def fallen(mechanism: Mechanism, parts: Sequence[str], reason: str) -> CollapseError:
             collapse = Collapse(mechanism, tuple(parts), displacement, time)
             return CollapseError(collapse, f"{named(parts)} {reason}")
 
-        left, worst = structure.members.slightest()
-        if left < LEAST_LENGTH:
+        if left.min() < LEAST_LENGTH:
             raise CrumpledError(
-                f"member {names[worst]} crumples at {displacement:.4g} m: a plastic hinge under "
-                f"compression has shortened its element to less than {LEAST_LENGTH:g} of its "
-                "length; take fiber-reissner, or a larger smallest_element, which puts this off"
+                f"member {names[int(left.argmin())]} crumples at {displacement:.4g} m: a plastic "
+                f"hinge under compression has shortened its element to less than {LEAST_LENGTH:g} "
+                "of its length; take fiber-reissner, or a larger smallest_element, which puts this "
+                "off"
             )
-        if time is None:
-            return
-        share, worst = self.sideways(now=True)
-        if share > COLLAPSE_SIDEWAYS:
+        worst = int(across.argmax())
+        if across[worst] > COLLAPSE_SIDEWAYS:
             reason = (
-                f"has turned: its ends have moved {share:.2f} of its length apart across its axis"
+                f"has turned: its ends have moved {across[worst]:.2f} of its length apart across "
+                "its axis"
             )
             raise fallen(Mechanism.GEOMETRY, [names[worst]], reason)
-        loss = self._chained @ structure.members.contractions()
-        worst = int(loss.argmax())
-        if loss[worst] > COLLAPSE_CONTRACTION:
-            reason = (
-                f"has been squashed by {100.0 * loss[worst]:.3g} % of the length, more than "
-                f"{100.0 * COLLAPSE_CONTRACTION:g} %"
-            )
-            raise fallen(Mechanism.SQUASH, self._chains[worst], reason)
+        worst = int(lost.argmax())
+        reason = (
+            f"has been squashed by {100.0 * lost[worst]:.3g} % of the length, more than "
+            f"{100.0 * COLLAPSE_CONTRACTION:g} %"
+        )
+        raise fallen(Mechanism.SQUASH, self._chains[worst], reason)
 
     def drifts(self, moved: Array) -> Array:
         """Drift of the straight line of members that each upright one belongs to (uprights,).
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(self._drifting @ moved))
+        return np.asarray(np.abs(moved @ self._drifting.T))
 
-    def sideways(self, *, now: bool = False) -> tuple[float, int]:
-        """Largest movement of a member's ends across its axis over its length; which member.
+    def sideways(self) -> tuple[float, int]:
+        """Largest movement of a member's ends across its axis over its length; which member."""
+        moved = self._apart(now=False)
+        worst = int(moved.argmax())
+        return float(moved[worst]), worst
+
+    def _apart(self, *, now: bool) -> Array:
+        """Movement of each member's ends across its axis over its length (members,).
 
         `now`, also over the distance that is left between its ends: a chord that turns over passes
         all of that, and may be too short to reach its first length.
         """
         displacement = self._structure.assembly.displacement
-        moved = np.abs(self._across @ displacement)
+        moved = np.abs(displacement @ self._across.T)
         if now:
-            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + self._along @ displacement))
-        worst = int(moved.argmax())
-        return float(moved[worst]), worst
+            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self._along.T))
+        return np.asarray(moved)

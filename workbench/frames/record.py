@@ -31,7 +31,7 @@ class Record:
         self._dof, self._sign = structure.dof(node, direction)
         self._timed = end is not None
         self._steps: list[Any] = []
-        self._rows: list[dict[str, float]] = []
+        self._rows: dict[str, list[Array]] = {}
         self._tables: dict[str, list[Array]] = {
             name: [] for name in ("axial_force", "moment", "plastic_rotation")
         }
@@ -42,52 +42,52 @@ class Record:
         self._see(0.0, False)
 
     @property
-    def displacement(self) -> float:
+    def displacement(self) -> Any:
         """Committed displacement since the start, along the direction of the record, in m."""
-        return self._sign * float(self._moved[self._dof])
+        return self._sign * self._moved[..., self._dof]
 
     @property
     def _moved(self) -> Array:
         return self.structure.assembly.displacement - self.structure.start
 
-    def take(self, step: TimeStep | PathStep, at: float, *, turns: bool = False) -> None:
+    def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
 
-        `turns`, whether a static path ends or turns back here. Raises `CollapseError` when the
-        frame has collapsed, `OutOfDomainError` when an element crumples.
+        Or several steps, as `follow_impact` hands them over. `turns`, whether a static path ends
+        or turns back here. Raises `CollapseError` when the frame has collapsed,
+        `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
         self._see(at, turns)
         self.watch.check(self.displacement, at if self._timed else None)
 
-    def _see(self, at: float, turns: bool) -> None:
+    def _see(self, at: Any, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly
         watched = self.structure.watched.items()
-        self._rows.append(
-            {
-                "at": at,
-                "displacement": self.displacement,
-                "velocity": self._sign * float(assembly.velocity[self._dof]),
-                "elastic": assembly.stored,
-                "dead_work": float(assembly.load @ self._moved),
-                **{name: sign * float(assembly.displacement[dof]) for name, (dof, sign) in watched},
-            }
-        )
-        self._tables["axial_force"].append(members.axial_forces())
-        self._tables["moment"].append(members.moments())
-        self._tables["plastic_rotation"].append(members.plastic_rotations())
-        self._shear = np.maximum(self._shear, members.shear_forces())
-        self._drift = np.maximum(self._drift, self.watch.drifts(self._moved))
+        seen = {
+            "at": at,
+            "displacement": self.displacement,
+            "velocity": self._sign * assembly.velocity[..., self._dof],
+            "elastic": assembly.stored,
+            "dead_work": self._moved @ assembly.load,
+            **{name: sign * assembly.displacement[..., dof] for name, (dof, sign) in watched},
+        }
+        for name, values in seen.items():
+            self._rows.setdefault(name, []).append(np.atleast_1d(values))
+        self._tables["axial_force"].append(np.atleast_2d(members.axial_forces()))
+        self._tables["moment"].append(np.atleast_2d(members.moments()))
+        self._tables["plastic_rotation"].append(np.atleast_2d(members.plastic_rotations()))
+        self._shear = _most(self._shear, members.shear_forces())
+        self._drift = _most(self._drift, self.watch.drifts(self._moved))
         strains = members.shear_strains()
         if strains is not None:
-            self.shear_strain = np.maximum(
-                0.0 if self.shear_strain is None else self.shear_strain, strains
-            )
+            known = 0.0 if self.shear_strain is None else self.shear_strain
+            self.shear_strain = _most(known, strains)
         self._snapshots.see(at, self.displacement, turns=turns)
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,)."""
-        return np.array([row[name] for row in self._rows])
+        return np.concatenate(self._rows[name])
 
     def columns(self, *names: str) -> dict[str, Any]:
         """Histories of several scalars by name."""
@@ -95,7 +95,7 @@ class Record:
 
     def told(self, start: float, read: Callable[[Any], float]) -> Array:
         """History (steps,) of what is `read` off a step, from `start`."""
-        return np.array([start, *map(read, self._steps)])
+        return np.concatenate([[start], *(np.atleast_1d(read(step)) for step in self._steps)])
 
     def total(self, read: Callable[[Any], float]) -> Array:
         """History (steps,) of the sum of what is `read` off all steps so far."""
@@ -103,7 +103,7 @@ class Record:
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
-        tables = {name: np.stack(rows, axis=1) for name, rows in self._tables.items()}
+        tables = {name: np.concatenate(rows).T for name, rows in self._tables.items()}
         return {
             **self.columns(*self.structure.watched),
             **tables,
@@ -140,10 +140,15 @@ class Record:
         numbers = {
             "elements": len(lengths),
             "smallest_element": float(lengths.min()),
-            "newton_iterations": sum(step.evaluations for step in self._steps),
-            "cut_steps": sum(step.cuts for step in self._steps),
+            "newton_iterations": int(self.total(lambda step: step.evaluations)[-1]),
+            "cut_steps": int(self.total(lambda step: step.cuts)[-1]),
             "algorithmic_dissipation": float(self.spent("algorithmic")[-1]),
             "largest_shear_strain": None if self.shear_strain is None else self.shear_strain.max(),
             "yield_ratio": self.yield_ratio(),
         }
         return {name: value for name, value in numbers.items() if value is not None}
+
+
+def _most(known: Array | float, seen: Array) -> Array:
+    """The largest so far of values (..., parts)."""
+    return np.asarray(np.maximum(known, np.atleast_2d(seen).max(axis=0)))

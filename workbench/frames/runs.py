@@ -121,12 +121,12 @@ def run_driven(
 
 
 def _follow(record: Record, steps: Iterator[TimeStep]) -> float:
-    """Take all time steps; the length of the first one, in s."""
-    length = 0.0
+    """Take all time steps; the length of the longest one, in s."""
+    lengths: list[Any] = []
     for taken in steps:
-        length = length or taken.length
+        lengths.append(taken.length)
         record.take(taken, taken.time)
-    return length
+    return float(np.max(np.hstack(lengths)))
 
 
 def _response(

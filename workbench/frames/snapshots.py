@@ -28,26 +28,33 @@ class Snapshots:
         self._peak: dict[float, Picture] = {}
         self._seen, self._stride, self._next = 0, 1, 0
         self._last: float | None = None
+        self._drawn: Picture | None = None  # of all records that are looked at
         self._largest = 0.0
         self._rising = False
 
-    def see(self, at: float, displacement: float, *, turns: bool = False) -> None:
+    def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
         """Look at the committed state at a time (s) or step, with its displacement (m).
 
-        `turns`, whether a static path ends or turns back here.
+        Or at several of them. `turns`, whether a static path ends or turns back here.
         """
+        self._drawn = None
+        records = zip(np.atleast_1d(at), np.atleast_1d(displacement), strict=True)
+        for row, (when, moved) in enumerate(records):
+            self._see(float(when), float(moved), row, turns)
+
+    def _see(self, at: float, displacement: float, row: int, turns: bool) -> None:
         if self._turns is None:
             if turns and abs(displacement) > self._largest * FARTHER:
                 self._largest = abs(displacement)
-                self._peak = {at: self._picture()}
+                self._peak = {at: self._picture(row)}
         else:
             falling = abs(displacement) < self._largest
             if falling and self._rising:
-                self._peak = {at: self._picture()}
+                self._peak = {at: self._picture(row)}
             self._rising = not falling
             self._largest = max(self._largest, abs(displacement))
         if self._has_turn(at):
-            self._even[at] = self._peak.get(at) or self._picture()
+            self._even[at] = self._peak.get(at) or self._picture(row)
         self._seen += 1
         self._last = at
 
@@ -67,7 +74,7 @@ class Snapshots:
         even = list(self._even)
         if self._last is not None and even[-1] != self._last:
             even.append(self._last)
-            self._even[self._last] = self._picture()
+            self._even[self._last] = self._picture(-1)
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
         pictures = dict(sorted({**self._peak, **{at: self._even[at] for at in even}}.items()))
@@ -79,6 +86,11 @@ class Snapshots:
             "utilisation": np.stack([used for _, used in pictures.values()], axis=-1),
         }
 
-    def _picture(self) -> Picture:
-        members = self._structure.members
-        return members.shapes(self._structure.assembly), members.utilisation()
+    def _picture(self, row: int) -> Picture:
+        """The picture of one of the records that are looked at; all are drawn at once."""
+        if self._drawn is None:
+            members = self._structure.members
+            shapes, used = members.shapes(self._structure.assembly), members.utilisation()
+            self._drawn = shapes.reshape(-1, *shapes.shape[-3:]), np.atleast_2d(used)
+        shapes, used = self._drawn
+        return shapes[row], used[row]

@@ -24,6 +24,7 @@ POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is
 class MemberReader(ABC):
     """Reads the committed state of all members off their elements, in SI units.
 
+    What is read has further axes first where the committed state has them, such as records.
     Two hinges per member, start and end. Axial forces are positive in tension, moments where they
     stretch the fibers on the right of somebody who looks from start to end.
     Arguments: the `elements`, one member after the other; `first` (members + 1,), where those of
@@ -37,12 +38,12 @@ class MemberReader(ABC):
 
     def axial_forces(self) -> Array:
         """Axial forces (hinges,)."""
-        return np.asarray(self.elements.local_forces[self._ends, 0])
+        return np.asarray(self.elements.local_forces[..., self._ends, 0])
 
     def moments(self) -> Array:
         """Bending moments (hinges,)."""
-        local = self.elements.local_forces[self._ends]
-        return np.where(self._at_start, -local[:, 1], local[:, 2])
+        local = self.elements.local_forces[..., self._ends, :]
+        return np.where(self._at_start, -local[..., 1], local[..., 2])
 
     def of_member(self, number: int) -> slice:
         """Elements of a member."""
@@ -66,19 +67,18 @@ class MemberReader(ABC):
 
     def contractions(self) -> Array:
         """Loss of length along the axis of each member (members,)."""
-        return -np.add.reduceat(self.elements.elongations, self._first[:-1])
+        return -np.add.reduceat(self.elements.elongations, self._first[:-1], axis=-1)
 
-    def slightest(self) -> tuple[float, int]:
-        """Least length of an element over its initial one, and its member.
+    def lengths_left(self) -> Array:
+        """Least length of an element of each member over its initial one (members,).
 
         Where no element must vanish the length is 1.
         """
         elements = self.elements
         if not elements.crumples:
-            return 1.0, 0
+            return np.ones(len(self._first) - 1)
         left = 1.0 + elements.elongations / elements.lengths
-        least = int(left.argmin())
-        return float(left[least]), int(np.searchsorted(self._first, least, side="right")) - 1
+        return np.asarray(np.minimum.reduceat(left, self._first[:-1], axis=-1))
 
     @abstractmethod
     def shapes(self, assembly: PlanarAssembly) -> Array:

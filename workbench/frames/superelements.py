@@ -238,26 +238,28 @@ class SuperelementMembers(MemberReader):
 
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
-        plastic = self._group.plastic[self._ends]
-        return np.where(self._at_start, -plastic[:, 1], plastic[:, 3])
+        plastic = self._group.plastic[..., self._ends, :]
+        return np.where(self._at_start, -plastic[..., 1], plastic[..., 3])
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""
-        return np.asarray(self._group.utilisation()[self._ends, self._side])
+        return np.asarray(self._group.utilisation()[..., self._ends, self._side])
 
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
-        return np.asarray(np.maximum.reduceat(np.abs(self._group.shear_forces), self._first[:-1]))
+        shear = np.abs(self._group.shear_forces)
+        return np.asarray(np.maximum.reduceat(shear, self._first[:-1], axis=-1))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""
-        shapes = np.empty((len(self._parts), len(POINTS), 2))
+        moved = assembly.displacement
+        shapes = np.empty((*moved.shape[:-1], len(self._parts), len(POINTS), 2))
         for parts in np.unique(self._parts):
             along = POINTS * parts
             piece = np.minimum(along.astype(int), parts - 1)
             members = np.flatnonzero(self._parts == parts)
             for k in range(parts):
                 here, of_piece = np.flatnonzero(piece == k), self._first[members] + k
-                moved = self._group.shapes(assembly.displacement, along[here] - k)[of_piece]
-                shapes[np.ix_(members, here)] = self._origin[of_piece, None] + moved
+                drawn = self._group.shapes(moved, along[here] - k)[..., of_piece, :, :]
+                shapes[..., members[:, None], here, :] = self._origin[of_piece, None] + drawn
         return shapes

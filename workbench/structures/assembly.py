@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,6 @@ from workbench.errors import InputError
 from workbench.structures import kernels
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 
-ROUNDINGS = 8 * float(np.finfo(float).eps)
 COMPONENTS = {"u": 0, "v": 1, "rotation": 2}
 
 
@@ -44,7 +44,7 @@ class PlanarAssembly:
         placed = [self._dof_of_node[group.nodes].reshape(-1, 6) for group in self.groups]
         self.width = max(5, *(int(np.max(np.ptp(dofs, axis=1))) for dofs in placed))
         self._rows = 3 * self.width + 1
-        self._shortest = np.inf
+        self.shortest = np.inf
         for group, dofs in zip(self.groups, placed, strict=True):
             self._place(group, dofs)
         self.band: Array = np.zeros(self._rows * self.size)
@@ -54,11 +54,11 @@ class PlanarAssembly:
         self.velocity: Array = np.zeros(self.size)
         self.load: Array = np.zeros(self.size)
         self._held: Indices = self._unused.copy()
-        self._springs: dict[int, tuple[float, float]] = {}
+        self.springs: dict[int, tuple[float, float]] = {}
         self.stored = 0.0
         self._force: Array = np.zeros(self.size)
         self._duration = np.inf
-        self._largest_force = 1e-6
+        self.largest_force = 1e-6
 
     # -- numbering ---------------------------------------------------------------------------
 
@@ -112,7 +112,7 @@ class PlanarAssembly:
         chords = np.diff(self.coordinates[group.nodes], axis=1)[:, 0]
         lengths = np.hypot(*chords.T)
         shortest = np.min(lengths, where=lengths > 0.0, initial=np.inf)
-        self._shortest = min(self._shortest, float(shortest))
+        self.shortest = min(self.shortest, float(shortest))
         rows, columns = dofs[:, :, None], dofs[:, None, :]
         positions = columns * self._rows + 2 * self.width + rows - columns
         group.place(Bars(dofs, positions.reshape(-1, 36), chords, lengths))
@@ -145,7 +145,7 @@ class PlanarAssembly:
 
     def add_spring(self, dof: int, stiffness: float) -> None:
         """Put a spring (N/m or N m/rad) to the ground on a dof, unstressed as it is now."""
-        self._springs[dof] = (stiffness, float(self.displacement[dof]))
+        self.springs[dof] = (stiffness, float(self.displacement[dof]))
 
     def hold(self, dofs: Iterable[int]) -> None:
         """Hold dofs at their present displacement, in addition to those already held."""
@@ -173,7 +173,7 @@ class PlanarAssembly:
         """
         np.multiply(self.mass, mass_factor, out=self.band)
         force = self._forces(end, weight, True)
-        for dof, (stiffness, _) in self._springs.items():
+        for dof, (stiffness, _) in self.springs.items():
             self.band[self._diagonal(dof)] += stiffness if weight is None else 0.5 * stiffness
         return force
 
@@ -189,7 +189,7 @@ class PlanarAssembly:
         )
         for group in self.groups:
             group.assemble(step)
-        for dof, (stiffness, reference) in self._springs.items():
+        for dof, (stiffness, reference) in self.springs.items():
             at = 0.5 * (end[dof] + self.displacement[dof]) if dynamic else end[dof]
             force[dof] += stiffness * (at - reference)
         return force
@@ -223,11 +223,9 @@ class PlanarAssembly:
         that of the chords.
         """
         largest = kernels.largest
-        scale = max(self._largest_force, largest(self.load), 1e-3 * largest(residual))
-        diagonal = self.band[2 * self.width :: self._rows]
-        rounded = max(largest(start), self._shortest)
-        rounding = ROUNDINGS * largest(diagonal) * rounded
-        return float(max(tolerance * scale, rounding))
+        scale = max(self.largest_force, largest(self.load), 1e-3 * largest(residual))
+        size = max(largest(start), self.shortest)
+        return kernels.allowed_residual(tolerance * scale, self.band, self.width, size)
 
     def tangent_times(self, x: Array) -> Array:
         """Product of the tangent in `band` with x (dofs,)."""
@@ -255,7 +253,7 @@ class PlanarAssembly:
         total = StepEnergies(0.0, 0.0, 0.0, 0.0)
         for group in self.groups:
             total = total + group.account(weight)
-        springs = sum(0.5 * k * (end[dof] - at) ** 2 for dof, (k, at) in self._springs.items())
+        springs = sum(0.5 * k * (end[dof] - at) ** 2 for dof, (k, at) in self.springs.items())
         return total._replace(stored=total.stored + springs)
 
     def commit(self, end: Array, velocity: Array | None = None) -> None:
@@ -263,9 +261,13 @@ class PlanarAssembly:
         for group in self.groups:
             group.commit()
         self.displacement = end.copy()
-        self._largest_force = max(self._largest_force, float(kernels.largest(self._force)))
+        self.largest_force = max(self.largest_force, float(kernels.largest(self._force)))
         if velocity is not None:
             self.velocity = velocity
+
+    def show(self, displacement: Array, velocity: Array, stored: Any) -> None:
+        """Take a state that was reached elsewhere, or several (..., dofs), to be looked at."""
+        self.displacement, self.velocity, self.stored = displacement, velocity, stored
 
     def kinetic_energy(self, velocity: Array | None = None) -> float:
         """Kinetic energy of the structure, in J; `velocity` (dofs,), None for the committed one."""

@@ -154,7 +154,7 @@ class MemberElements(ElementGroup):
     def shear_forces(self) -> Array:
         """Shear force (M1 + M2) / l of the elements (elements,), in N."""
         chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
-        return np.asarray((self._old.local[:, 1] + self._old.local[:, 2]) / chord)
+        return np.asarray((self._old.local[..., 1] + self._old.local[..., 2]) / chord)
 
     def bent(self, displacement: Array, points: ArrayLike, bends: Array, moments: Array) -> Array:
         """Displaced axis (elements, points, 2) less the initial position of the first node, in m.
@@ -163,16 +163,15 @@ class MemberElements(ElementGroup):
         1 / EI (elements,) of the bars, 0 of straight ones; end `moments` (elements, 2).
         """
         x = np.asarray(points, dtype=float)
-        first = displacement[self.bars.dofs[:, 0:2]]
-        d = self.bars.chords + displacement[self.bars.dofs[:, 3:5]] - first
-        m1, m4 = moments.T
+        first = displacement[..., self.bars.dofs[:, 0:2]]
+        d = self.bars.chords + displacement[..., self.bars.dofs[:, 3:5]] - first
+        m1, m4 = moments[..., 0], moments[..., 1]
         turn1 = self.lengths / 6.0 * bends * (2.0 * m1 - m4)
         turn4 = self.lengths / 6.0 * bends * (2.0 * m4 - m1)
-        across = turn1[:, None] * x * (1.0 - x) ** 2 - turn4[:, None] * x**2 * (1.0 - x)
-        normal = np.stack([-d[:, 1], d[:, 0]], axis=1)
-        return np.asarray(
-            first[:, None] + x[:, None] * d[:, None] + across[:, :, None] * normal[:, None]
-        )
+        across = turn1[..., None] * x * (1.0 - x) ** 2 - turn4[..., None] * x**2 * (1.0 - x)
+        normal = np.stack([-d[..., 1], d[..., 0]], axis=-1)[..., None, :]
+        first, d = first[..., None, :], d[..., None, :]
+        return np.asarray(first + x[:, None] * d + across[..., None] * normal)
 
 
 class HingedElements(MemberElements):

@@ -5,6 +5,9 @@ from numba import njit
 
 from workbench.arrays import Array, Indices
 
+ROUNDINGS = 8 * float(np.finfo(float).eps)
+STALLED = 100.0  # times the allowed residual; iterations that stall below it have converged too
+
 
 @njit(cache=True, error_model="numpy")
 def band_product(band: Array, width: int, x: Array, result: Array) -> None:
@@ -88,4 +91,61 @@ def solve_dense(A, b):
         for k in range(i + 1, n):
             b[i] -= A[i, k] * b[k]
         b[i] /= A[i, i]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def allowed_residual(least: float, band: Array, width: int, size: float) -> float:
+    """Largest residual entry with which a step counts as solved.
+
+    The `least` asked for, or what the rounding of numbers of that `size` leaves in the largest
+    diagonal entry of the tangent in `band`.
+    """
+    most = 0.0
+    for i in range(2 * width, band.size, 3 * width + 1):
+        most = max(most, abs(band[i]))
+    return max(least, ROUNDINGS * most * size)
+
+
+@njit(cache=True, error_model="numpy")
+def solve_band(band: Array, width: int, x: Array, pivots: Indices) -> bool:
+    """Solve a system in flat band storage in place by elimination with row pivoting.
+
+    As LAPACK's gbtf2 and gbtrs, but without a call from Python; scratch `pivots` (dofs,). False if
+    the matrix is singular.
+    """
+    n, rows, diagonal = x.shape[0], 3 * width + 1, 2 * width
+    reach = 0  # last column that the rows so far extend to
+    for j in range(n):
+        column = j * rows + diagonal
+        below = min(width, n - 1 - j)
+        pivot, top = 0, abs(band[column])
+        for i in range(1, below + 1):
+            if abs(band[column + i]) > top:
+                pivot, top = i, abs(band[column + i])
+        if not (top > 0.0 and np.isfinite(top)):
+            return False
+        pivots[j] = pivot
+        reach = max(reach, min(j + width + pivot, n - 1))
+        if pivot > 0:
+            for k in range(j, reach + 1):
+                at = k * rows + diagonal + j - k
+                band[at], band[at + pivot] = band[at + pivot], band[at]
+            x[j], x[j + pivot] = x[j + pivot], x[j]
+        inverse = 1.0 / band[column]
+        for i in range(1, below + 1):
+            band[column + i] *= inverse
+        for k in range(j + 1, reach + 1):
+            at = k * rows + diagonal + j - k
+            factor = band[at]
+            if factor != 0.0:
+                for i in range(1, below + 1):
+                    band[at + i] -= band[column + i] * factor
+        for i in range(1, below + 1):
+            x[j + i] -= band[column + i] * x[j]
+    for j in range(n - 1, -1, -1):
+        column = j * rows + diagonal
+        x[j] /= band[column]
+        for i in range(1, min(2 * width, j) + 1):
+            x[j - i] -= band[column - i] * x[j]
     return True

@@ -6,13 +6,12 @@ from typing import NamedTuple, TypeVar
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
-from workbench.structures.kernels import largest
+from workbench.structures.kernels import STALLED, largest
 
 Taken = TypeVar("Taken")
 
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 SEARCHES = 8
-STALLED = 100.0  # times the allowed residual; iterations that stall below it have converged too
 
 
 class Solution(NamedTuple):

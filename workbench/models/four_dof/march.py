@@ -1,51 +1,22 @@
 """Stepping through the impact of a column: as long as the error allows, or steps of one length.
 
-Controlled steps hold two measures. The trapezoidal rule errs by dt^3 / 12 times the rate of the
-acceleration of the hit point in its displacement; and hinges that flow, whose forces are those at
-the end of a step (backward Euler), may flow by no more than `flow` times their elastic deformation
-at yielding. Axial vibrations of the masses are not resolved: the midpoint rule keeps their energy
-at any step. An impact is stepped on to and followed by the first, very short step, so that its
-instant is found. After the first rebound only the phase of an elastic vibration is at stake, and
-longer steps are taken. Records are merged to what a plot needs.
+Controlled steps hold two measures: the error of the displacement, see `workbench.impact.pace`; and
+hinges that flow, whose forces are those at the end of a step (backward Euler), may flow by no more
+than `flow` times their elastic deformation at yielding. Axial vibrations of the masses are not
+resolved: the midpoint rule keeps their energy at any step. Records are merged to what a plot needs.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
+from workbench.impact.pace import PIECES, aimed, growth
 from workbench.models.four_dof import dynamics, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.structures.kernels import copy
 
-_PIECES = 64  # into which the shortest step may be cut where it does not converge
 _NEARLY = 2e-5  # residual over the squash load; equal steps are solved to their tolerance first
 TOO_MANY = 3  # status beside those of `statics`
-
-
-class Pace(NamedTuple):
-    """How an impact is stepped through; times in s.
-
-    `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
-    displacement of a step over the way that the striker goes in it (infinite: every step is
-    `first`), and that once the column only vibrates; `flow`, see above; shortest time between two
-    records, `spacing`; steps at `most`.
-    """
-
-    duration: float
-    first: float
-    longest: float
-    error: float
-    vibration: float
-    flow: float
-    spacing: float
-    most: int
-
-    @property
-    def records(self) -> int:
-        """How many records it takes at most: of three, the outer ones are a spacing apart."""
-        return 2 * int(np.ceil(self.duration / self.spacing)) + 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -61,18 +32,6 @@ def flown(column, start, end):
             flow = abs(end.plastic[bar, j] - start.plastic[bar, j])
             most = max(most, flow * column.stiffness[bar, j] / strength)
     return most
-
-
-@njit(cache=True, error_model="numpy")
-def aimed(pace, time, dt, state):
-    """The step that does not go beyond the end, the next of equal steps, or the next impact."""
-    dt = min(dt, pace.duration - time)
-    if not pace.error < np.inf:
-        return min(dt, (np.floor(time / pace.first + 1e-6) + 1.0) * pace.first - time)
-    gap, gamma = state.q[V] - state.striker, state.w[V] - state.striker_velocity
-    if gap > 0.0 and gamma < 0.0:
-        return min(dt, max(-gap / gamma, pace.first))
-    return dt
 
 
 @njit(cache=True, error_model="numpy")
@@ -114,7 +73,8 @@ def impact(column, scheme, pace, records, work):
         work.nearly = _NEARLY if pace.error < np.inf else 1e-300
     while time < pace.duration * (1.0 - 1e-12):
         last, state = records[n], records[n + 1]
-        dt = aimed(pace, time, dt, last)
+        gap, gamma = last.q[V] - last.striker, last.w[V] - last.striker_velocity
+        dt = aimed(pace, time, dt, gap, gamma)
         records[n + 1] = last
         state.percussion = 0.0
         steps += 1
@@ -124,17 +84,16 @@ def impact(column, scheme, pace, records, work):
         if not done:
             cuts += 1
             dt *= 0.5
-            if dt < pace.first / _PIECES:
+            if dt < pace.first / PIECES:
                 return statics.NO_CONVERGENCE, n, time, residual, cuts
             continue
-        struck = state.percussion > 0.0 and last.w[V] - last.striker_velocity < -1e-9 * scale
+        struck = state.percussion > 0.0 and gamma < -1e-9 * scale
         acceleration, factor = (state.w[V] - last.w[V]) / dt, 0.0 if struck else 2.0
         if smooth and not struck and pace.error < np.inf:
             if state.q[V] < highest and state.w[V] > 0.0 and state.percussion == 0.0:
                 error = pace.vibration
             rate = abs(acceleration - work.acceleration) / (0.5 * (dt + before))
-            factor = 0.9 * (error * scale / max(dt * dt / 12.0 * rate, 1e-300)) ** 0.5
-            factor = min(factor, 0.9 * pace.flow / max(flown(column, last, state), 1e-300))
+            factor = growth(pace, error * scale, rate, dt, flown(column, last, state))
             if factor < 0.7 and dt > pace.first:
                 dt = max(dt * max(factor, 0.2), pace.first)
                 continue

@@ -19,6 +19,7 @@ from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
 from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
+from workbench.impact.pace import Pace
 from workbench.models.base import respond
 from workbench.models.domain import buckling_findings, count_finding, shear_findings, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
@@ -161,15 +162,13 @@ class RigidBars(Declared, table="option"):
             step = share / self._highest_frequency(column)
         return None if step is None else min(step, scenario.duration / 20)
 
-    def _pace(self, scenario: ColumnImpact, refinement: int) -> march.Pace:
+    def _pace(self, scenario: ColumnImpact, refinement: int) -> Pace:
         """How the impact is stepped through, `refinement` times finer by a quarter."""
         duration, step = scenario.duration, self._fixed_step(scenario)
         if step is not None:
             step = duration / int(np.ceil(duration / step))
             spacing, any_error = 1.001 * step, np.inf
-            return march.Pace(
-                duration, step, step, any_error, np.inf, np.inf, spacing, 64 * _MOST_STEPS
-            )
+            return Pace(duration, step, step, any_error, np.inf, np.inf, spacing, 64 * _MOST_STEPS)
         column = scenario.column
         axial = column.steel.elastic_modulus * column.properties.area
         square = axial * (1.0 / column.length_below + 1.0 / column.length_above)
@@ -180,7 +179,7 @@ class RigidBars(Declared, table="option"):
         longest = share * duration / _FEWEST
         first = min(share * first, longest)
         spacing = duration / _RECORDS
-        return march.Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
+        return Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
@@ -238,7 +237,7 @@ class RigidBars(Declared, table="option"):
         response.attrs["solve_time"] = solved
         return response
 
-    def _march(self, scenario: ColumnImpact, pace: march.Pace) -> tuple[Any, dict[str, Any]]:
+    def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, dict[str, Any]]:
         """Records of one run, its histories and energies."""
         column, striker = scenario.column, scenario.striker
         bars, q = self.bars(column)

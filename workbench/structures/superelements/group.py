@@ -37,7 +37,8 @@ class HingeTables(NamedTuple):
     and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
     rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
     (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
-    in kg m2; share `eta` of elastic stiffness beside them.
+    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels, (3, 3),
+    (7, 4), (3,) and (5,).
     """
 
     bending: Array
@@ -50,6 +51,7 @@ class HingeTables(NamedTuple):
     pinned: Flags
     rotary: Array
     eta: float
+    scratch: tuple[Array, Array, Array, Array]
 
 
 class Superelements(HingedElements):
@@ -102,6 +104,7 @@ class Superelements(HingedElements):
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
+            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(5)),
         )
 
     def _rotary_inertias(self, kind: str) -> Array:
@@ -113,6 +116,15 @@ class Superelements(HingedElements):
     def tables(self) -> tuple[Any, ...]:
         """What the kernels take besides bars and states: the hinges."""
         return (self._hinges,)
+
+    @property
+    def states(self) -> tuple[SuperelementState, SuperelementState]:
+        """The committed state and the one assembled last."""
+        return self._old, self._new
+
+    def show(self, state: SuperelementState) -> None:
+        """Take a state that was reached elsewhere, or several (..., e, 3), to be looked at."""
+        self._old = state
 
     def masses(self) -> tuple[Array, Array]:
         """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
@@ -154,33 +166,35 @@ class Superelements(HingedElements):
     @property
     def elongations(self) -> Array:
         """Committed change of chord length of the elements (elements,), in m."""
-        return self._old.deformation[:, 0]
+        return self._old.deformation[..., 0]
 
     @property
     def shear_forces(self) -> Array:
         """Committed shear force of the elements (elements,), in N; in panels that of the web."""
         carried = self._old.carried
-        sliding = (carried[:, 1] + carried[:, 2]) / self.lengths
+        sliding = (carried[..., 1] + carried[..., 2]) / self.lengths
         return np.where(self._hinges.webs["stiffness"] > 0.0, sliding, super().shear_forces)
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
         carried = self._old.carried
         bounds, exponents = self._hinges.bounds, self._hinges.exponents
-        n = np.abs(carried[:, :1]) / np.where(carried[:, :1] >= 0.0, bounds[..., 0], bounds[..., 1])
-        moment = carried[:, 1:]
+        axial, moment = carried[..., :1], carried[..., 1:]
+        n = np.abs(axial) / np.where(axial >= 0.0, bounds[..., 0], bounds[..., 1])
         m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
         used = np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
         for e, section in enumerate(self._own):
             if section.web is not None:
-                shear = float(moment[e].sum() / self.lengths[e])
-                used[e] = section.web.utilisation(carried[e, 0], shear, moment[e])
+                shear = moment[..., e, :].sum(axis=-1) / self.lengths[e]
+                for at in np.ndindex(shear.shape):
+                    own = carried[at][e]
+                    used[(*at, e)] = section.web.utilisation(own[0], float(shear[at]), own[1:])
         return used
 
     def shapes(self, displacement: Array, points: ArrayLike) -> Array:
         """Displaced axis (elements, points, 2), bent by committed moments where it is flexible."""
         bends = np.array([1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own])
-        return self.bent(displacement, points, bends, self._old.carried[:, 1:])
+        return self.bent(displacement, points, bends, self._old.carried[..., 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:

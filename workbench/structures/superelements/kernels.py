@@ -9,7 +9,6 @@ principle for the rotary inertia after Simo and Tarnow 1992.
 
 import math
 
-import numpy as np
 from numba import njit
 
 from workbench.hinges.pair_kernels import Pair, project_pair
@@ -62,10 +61,7 @@ def assemble(step, bars, hinges, old, new):
 
     The rotary inertia of the chords acts in time steps of finite duration only.
     """
-    k = np.empty((3, 3))
-    work = np.empty((7, 4))
-    trial = np.empty(3)
-    flow = np.empty(5)
+    k, work, trial, flow = hinges.scratch
     moving = step.dynamic and math.isfinite(step.duration)
     for e in range(bars.dofs.shape[0]):
         chord = chord_at(bars, e, step.end)
@@ -125,8 +121,7 @@ def account(weight, bars, hinges, old, new):
     """
     stored = plastic = algorithmic = ideal = 0.0
     eta, rest = hinges.eta, 1.0 - hinges.eta
-    change = np.empty(3)
-    moved = np.empty(3)
+    _, _, change, moved = hinges.scratch
     for e in range(bars.lengths.shape[0]):
         stored += 0.5 * rest * _quadratic(hinges.flexibility[e], new.carried[e])
         stored += 0.5 * eta * _quadratic(hinges.stiffness[e], new.deformation[e])

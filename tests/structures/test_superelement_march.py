@@ -1,0 +1,175 @@
+"""The compiled impact of superelements: numbers of the plain driver, steps by error, failures."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+from superelement_cases import thesis_column
+
+from workbench.arrays import Array
+from workbench.errors import SolverError
+from workbench.impact.pace import Pace
+from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.impact import PointMass, impact
+from workbench.structures.kernels import solve_band
+from workbench.structures.superelements.march import follow_impact
+
+DURATION = 0.04
+BY_ERROR = Pace(DURATION, 1e-6, 4e-4, 3e-4, 3e-3, 0.005, 0.0, 100_000)
+MASS, SPEED = 1500.0, 15.0
+
+
+def equal(step: float, duration: float = DURATION) -> Pace:
+    """Steps of one length, all of them recorded."""
+    return Pace(duration, step, step, inf, inf, inf, 0.0, 100_000)
+
+
+def finer(pace: Pace, share: float) -> Pace:
+    return pace._replace(
+        first=share * pace.first,
+        longest=share * pace.longest,
+        error=share * pace.error,
+        vibration=share * pace.vibration,
+        flow=share * pace.flow,
+    )
+
+
+def column(**options: object) -> tuple[PlanarAssembly, int]:
+    assembly, _, hit = thesis_column(mass=71.4, inertia="nonlinear", **options)
+    for node in range(3):
+        assembly.add_mass(node, 0.0, rotary=0.1)
+    return assembly, hit
+
+
+def followed(pace: Pace, restitution: float = 0.0, **options: object) -> dict[str, Array]:
+    """Histories of the hit column, its energies, and what its steps took."""
+    assembly, hit = column(**options)
+    striker = PointMass(MASS, SPEED, restitution)
+    stored, parts = assembly.stored, []
+    for taken in follow_impact(assembly, hit, striker, pace):
+        energies = taken.energies
+        spent = energies.plastic + taken.contact_loss - taken.external_work
+        held = taken.kinetic + taken.striker.kinetic_energy + energies.stored
+        parts.append(
+            {
+                "time": taken.time,
+                "x": assembly.displacement[:, hit],
+                "v": assembly.velocity[:, hit],
+                "at": taken.striker.position,
+                "percussion": taken.percussion,
+                "plastic": energies.plastic,
+                "evaluations": taken.evaluations,
+                "spent": spent,
+                "held": held,
+            }
+        )
+    found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    begin = 0.5 * MASS * SPEED**2 + stored
+    found["ledger"] = (found["held"] + np.cumsum(found["spent"]) - begin) / begin
+    return found
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize("kind", [{}, {"flexible": True}], ids=["rigid", "flexible"])
+def test_equal_steps_are_those_of_the_plain_driver(kind, restitution) -> None:
+    step, count = 1e-4, 150
+    found = followed(equal(step, count * step), restitution, **kind)
+    assembly, hit = column(**kind)
+    striker = PointMass(MASS, SPEED, restitution)
+    rows = []
+    for taken in impact(assembly, hit, striker, [(count * step, step)], 0.5):
+        assert taken.striker is not None
+        rows.append(
+            (
+                taken.time,
+                float(assembly.displacement[hit]),
+                float(assembly.velocity[hit]),
+                taken.striker.position,
+                taken.percussion,
+                taken.energies.plastic,
+            )
+        )
+    names = ("time", "x", "v", "at", "percussion", "plastic")
+    for name, values in zip(names, np.array(rows).T, strict=True):
+        scale = np.abs(values).max()
+        np.testing.assert_allclose(found[name], values, rtol=0.0, atol=1e-7 * scale, err_msg=name)
+    np.testing.assert_allclose(found["x"], np.array(rows)[:, 1], rtol=0.0, atol=1e-10)
+    assert np.count_nonzero(found["percussion"]) > 3
+    assert found["plastic"].sum() > 0.5 * 0.5 * MASS * SPEED**2
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+def test_steps_by_error_are_few_and_right(restitution) -> None:
+    """0.1 % of the peak against steps 16 times shorter, which take five times the work or more."""
+    found, fine = (followed(pace, restitution) for pace in (BY_ERROR, finer(BY_ERROR, 1 / 16)))
+    assert found["x"].max() == pytest.approx(fine["x"].max(), rel=1e-3)
+    assert found["evaluations"].sum() < 0.2 * fine["evaluations"].sum()
+    for run in (found, fine):
+        assert np.abs(run["ledger"]).max() < 1e-7
+        assert run["percussion"].min() >= 0.0
+
+
+def test_vibrations_after_the_last_flow_keep_their_energy() -> None:
+    found = followed(BY_ERROR._replace(duration=0.1, longest=1e-3))
+    still = np.flatnonzero((found["plastic"] > 0.0) | (found["percussion"] > 0.0))[-1]
+    assert len(found["x"]) - still > 50
+    work = found["held"] + np.cumsum(found["spent"])
+    assert np.ptp(work[still:]) < 1e-8 * 0.5 * MASS * SPEED**2
+    swing = found["x"][still:]
+    half = len(swing) // 2
+    assert np.ptp(swing[half:]) == pytest.approx(np.ptp(swing[:half]), rel=0.15)
+
+
+def test_records_are_thinned_without_a_loss() -> None:
+    """Energies, percussions and the last state are those of all steps."""
+    every, thinned = followed(BY_ERROR), followed(BY_ERROR._replace(spacing=1e-3))
+    assert len(thinned["x"]) <= 40 < len(every["x"])
+    assert thinned["time"][-1] == pytest.approx(DURATION, rel=1e-12)
+    assert np.diff(thinned["time"])[:-1].min() >= 1e-3
+    for name in ("percussion", "plastic", "spent"):
+        assert thinned[name].sum() == pytest.approx(every[name].sum(), rel=1e-12)
+    assert thinned["x"][-1] == every["x"][-1]
+
+
+def test_an_impact_is_stepped_on_to() -> None:
+    """A striker on its way meets the column at the instant that its distance says."""
+    assembly, hit = column()
+    striker = PointMass(MASS, SPEED, position=-0.1)
+    pace = BY_ERROR._replace(duration=0.02, longest=5e-3)
+    times, hits = [], []
+    for taken in follow_impact(assembly, hit, striker, pace):
+        times.append(taken.time)
+        hits.append(taken.percussion)
+    time, percussion = np.concatenate(times), np.concatenate(hits)
+    assert time[np.argmax(percussion > 0.0)] == pytest.approx(0.1 / SPEED, abs=1e-5)
+
+
+def test_what_cannot_be_solved_is_a_typed_failure() -> None:
+    assembly, hit = column()
+    striker = PointMass(MASS, SPEED)
+    with pytest.raises(SolverError, match=r"20 steps; a softer or heavier structure"):
+        list(follow_impact(assembly, hit, striker, BY_ERROR._replace(most=20)))
+    assembly.mass[:] = np.nan
+    with pytest.raises(SolverError, match=r"line search.*steps down to"):
+        list(follow_impact(assembly, hit, striker, BY_ERROR))
+
+
+@pytest.mark.parametrize("width", [1, 4, 7])
+def test_the_band_solver_pivots(width) -> None:
+    """Against a dense solution, with a zero on the diagonal; a singular matrix is told."""
+    rng, n = np.random.default_rng(width), 12
+    rows = 3 * width + 1
+    for diagonal in (1.0, 0.0):
+        dense = rng.normal(size=(n, n))
+        dense[np.abs(np.subtract.outer(np.arange(n), np.arange(n))) > width] = 0.0
+        np.fill_diagonal(dense, diagonal * np.diag(dense))
+        band = np.zeros(rows * n)
+        for i, j in np.argwhere(dense):
+            band[j * rows + 2 * width + i - j] = dense[i, j]
+        right = rng.normal(size=n)
+        x = right.copy()
+        assert solve_band(band, width, x, np.zeros(n, np.int64))
+        np.testing.assert_allclose(dense @ x, right, atol=1e-10)
+    assert not solve_band(np.zeros(rows * n), width, right, np.zeros(n, np.int64))

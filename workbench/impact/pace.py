@@ -1,0 +1,61 @@
+"""How an impact is stepped through: as long as the error allows, or steps of one length.
+
+What the models that step by error share. The trapezoidal rule errs by dt^3 / 12 times the rate of
+the acceleration of the hit point in its displacement. An impact is stepped on to and followed by a
+first, very short step, so that its instant is found. After the first rebound only the phase of an
+elastic vibration is at stake, and longer steps are taken.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+PIECES = 64  # into which the shortest step may be cut where it does not converge
+
+
+class Pace(NamedTuple):
+    """How an impact is stepped through; times in s.
+
+    `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
+    displacement of a step over the way that the striker goes in it (infinite: every step is
+    `first`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
+    step, in the measure of the model; shortest time between two records, `spacing`; steps at
+    `most`.
+    """
+
+    duration: float
+    first: float
+    longest: float
+    error: float
+    vibration: float
+    flow: float
+    spacing: float
+    most: int
+
+    @property
+    def records(self) -> int:
+        """How many records it takes at most: of three, the outer ones are a spacing apart."""
+        return 2 * int(np.ceil(self.duration / self.spacing)) + 4
+
+
+@njit(cache=True, error_model="numpy")
+def aimed(pace, time, dt, gap, gamma):
+    """The step that does not go beyond the end, the next of equal steps, or the next impact."""
+    dt = min(dt, pace.duration - time)
+    if not pace.error < np.inf:
+        return min(dt, (np.floor(time / pace.first + 1e-6) + 1.0) * pace.first - time)
+    if gap > 0.0 and gamma < 0.0:
+        return min(dt, max(-gap / gamma, pace.first))
+    return dt
+
+
+@njit(cache=True, error_model="numpy")
+def growth(pace, error, rate, dt, flow):
+    """By which factor a smooth step of `dt` may be longer; below 0.7 it is repeated.
+
+    Arguments: tolerated `error` of the displacement over dt (m/s); `rate` of the acceleration
+    (m/s3); the measured `flow` of the hinges.
+    """
+    factor = 0.9 * (error / max(dt * dt / 12.0 * rate, 1e-300)) ** 0.5
+    return min(factor, 0.9 * pace.flow / max(flow, 1e-300))

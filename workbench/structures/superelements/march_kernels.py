@@ -1,0 +1,122 @@
+"""Going through an impact of superelements in one call: the length of the steps, and the records.
+
+Steps are as long as two measures allow, or of one length: the error of the displacement of the hit
+point, see `workbench.impact.pace`; and what averaging the forces over a step takes off the plastic
+work, which is of second order in the step while hinges flow, and shows where they begin to flow or
+ring. Axial vibrations of the bars are not resolved: the midpoint scheme keeps their energy at any
+step.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.impact.pace import aimed, growth
+from workbench.structures.kernels import copy
+from workbench.structures.superelements.step_kernels import commit, gap_of, solve
+
+CUTS = 4096  # pieces into which the shortest step may be cut where it does not converge
+LONGER = 1.5  # times as long a step may be as the one before
+CLOSER = 0.999  # of the way to the next impact: contact closes where a step would end in overlap
+GOING, DONE, NO_CONVERGENCE, TOO_MANY = range(4)
+_NUMBERS = (
+    *("time", "length", "striker_position", "striker_velocity", "percussion", "contact_loss"),
+    *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
+)
+RECORD = np.dtype([(name, "f8") for name in _NUMBERS] + [("evaluations", "i8"), ("cuts", "i8")])
+_CLOCK = ("time", "dt", "before", "acceleration", "highest", "error", "residual")
+CLOCK = np.dtype([(name, "f8") for name in _CLOCK] + [("smooth", "?"), ("steps", "i8")])
+
+
+@njit(cache=True, error_model="numpy")
+def _keep(motion, stack, row):
+    """Write the committed state into a row of the stack."""
+    copy(motion.x, stack.x[row])
+    copy(motion.v, stack.v[row])
+    copy(motion.old.plastic, stack.old.plastic[row])
+    copy(motion.old.carried, stack.old.carried[row])
+    copy(motion.old.local, stack.old.local[row])
+    copy(motion.old.deformation, stack.old.deformation[row])
+    copy(motion.old.rate, stack.old.rate[row])
+
+
+@njit(cache=True, error_model="numpy")
+def softened(body, motion):
+    """What averaging over the trial step takes off the plastic work of its end, in J."""
+    lost = 0.0
+    for e in range(body.hinges.rotary.size):
+        for h in range(4):
+            i = 0 if h % 2 == 0 else 1 + h // 2
+            flow = motion.new.plastic[e, h] - motion.old.plastic[e, h]
+            lost += 0.5 * abs((motion.new.carried[e, i] - motion.old.carried[e, i]) * flow)
+    return lost
+
+
+@njit(cache=True, error_model="numpy")
+def met(gap, start, end, dt, allowed):
+    """When the gap (m) closes in an open step of `dt`, whose ends see it grow by `start` and `end`.
+
+    Infinite where the overlap grows by no more than is `allowed` (m).
+    """
+    if gap + 0.5 * dt * (start + end) > min(gap, 0.0) - allowed:
+        return np.inf
+    bend = (end - start) / dt
+    above = max(gap, 0.0)
+    if bend >= 0.0:
+        return above / max(-start, 1e-300)
+    return (start + (start * start - 2.0 * bend * above) ** 0.5) / -bend
+
+
+@njit(cache=True, error_model="numpy")
+def advance(body, pace, motion, work, clock, records, stack):
+    """Go on until the records are full or the impact is over; returns (status, records)."""
+    row, d, end = 0, body.dof, pace.duration * (1.0 - 1e-12)
+    controlled, scale = pace.error < np.inf, abs(body.speed)
+    energy = 0.5 * body.striker * body.speed**2
+    while clock.time < end:
+        record = records[row]
+        gap, gamma = gap_of(body, motion)
+        dt = aimed(pace, clock.time, clock.dt, CLOSER * gap, gamma)
+        clock.steps += 1
+        if clock.steps > pace.most:
+            return TOO_MANY, row
+        done, percussion, clock.residual, spent = solve(body, motion, work, dt)
+        record.evaluations += spent
+        if not done:
+            record.cuts += 1
+            clock.dt = 0.5 * dt
+            if clock.dt < pace.first / CUTS:
+                return NO_CONVERGENCE, row
+            continue
+        moved, v0 = body.sign * (work.x[d] - motion.x[d]), body.sign * motion.v[d]
+        v1 = 2.0 * moved / dt - v0
+        acceleration = (v1 - v0) / dt
+        if controlled and percussion == 0.0 and dt > pace.first:
+            meeting = met(gap, gamma, v1 - motion.striker[1], dt, pace.error * scale * dt)
+            if meeting < dt:
+                clock.dt = max(meeting, pace.first)
+                continue
+        struck = percussion > 0.0 and gamma < -1e-9 * scale
+        factor = 0.0 if struck else LONGER
+        if controlled and clock.smooth and not struck:
+            if body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0:
+                clock.error = pace.vibration
+            rate = abs(acceleration - clock.acceleration) / (0.5 * (dt + clock.before))
+            flow = (softened(body, motion) / energy) ** 0.5
+            factor = growth(pace, clock.error * scale, rate, dt, flow)
+            if factor < 0.7 and dt > pace.first:
+                clock.dt = max(dt * max(factor, 0.2), pace.first)
+                continue
+            factor = min(max(factor, 0.3), LONGER)
+        commit(body, motion, work, dt, percussion, record)
+        if not struck:
+            clock.acceleration = acceleration
+        clock.smooth, clock.before, clock.time = not struck, dt, clock.time + dt
+        clock.highest = max(clock.highest, body.sign * motion.x[d])
+        clock.dt = min(max(dt * factor, pace.first), pace.longest)
+        if record.length >= pace.spacing or not clock.time < end:
+            record.time = clock.time
+            _keep(motion, stack, row)
+            row += 1
+            if row == records.size:
+                break
+    return GOING if clock.time < end else DONE, row

@@ -1,0 +1,250 @@
+"""Compiled time steps of superelements with a striker: the equations of `structures/time_steps`.
+
+The midpoint scheme of `structures/impact` in one call per step: M (v1 - v0) / dt + f = p + w P / dt
+with v1 = 2 (x1 - x0) / dt - v0 and energy-exact forces f; a closed contact eliminates the
+percussion P. A test holds both to each other.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.arrays import Array, Indices
+from workbench.impact import restitution as law
+from workbench.structures import kernels
+from workbench.structures.elements import Step
+from workbench.structures.kernels import add_inertia, copy, largest
+from workbench.structures.superelements.kernels import account, assemble
+
+ITERATIONS, SEARCHES = 25, 8
+LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
+
+
+class Body(NamedTuple):
+    """What does not change: the structure and where the striker hits it.
+
+    `bars` and `hinges` of all elements; flat bands of the `mass` with half-bandwidth `width`;
+    `held` dofs; dead `load` (dofs,); springs to the ground: `spring_dofs`, and `springs` (s, 2) of
+    stiffness and place where unstressed; `shortest` element in m; struck `dof`, the `sign` of the
+    strike, mass of the `striker` in kg, its `speed` at first in m/s, `restitution`, `origin` of its
+    path in m; `tolerance` of the residual over the largest force.
+    """
+
+    bars: Any
+    hinges: Any
+    mass: Array
+    width: int
+    held: Indices
+    load: Array
+    spring_dofs: Indices
+    springs: Array
+    shortest: float
+    dof: int
+    sign: float
+    striker: float
+    speed: float
+    restitution: float
+    origin: float
+    tolerance: float
+
+
+class Motion(NamedTuple):
+    """What moves: committed `x`, `v` and momentum M v (dofs,), states of the elements.
+
+    `old` is committed, `new` the trial; `striker` (2,), its position and velocity; mean `rate`
+    (dofs,) of the last step; `force` (1,), the largest nodal force so far.
+    """
+
+    x: Array
+    v: Array
+    momentum: Array
+    old: Any
+    new: Any
+    striker: Array
+    rate: Array
+    force: Array
+
+
+class Work(NamedTuple):
+    """Scratch of a step: the flat `band` of the tangent, and vectors (dofs,)."""
+
+    band: Array
+    x: Array
+    trial: Array
+    moved: Array
+    given: Array
+    internal: Array
+    residual: Array
+    step: Array
+    pivots: Indices
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(body, motion, work, dt, closed, touch, x):
+    """Residual and tangent of a step of `dt` (s) that ends at displacements `x`.
+
+    A `closed` contact ends the step with the velocity `touch` of the striker, before what P takes.
+    """
+    factor = 2.0 / (dt * dt)
+    for i in range(work.band.size):
+        work.band[i] = factor * body.mass[i]
+    work.internal[:] = 0.0
+    step = Step(work.internal, work.band, motion.x, x, 0.5, True, dt, True)
+    assemble(step, body.bars, body.hinges, motion.old, motion.new)
+    diagonal, rows = 2 * body.width, 3 * body.width + 1
+    for k in range(body.spring_dofs.size):
+        dof, stiffness = body.spring_dofs[k], body.springs[k, 0]
+        at = 0.5 * (x[dof] + motion.x[dof])
+        work.internal[dof] += stiffness * (at - body.springs[k, 1])
+        work.band[dof * rows + diagonal] += 0.5 * stiffness
+    for i in range(x.size):
+        work.moved[i] = x[i] - motion.x[i]
+    add_inertia(
+        body.mass, body.width, work.moved, factor, work.given, work.internal, body.held,
+        work.residual,
+    )  # fmt: skip
+    if closed:
+        d = body.dof
+        v1 = body.sign * (2.0 * work.moved[d] / dt - motion.v[d])
+        work.residual[d] -= body.sign * body.striker * (touch - v1) / dt
+        work.band[d * rows + diagonal] += factor * body.striker
+    return largest(work.residual)
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a, b):
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def newton(body, motion, work, dt, closed, touch):
+    """Solve a step from `work.x`, as `structures/newton` does.
+
+    Result: whether it converged, the residual over the allowed one, number of evaluations.
+    """
+    size = evaluate(body, motion, work, dt, closed, touch, work.x)
+    allowed = kernels.allowed_residual(
+        body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size),
+        work.band, body.width, max(largest(motion.x), body.shortest),
+    )  # fmt: skip
+    evaluations, n = 1, work.x.size
+    for _ in range(ITERATIONS):
+        if size <= allowed:
+            return True, size / allowed, evaluations
+        for i in range(n):
+            work.step[i] = -work.residual[i]
+        kernels.hold(work.band, body.width, body.held, n)
+        solved = kernels.solve_band(work.band, body.width, work.step, work.pivots)
+        if not (solved and np.isfinite(size)):
+            break
+        slope = _dot(work.step, work.residual)
+        low, slope_low, high, slope_high = 0.0, slope, np.nan, np.nan
+        s, new_size = 1.0, size
+        for _search in range(SEARCHES):
+            for i in range(n):
+                work.trial[i] = work.x[i] + s * work.step[i]
+            new_size = evaluate(body, motion, work, dt, closed, touch, work.trial)
+            evaluations += 1
+            new_slope = _dot(work.step, work.residual)
+            if abs(new_slope) <= 0.5 * abs(slope) or new_size <= 0.5 * size:
+                break
+            finite = np.isfinite(new_slope)
+            if finite and new_slope * slope > 0.0 and np.isnan(high):
+                break  # no sign change in reach: take the step, the tangent will follow
+            if not finite or new_slope * slope <= 0.0:
+                high, slope_high = s, new_slope
+            else:
+                low, slope_low = s, new_slope
+            share = 0.5
+            if np.isfinite(slope_high):
+                share = slope_low / (slope_low - slope_high)
+                share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
+            s = low + share * (high - low)
+        copy(work.trial, work.x)
+        size = new_size
+    return size <= kernels.STALLED * allowed, size / allowed, evaluations
+
+
+@njit(cache=True, error_model="numpy")
+def gap_of(body, motion):
+    """Distance (m) from the striker to the struck dof, and its rate (m/s)."""
+    gap = body.sign * motion.x[body.dof] - body.origin - motion.striker[0]
+    return gap, body.sign * motion.v[body.dof] - motion.striker[1]
+
+
+@njit(cache=True, error_model="numpy")
+def solve(body, motion, work, dt):
+    """Solve a step with the right state of contact; the end stands in `work.x`.
+
+    Result: whether that was possible, the percussion in N s, residual over the allowed one and
+    number of evaluations.
+    """
+    gap, gamma = gap_of(body, motion)
+    eps = law.rebound(gamma, body.restitution)
+    touch = motion.striker[1] - eps * gamma
+    may, refused, d = gap + dt * min(gamma, 0.0) <= 0.0, False, body.dof
+    closed, evaluations, residual = may and not gamma > 0.0, 0, 0.0
+    for i in range(work.given.size):
+        work.given[i] = 2.0 / dt * motion.momentum[i] + body.load[i]
+    for _ in range(2 if may else 1):
+        for i in range(work.x.size):
+            work.x[i] = motion.x[i] + dt * motion.rate[i]
+        copy(motion.old.carried, motion.new.carried)
+        done, residual, spent = newton(body, motion, work, dt, closed, touch)
+        evaluations += spent
+        if done:
+            end = body.sign * (2.0 * (work.x[d] - motion.x[d]) / dt - motion.v[d])
+            percussion = body.striker * (touch - end) if closed else 0.0
+            fits = percussion >= 0.0 if closed else end - motion.striker[1] + eps * gamma >= 0.0
+            # a closed contact that pulls must open, whatever the open solution says of velocities
+            if fits or not may or (refused and not closed):
+                return True, percussion, residual, evaluations
+            refused = True
+        closed = not closed
+    return False, 0.0, residual, evaluations
+
+
+@njit(cache=True, error_model="numpy")
+def commit(body, motion, work, dt, percussion, record):
+    """Commit the solved step and add what it has spent to a `record` of RECORD."""
+    x0, v0, n = motion.x, motion.v, work.x.size
+    gamma = body.sign * v0[body.dof] - motion.striker[1]
+    stored, plastic, algorithmic, ideal = account(
+        0.5, body.bars, body.hinges, motion.old, motion.new
+    )
+    for i in range(n):
+        moved = work.x[i] - x0[i]
+        motion.rate[i] = moved / dt
+        record.external_work += body.load[i] * moved
+        v0[i] = 2.0 * moved / dt - v0[i]
+        x0[i] = work.x[i]
+    for h in body.held:
+        v0[h] = 0.0
+    for k in range(body.spring_dofs.size):
+        stored += 0.5 * body.springs[k, 0] * (x0[body.spring_dofs[k]] - body.springs[k, 1]) ** 2
+    kernels.band_product(body.mass, body.width, v0, motion.momentum)
+    record.kinetic = 0.5 * _dot(v0, motion.momentum)
+    for e in range(body.hinges.rotary.size):
+        record.kinetic += 0.5 * body.hinges.rotary[e] * motion.new.rate[e] ** 2
+    copy(motion.new.plastic, motion.old.plastic)
+    copy(motion.new.carried, motion.old.carried)
+    copy(motion.new.local, motion.old.local)
+    copy(motion.new.deformation, motion.old.deformation)
+    copy(motion.new.rate, motion.old.rate)
+    motion.force[0] = max(motion.force[0], largest(work.internal))
+    before = motion.striker[1]
+    motion.striker[1] = before - percussion / body.striker
+    motion.striker[0] += 0.5 * dt * (before + motion.striker[1])
+    departure = body.sign * v0[body.dof] - motion.striker[1]
+    record.contact_loss += law.contact_loss(percussion, gamma, departure)
+    record.percussion += percussion
+    record.stored = stored
+    record.plastic += plastic
+    record.algorithmic += algorithmic
+    record.ideal += ideal
+    record.length += dt
+    record.striker_position, record.striker_velocity = motion.striker[0], motion.striker[1]
