@@ -71,6 +71,15 @@ figures = (
         {"cases": PROBLEMS, "summary": True},
     ),
     Figure(
+        "time",
+        "work-precision",
+        "Error against time",
+        "The same against time in plain Python: the time of an evaluation in the finest run, with "
+        "all that a step does beside it, times the evaluations of each run.",
+        tuple(SCHEMES),
+        {"cases": PROBLEMS, "time": True},
+    ),
+    Figure(
         "records",
         "place",
         "What the finest runs answer",

@@ -29,6 +29,7 @@ def stored(tmp_path_factory) -> Stored:
     """Two problems by three schemes."""
     figures = (
         Figure("precision", "work-precision", "Work", "Errors."),
+        Figure("time", "work-precision", "Time", "Errors.", options={"time": True}),
         Figure("records", "place", "Places", "Records."),
     )
     study = Study(
@@ -77,9 +78,13 @@ def test_an_exact_answer_states_its_uncertainty() -> None:
 
 def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     plates = draw_all(stored.study, stored)
-    drawn = {plate.figure.kind: plate.drawing for plate in plates}
-    assert set(drawn["work-precision"].data["label"]) == set(LABELS)
-    assert {"time", "place"} <= set(drawn["place"].data)
+    drawn = {plate.figure.key: plate.drawing for plate in plates}
+    timed, counted = (drawn[key].data for key in ("time", "precision"))
+    assert set(counted["label"]) == set(timed["label"]) == set(LABELS)
+    rows = [n for n, label in enumerate(timed["label"]) if label == "midpoint"][:3]
+    times, counts = timed["solving, ms"], counted["evaluations of the forces"]
+    assert times[rows[-1]] / times[rows[0]] == pytest.approx(counts[rows[-1]] / counts[rows[0]])
+    assert {"time", "place"} <= set(drawn["records"].data)
     page = document(stored.study, stored, [])
     section = next(part for part in page.sections if part.key == "schemes")
     table = next(block for block in walk((section,)) if isinstance(block, Table))
