@@ -60,7 +60,7 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import data, doctor, fit, limit, models, new, simulate, studies
+    from workbench.cli import chart, data, doctor, fit, limit, models, new, simulate, studies
 
     app = typer.Typer(
         add_completion=False,
@@ -88,6 +88,7 @@ def _application() -> Callable[..., Any]:
     app.add_typer(fit.app, name="fit")
     app.add_typer(new.app, name="new")
     app.add_typer(data.app, name="data")
+    app.add_typer(chart.app, name="chart")
     app.command("doctor")(doctor.doctor)
     command: Callable[..., Any] = typer.main.get_command(app)
     return command

@@ -63,6 +63,13 @@ class Pulse(Declared, table="pulse"):
         assert self.length is not None
         return 5.0 * self.length if self.shape == "exponential" else self.length
 
+    @property
+    def whole(self) -> float:
+        """Impulse (N s, or N s/m) of all of it; of a ramp until it stays."""
+        if self.shape == "exponential":
+            return self.peak * (self.length or 0.0)
+        return float(self.impulse(self.end))
+
     def force(self, time: ArrayLike) -> Array:
         """Force (N, or N/m) at times >= 0 (s), any shape."""
         t = np.asarray(time, dtype=float)

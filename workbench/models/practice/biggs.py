@@ -34,7 +34,8 @@ class Biggs(SingleDof):
 
     axial: str = checked(AXIAL, SECTION)
     resistance: ClassVar[str] = "stages"  # type: ignore[misc]
-    rotational_stiffness: ClassVar[float] = 6.0  # type: ignore[misc]
+    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    interaction: ClassVar[str] = SECTION  # type: ignore[misc]
     hit_mass: ClassVar[str] = "shape"  # type: ignore[misc]
 
     name: ClassVar[str] = "biggs"

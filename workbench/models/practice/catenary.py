@@ -143,7 +143,8 @@ class TrilinearCatenary(_Catenary):
     """Elastic line, plastic plateau, straight line to the rope; options as in `single-dof`."""
 
     resistance: ClassVar[str] = TRILINEAR  # type: ignore[misc]
-    rotational_stiffness: ClassVar[float] = 6.0  # type: ignore[misc]
+    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "trilinear-catenary"
     version: ClassVar[int] = 1
@@ -160,7 +161,8 @@ class YinWang(_Catenary):
     """Axial force of the assumed profile, moment beside it; options as in `single-dof`."""
 
     resistance: ClassVar[str] = PROFILE  # type: ignore[misc]
-    rotational_stiffness: ClassVar[float] = 6.0  # type: ignore[misc]
+    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "yin-wang"
     version: ClassVar[int] = 1
@@ -178,7 +180,8 @@ class Izzuddin(_Catenary):
     """Elastic, plastic bending, transient and final catenary; options as in `single-dof`."""
 
     resistance: ClassVar[str] = RIGID_PLASTIC  # type: ignore[misc]
-    rotational_stiffness: ClassVar[float] = 6.0  # type: ignore[misc]
+    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "izzuddin"
     version: ClassVar[int] = 1

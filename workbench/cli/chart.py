@@ -1,0 +1,192 @@
+"""`workbench chart`: ductility charts and pressure-impulse curves of pulses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from workbench.cli.output import Answer, verb, writable
+from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
+from workbench.content.tree import Cell, Column, Paragraph, Table
+from workbench.errors import InputError
+
+if TYPE_CHECKING:
+    from workbench.report.drawing.charts import Line
+
+app = typer.Typer(help="Charts of what pulses do.", rich_markup_mode=None, no_args_is_help=False)
+Picture = Annotated[
+    str | None, typer.Option("--figure", metavar="CHART.svg", help="Draw it as well.")
+]
+_LENGTHS = tuple(10.0 ** (k / 4.0) for k in range(-6, 7))
+_STRENGTHS = (0.2, 0.3, 0.5, 0.7, 0.9, 1.0, 1.2, 1.5, 2.0)
+_DUCTILITIES = (1.0, 2.0, 5.0, 10.0, 20.0)
+
+
+@app.command("ductility")
+@verb
+def ductility(
+    shape: Annotated[str, typer.Option(help="Shape of the pulse.")] = "triangular",
+    figure: Picture = None,
+) -> Answer:
+    """Ductility of an elastic-plastic mass over the length of a pulse, by strength over force.
+
+    Computed for this call: the charts of UFC 3-340-02 for any shape.
+    """
+    from workbench.models.practice.charts import ductility_chart, step_ductility
+    from workbench.report.drawing.charts import Line
+
+    _shape(shape)
+    found = ductility_chart(shape, _LENGTHS, _STRENGTHS)
+    columns = [Column("t_d / T", True, 1.0, lambda row: _cell(row[0]))]
+    for i, strength in enumerate(_STRENGTHS):
+        own = partial(_entry, number=i)
+        columns.append(Column(f"R_m / F = {strength:g}", True, 1.0, own))
+    table = [[value if isfinite(value) else None for value in row] for row in found.tolist()]
+    rows = list(zip(_LENGTHS, table, strict=True))
+    lines = {
+        f"R/F = {strength:g}": Line(_LENGTHS, found[:, i].tolist())
+        for i, strength in enumerate(_STRENGTHS)
+    }
+    _draw(figure, lines, "length of the pulse over the period", "ductility")
+    steps = {f"{r:g}": step_ductility(1.0 / r) for r in _STRENGTHS if r > 1.0}
+    content = {
+        "shape": shape,
+        "lengths": list(_LENGTHS),
+        "strengths": list(_STRENGTHS),
+        "ductility": table,
+        "step": steps,
+    }
+    said = f"ductility under {shape} pulses; T the elastic period, R_m / F strength over force"
+    return Answer(content, (Paragraph(said), Table.of("ductility", "", columns, rows)))
+
+
+@app.command("iso-ductility")
+@verb
+def iso_ductility(
+    shape: Annotated[str, typer.Option(help="Shape of the pulse.")] = "triangular",
+    figure: Picture = None,
+) -> Answer:
+    """Pressure-impulse curves of an elastic-plastic mass: pulses that take it to one ductility.
+
+    In units of its resistance R_m and of R_m / w; dotted, what an impulse and a step reach.
+    """
+    from workbench.models.practice import charts
+    from workbench.report.drawing.charts import Line
+
+    _shape(shape)
+    curves = {mu: charts.pressure_impulse(shape, mu, _LENGTHS) for mu in _DUCTILITIES}
+    ends = {mu: (charts.impulse_asymptote(mu), charts.step_force(mu)) for mu in _DUCTILITIES}
+    lines = {
+        f"ductility {mu:g}": Line([p.impulse for p in found], [p.force for p in found], *ends[mu])
+        for mu, found in curves.items()
+    }
+    _draw(figure, lines, "impulse, I w / R_m", "force, F / R_m")
+    columns = (
+        Column("ductility", True, 1.0, lambda row: _cell(row[0])),
+        Column("t_d / T", True, 1.0, lambda row: _cell(row[1].length)),
+        Column("F / R_m", True, 1.0, lambda row: _cell(row[1].force)),
+        Column("I w / R_m", True, 1.0, lambda row: _cell(row[1].impulse)),
+    )
+    rows = [(mu, point) for mu, found in curves.items() for point in found]
+    content = {
+        "shape": shape,
+        "curves": [
+            {
+                "ductility": mu,
+                "impulse_asymptote": ends[mu][0],
+                "step_force": ends[mu][1],
+                "points": [point._asdict() for point in found],
+            }
+            for mu, found in curves.items()
+        ],
+    }
+    said = f"{shape} pulses that take an elastic-plastic mass to one ductility; w = 2 pi / T"
+    return Answer(content, (Paragraph(said), Table.of("iso-ductility", "", columns, rows)))
+
+
+@app.command("pressure-impulse")
+@verb
+def pressure_impulse(
+    scenario: ScenarioFile,
+    displacement: Annotated[float, typer.Option(help="Displacement to reach, in m.")],
+    model: Annotated[list[str] | None, typer.Option(help="Name of a model, once for each.")] = None,
+    settings: Settings = None,
+    options: Options = None,
+    figure: Picture = None,
+) -> Answer:
+    """The pulses that take a member or a frame to one displacement, over their length.
+
+    For a scenario member-pulse or frame-pulse: its shape, at 1/30 to 30 times its length.
+    """
+    from workbench.fields import Number
+    from workbench.registry import make_model
+    from workbench.report.drawing.charts import Line
+    from workbench.scenarios import FramePulse, MemberPulse, load_scenario
+    from workbench.scenarios.pulse import UNIFORM
+    from workbench.study.pressure_impulse import pressure_impulse_curve
+
+    asked = load_scenario(scenario, settings or [])
+    if not isinstance(asked, MemberPulse | FramePulse):
+        raise InputError("kind", asked.KIND, "must be member-pulse or frame-pulse")
+    if asked.pulse.length is None:
+        raise InputError("pulse.shape", asked.pulse.shape, "must have a length, not be a table")
+    Number(1e-6, 50.0, "m").check("--displacement", displacement)
+    lengths = [asked.pulse.length * factor for factor in _LENGTHS]
+    models = [make_model(each, options_from(options or [])) for each in model or ["biggs"]]
+    found = {
+        each.name: pressure_impulse_curve(each, asked, displacement, lengths) for each in models
+    }
+    pressed = getattr(asked, "load", "") == UNIFORM or getattr(asked, "members", ())
+    unit = "N/m" if pressed else "N"
+    columns = (
+        Column("model", width=1.5, of=lambda row: row[0]),
+        Column("length (s)", True, 1.0, lambda row: _cell(row[1].length)),
+        Column(f"peak ({unit})", True, 1.0, lambda row: _cell(row[1].peak)),
+        Column(f"impulse ({unit} s)", True, 1.0, lambda row: _cell(row[1].impulse)),
+        Column("remark", width=2.0, of=lambda row: row[1].reason),
+    )
+    rows = [(name, point) for name, points in found.items() for point in points]
+    lines = {}
+    for name, points in found.items():
+        known = [p for p in points if p.peak is not None]
+        if known:
+            lines[name] = Line([p.impulse or 0.0 for p in known], [p.peak or 0.0 for p in known])
+    _draw(figure, lines, f"impulse ({unit} s)", f"peak ({unit})")
+    content = {
+        "scenario": asked.name,
+        "displacement": displacement,
+        "shape": asked.pulse.shape,
+        "curves": {name: [vars(point) for point in points] for name, points in found.items()},
+    }
+    said = f"{asked.name}: {asked.pulse.shape} pulses that reach {displacement:g} m"
+    blocks = (Paragraph(said), Table.of("pressure-impulse", "", columns, rows))
+    silent = any(point.peak is None for _, point in rows)
+    return Answer(content, blocks, int(silent))
+
+
+def _shape(shape: str) -> None:
+    from workbench.fields import Choice
+    from workbench.scenarios.pulse import PULSES, TABLE
+
+    Choice(tuple(each for each in PULSES if each != TABLE)).check("--shape", shape)
+
+
+def _entry(row: tuple[float, Sequence[float | None]], number: int) -> Cell | None:
+    return _cell(row[1][number])
+
+
+def _cell(value: float | None) -> Cell | None:
+    return None if value is None else Cell(f"{value:.4g}", value)
+
+
+def _draw(figure: str | None, lines: Mapping[str, Line], x: str, y: str) -> None:
+    if figure is None:
+        return
+    path = writable("--figure", figure)
+    from workbench.report.drawing.charts import chart
+
+    path.write_text(chart(lines, x, y), encoding="utf-8")
