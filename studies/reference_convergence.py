@@ -67,15 +67,6 @@ def known(model: str, quantity: str, *names: str) -> Gate:
     return Gate(model, model, quantity, "relative_uncertainty", 0.015, why, OWN_BOUND, names)
 
 
-def yields(model: str) -> Gate:
-    """A bound on the plastic work that averaging over a step has lost."""
-    why = (
-        "Stresses averaged over a step yield below the yield stress: the plastic work of every "
-        "run called reference is to be that of fibers at yield within 0.5 %."
-    )
-    return Gate(model, model, "yield_ratio", "shortfall", 0.005, why, OWN_BOUND)
-
-
 AGREEMENT = (
     "Two formulations that share no element are to agree within their combined numerical "
     "uncertainty; 5 % bounds difference and uncertainty together."
@@ -83,7 +74,6 @@ AGREEMENT = (
 gates = (
     known(REFERENCE, "peak_displacement", *IMPACTS, CLAMPED),
     known(REFERENCE, "input_energy", PUSH, SHORT_PUSH),
-    *(yields(model) for model in (REFERENCE, COROTATIONAL, SHEAR)),
     gate(COROTATIONAL, REFERENCE, "peak_displacement", 0.05, AGREEMENT, *IMPACTS, CLAMPED),
     gate(COROTATIONAL, REFERENCE, "input_energy", 0.05, AGREEMENT, PUSH),
     gate(

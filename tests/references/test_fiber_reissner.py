@@ -15,8 +15,8 @@ from workbench.models import frame_model
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.refine import refine
-from workbench.responses import Outcome, outcome_of, warnings_of
-from workbench.scenarios import Column, ColumnPushover
+from workbench.responses import Outcome, outcome_of
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find, section_from
 from workbench.testing import check_model
 
@@ -162,18 +162,16 @@ def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
     ],
 )
 def test_impact_peaks_of_the_thesis_column(thesis_impact, velocity, expected) -> None:
-    """Independent solution on the same meshes; its extrapolates stand last."""
+    """Independent solution on the same meshes, with damped steps; its extrapolates stand last."""
     impact = replace(thesis_impact.at_velocity(velocity), duration=0.036)
     peaks = [
         peak(FiberReissner(levels=1, smallest_element=h, largest_element=0.1).simulate(impact))
         for h in (0.05, 0.025, 0.0125)
     ]
-    np.testing.assert_allclose(peaks, expected[:3], rtol=3e-3)
-    order = np.log2((peaks[1] - peaks[0]) / (peaks[2] - peaks[1]))
-    # below 1: the smallest elements alone are halved, those between the hinges keep 0.1 m
-    assert order == pytest.approx(0.85, abs=0.07)  # measured 0.82 to 0.89
-    limit = peaks[2] + (peaks[2] - peaks[1]) / (2.0 ** np.clip(order, 0.8, 1.2) - 1.0)
-    assert limit == pytest.approx(expected[3], rel=3.5e-3)  # measured 0.0017
+    np.testing.assert_allclose(peaks, expected[:3], rtol=8e-3)  # measured 5.3e-3, above
+    assert peaks[0] < peaks[1] < peaks[2]
+    limit = 2.0 * peaks[2] - peaks[1]
+    assert limit == pytest.approx(expected[3], rel=3.5e-3)  # measured 0.0008
 
 
 def test_peaks_of_the_clamped_column(clamped_impact) -> None:
@@ -188,33 +186,28 @@ def test_peaks_of_the_clamped_column(clamped_impact) -> None:
     np.testing.assert_allclose(peaks, [0.5021, 0.5039, 0.5047], rtol=2e-3)  # measured 1.5e-3
 
 
-@pytest.mark.parametrize(
-    ("weight", "h", "expected"),
-    [(0.5, 0.1, 0.974), (0.5, 0.05, 0.961), (0.52, 0.1, 0.9985), (0.55, 0.1, 0.9989),
-     (0.55, 0.05, 0.9998), (0.7, 0.05, 0.9999)],
-)  # fmt: skip
-def test_yield_ratio_of_averaged_stresses(clamped_impact, weight, h, expected) -> None:
-    """Uniform meshes with steps of h / 1000 s per m; undamped steps soften yielding fibers."""
-    model = FiberReissner(
-        levels=1,
-        smallest_element=h,
-        largest_element=h,
-        time_step=h / 1000.0,
-        weight=weight,
-        hardening_ratio=1e-6,
-    )
-    response = model.simulate(replace(clamped_impact, duration=0.036))
-    lost = 1.0 - response.attrs["yield_ratio"]
-    assert lost == pytest.approx(1.0 - expected, rel=0.25, abs=2e-4)  # measured 0.127
-    warned = "yield-ratio" in {finding.subject for finding in warnings_of(response)}
-    assert warned == (expected < 0.995)
-
-
-def test_energy_balance_and_yield_ratio_of_the_defaults(thesis_impact) -> None:
+def test_energy_balance_of_the_defaults(thesis_impact) -> None:
     response = FiberReissner(levels=1).simulate(replace(thesis_impact, duration=0.04))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
-    assert response.attrs["yield_ratio"] > 0.99906  # measured 0.99953
+    assert response.attrs["algorithmic_dissipation"] == 0.0
+
+
+@pytest.fixture(scope="module")
+def pinned() -> tuple[ColumnImpact, float]:
+    """A pinned HEB 220, where damped steps converge slowly; its peak with steps of an eighth."""
+    ends = {"base": "pinned", "head": "pinned", "axial_load": 5e5, "restraint_stiffness": 1e7}
+    column = Column(find("HEB 220"), 2.0, 2.0, fillets=False, **ends)
+    scenario = ColumnImpact("pinned", column, Striker(1500.0, 10.0), 0.065)
+    model = FiberReissner(levels=1, refinement=-2, step_refinement=3)
+    return scenario, peak(model.simulate(scenario))
+
+
+@pytest.mark.parametrize(("weight", "error"), [(0.5, 0.004), (0.55, 0.03)])
+def test_undamped_steps_are_nearer_to_short_ones(pinned, weight, error) -> None:
+    scenario, limit = pinned
+    found = peak(FiberReissner(levels=1, refinement=-2, weight=weight).simulate(scenario))
+    assert 0.5 * error * (weight > 0.5) < abs(found / limit - 1.0) < error
 
 
 @pytest.mark.usefixtures("few_load_steps")
@@ -312,9 +305,10 @@ def test_steel_options_stiffen_the_column(thesis_impact) -> None:
         }.items()
     }
     assert peaks["hardly rate"] == pytest.approx(peaks["plain"], rel=5e-8)  # measured 2.3e-8
-    # monotonic up to the peak: the three hardening laws follow the same line
+    # the three hardening laws follow the same line; after the small reversals of waves the smooth
+    # one overshoots
     assert peaks["isotropic"] == pytest.approx(peaks["kinematic"], rel=9e-4)  # measured 4.3e-4
-    assert peaks["smooth"] == pytest.approx(peaks["kinematic"], rel=2e-3)  # measured 9.3e-4
+    assert peaks["smooth"] == pytest.approx(peaks["kinematic"], rel=0.012)  # measured 0.0063
     assert peaks["rate"] < 0.7 * peaks["plain"]
     assert peaks["kinematic"] < 0.85 * peaks["plain"]
 
@@ -326,7 +320,6 @@ def test_menegotto_pinto_keeps_the_ledger(thesis_impact) -> None:
     response = model.simulate(replace(thesis_impact, duration=0.06))
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
-    assert response.attrs["yield_ratio"] > 0.9962  # measured 0.9981
 
 
 def test_coarse_meshes_are_told(thesis_impact) -> None:

@@ -12,7 +12,8 @@ def response(section: BeamSection, strain: float, curvature: float, old: np.ndar
     """Forces and tangent of a section (see `section_response`), and its new states (states, f)."""
     tables = section_tables(np.zeros(1, dtype=np.int64), [section])
     new = np.zeros_like(old)
-    return kernels.section_response(tables, 0, np.inf, strain, 0.0, curvature, old, new), new
+    strains = strain, 0.0, curvature
+    return kernels.section_response(tables, 0, 1.0, np.inf, strains, old, new), new
 
 
 def stress_path(law, strains, duration: float = np.inf) -> np.ndarray:
@@ -22,7 +23,7 @@ def stress_path(law, strains, duration: float = np.inf) -> np.ndarray:
     old, new = np.zeros((2, law.states, 1))
     result = []
     for strain in np.asarray(strains, dtype=float):
-        found = kernels.section_response(tables, 0, duration, strain, 0.0, 0.0, old, new)
+        found = kernels.section_response(tables, 0, 1.0, duration, (strain, 0.0, 0.0), old, new)
         result.append((found[0], found[3]))
         old, new = new, old
     return np.array(result)

@@ -302,9 +302,9 @@ def test_a_strike_from_the_other_side_is_the_mirror_image(integrator) -> None:
 
 
 def test_integrators_converge_to_the_same_frame() -> None:
-    peaks = {name: [struck_portal(name, dt).max() for dt in (4e-4, 1e-4)] for name in INTEGRATORS}
+    peaks = {name: [struck_portal(name, dt).max() for dt in (1e-4, 2.5e-5)] for name in INTEGRATORS}
     limit = [fine for _, fine in peaks.values()]
-    assert max(limit) == pytest.approx(min(limit), rel=6e-3)
+    assert max(limit) == pytest.approx(min(limit), rel=3e-3)  # measured 1.1e-3
     spread = [coarse for coarse, _ in peaks.values()]
     assert np.ptp(limit) < 0.5 * np.ptp(spread)
 
@@ -341,7 +341,7 @@ def test_the_ledger_closes_over_ten_thousand_steps() -> None:
     brought = striker.kinetic_energy
     steps = list(impact(beam, tip, striker, [(1.0, 1e-4)], 0.5))
     assert len(steps) >= 10_000
-    assert sum(s.percussion > 0.0 for s in steps) > 10
+    assert sum(s.percussion > 0.0 for s in steps) >= 8
     assert sum(s.energies.plastic for s in steps) > 0.3 * brought
     assert np.max(np.abs(ledger(steps, brought + begin))) <= 1e-6 * brought
     assert min(s.energies.plastic for s in steps) >= 0.0

@@ -246,3 +246,26 @@ def test_plastic_rotation_is_the_rotation_beyond_the_elastic_one() -> None:
     second = np.sum(DEPTH**2 * AREA)
     elastic_part = 0.1 * group.section_forces[0, 2] / (E * second)
     assert group.plastic_rotations()[0] == pytest.approx(0.5 - elastic_part, rel=1e-9)
+
+
+@pytest.mark.parametrize("weight", [0.5, 0.55, 1.0])
+def test_fibers_yield_within_a_step_however_stresses_ring(weight) -> None:
+    """A bar pulled to and fro: in plastic steps N = fy A exactly, the work is that of yielding."""
+    assembly = straight(1.0, 1, square("perfect"))
+    squash, rng = FY * SIDE**2, np.random.default_rng(3)
+    x, ideal, plastic, ringing = np.zeros(assembly.size), 0.0, 0.0, 0.0
+    for stretch in 8e-3 * rng.normal(size=40):
+        end = x.copy()
+        end[3] = stretch
+        force = assembly.assemble(end, weight)[3]
+        taken = assembly.account(end, weight)
+        flow = float(assembly.groups[0].plastic_strains[0, 0])
+        assembly.commit(end)
+        now = float(assembly.groups[0].plastic_strains[0, 0])
+        assert abs(force) <= squash * (1.0 + 1e-3)  # hardening of 1e-6 E
+        ideal += squash * abs(now - flow)
+        plastic += taken.plastic
+        ringing = max(ringing, abs(E * (stretch - now)) / FY)
+        x = end
+    assert plastic == pytest.approx(ideal, rel=1e-3)
+    assert (ringing > 1.05) == (weight < 1.0)  # stresses at the ends of steps go beyond yield

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from reissner_cases import thesis_frame
@@ -13,6 +15,7 @@ from workbench.structures.impact import PointMass, impact
 STRIKER = PointMass(1500.0, 50.0)
 DURATION = 0.031
 UNIFORM = {0.4: 0.3655, 0.2: 0.4284, 0.1: 0.4599, 0.05: 0.4773, 0.025: 0.4864}
+resolved = partial(impact, halvings=5)
 
 
 def peak(driver, frame, dof, *more) -> float:
@@ -25,15 +28,19 @@ def peak(driver, frame, dof, *more) -> float:
     [0.4, 0.2, *(pytest.param(h, marks=pytest.mark.slow) for h in (0.1, 0.05, 0.025))],
 )
 def test_uniform_meshes(size) -> None:
-    found = peak(impact, *thesis_frame(size), [(DURATION, size / 1000.0)], 0.55)
-    assert found == pytest.approx(UNIFORM[size], rel=1e-3)
+    """Independent peaks with damped steps of the same length; ours lie above."""
+    found = peak(resolved, *thesis_frame(size), [(DURATION, size / 1000.0)], 0.5)
+    assert 1.0 - 2e-3 < found / UNIFORM[size] < 1.02  # measured 1.0125 at 0.4 m
 
 
 @pytest.mark.slow
 def test_order_and_limit() -> None:
     """First order, as plasticity is sampled inside the elements; 0.495 m within 1 %."""
     peaks = np.array(
-        [peak(impact, *thesis_frame(h), [(DURATION, h / 1000.0)], 0.55) for h in (0.1, 0.05, 0.025)]
+        [
+            peak(resolved, *thesis_frame(h), [(DURATION, h / 1000.0)], 0.5)
+            for h in (0.1, 0.05, 0.025)
+        ]
     )
     order = np.log2((peaks[1] - peaks[0]) / (peaks[2] - peaks[1]))
     assert order == pytest.approx(1.0, abs=0.15)
@@ -43,6 +50,5 @@ def test_order_and_limit() -> None:
 
 def test_explicit_steps_give_the_same_peak() -> None:
     explicit = peak(explicit_impact, *thesis_frame(0.2, lumped=True), [(DURATION, 1e-4)])
-    implicit = peak(impact, *thesis_frame(0.2, lumped=True), [(DURATION, 5e-5)], 0.55)
-    # the implicit steps dissipate a little
-    assert explicit == pytest.approx(implicit, rel=7e-3)
+    implicit = peak(resolved, *thesis_frame(0.2, lumped=True), [(DURATION, 5e-5)], 0.5)
+    assert explicit == pytest.approx(implicit, rel=4e-3)

@@ -75,7 +75,7 @@ class FrameModel(ABC, Declared, table="option"):
     """A model of frames, which sees a column as one and tells of it in its own words.
 
     `time_step` in s (None: by rule); `largest_error` of the energy ledger and `least_yield_ratio`
-    of an impact, see `run_impact`.
+    of an impact, see `run_impact`; `collision_halvings`, see `impact`.
     """
 
     name: ClassVar[str]
@@ -85,6 +85,7 @@ class FrameModel(ABC, Declared, table="option"):
         kind.KIND for kind in (FrameStatic, FrameImpact, FrameGroundMotion, FramePulse, *COLUMNS)
     )
     least_yield_ratio: ClassVar[float] = 0.99
+    collision_halvings: ClassVar[int] = 0
 
     time_step: float | None
 
@@ -185,7 +186,17 @@ class FrameModel(ABC, Declared, table="option"):
         mass = PointMass(striker.mass, striker.velocity, striker.restitution)
         weight, integrator = self.scheme
         if weight is not None:
-            return impact(assembly, dof, mass, spans, weight, sign=sign, integrator=integrator)
+            halvings = self.collision_halvings
+            return impact(
+                assembly,
+                dof,
+                mass,
+                spans,
+                weight,
+                sign=sign,
+                integrator=integrator,
+                halvings=halvings,
+            )
         try:
             lumped_mass(assembly)
         except ValueError as error:

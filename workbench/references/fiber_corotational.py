@@ -57,9 +57,9 @@ class FiberCorotational(FiberReference):
     0.1, 0.2 and 0.3 of the depth);
     `largest_element` in m (None: 1/40 of the longest member in dynamics, 1/8 in statics);
     `layers` over the depth of the section; `weight` of the end stresses in a time step (1/2
-    conserves energy, but does not converge on fine plastic meshes); `hardening_ratio`, the
-    regularising hardening over the elastic modulus; `time_step` in s (None: 1/30 of the time of
-    an axial wave along the longest member, 1/15 in a single one, and at first at most 1/200 of
+    conserves energy, more damps waves); `hardening_ratio`, the
+    regularising hardening over the elastic modulus; `time_step` in s (None: 1/20 of the time of
+    an axial wave along the longest member, 1/10 in a single one, and at first at most 1/130 of
     the expected time to the peak); `refinement`, how often all these elements and steps are
     halved (-1: doubled); `step_refinement`, how often the steps alone are halved further;
     `levels`, meshes behind an answer, each with twice the elements and steps of the next finer one
@@ -74,7 +74,7 @@ class FiberCorotational(FiberReference):
     shear_flexible: bool = checked(Flag(), True)
 
     name: ClassVar[str] = "fiber-corotational"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections; cubic deflection between nodes; large displacements and rotations.",
         "Elastic-perfectly plastic fibers, plasticity from normal stress alone.",

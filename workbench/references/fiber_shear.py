@@ -27,8 +27,9 @@ class FiberShear(ExactBeams):
     """
 
     name: ClassVar[str] = "fiber-shear"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     shear_yields: ClassVar[bool] = True
+    longer: ClassVar[float] = 2.0  # webs that yield take the waves out
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount; one shear strain per "
         "section.",

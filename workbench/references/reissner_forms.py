@@ -63,8 +63,7 @@ class ReissnerForms(ReissnerBeams):
         to_line[basis.element_dofs.T] = bars.dofs
         at = step.start[to_line], step.end[to_line]
         fields = _fields(basis, (bars.chords / bars.lengths[:, None]).T, *at, step.dynamic)
-        old, new = self._old.stress, self._new.stress
-        fields["force"] = ((1.0 - step.weight) * old.T + step.weight * new.T)[:, :, None]
+        fields["force"] = self._new.stress.T[:, :, None]
         np.add.at(step.force, to_line, residual.assemble(basis, **fields))
 
 

@@ -38,6 +38,8 @@ from workbench.structures.time_steps import (
 
 MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER = "midpoint", "moreau", "gear-gupta-leimkuhler"
 INTEGRATORS = (MIDPOINT, MOREAU, GEAR_GUPTA_LEIMKUHLER)
+COLLISION = 1e-5  # of the striker's first energy: what a resolved collision may turn over
+OPENING = 32  # steps from the first contact on before their length is doubled
 
 
 def impact(
@@ -51,6 +53,7 @@ def impact(
     *,
     sign: float = 1.0,
     integrator: str = MIDPOINT,
+    halvings: int = 0,
 ) -> Iterator[TimeStep]:
     """Follow an impact at `dof`, in the direction of growing displacement or against it.
 
@@ -59,11 +62,19 @@ def impact(
     conserves energy exactly, more dissipates grid-scale ringing; "moreau" has 1/2); `tolerance` of
     the residual over the largest force; `most_cuts`, how often a step may be halved when Newton's
     method fails; `sign`, -1 for a strike along the negative direction; `integrator`, one of
-    `INTEGRATORS`.
+    `INTEGRATORS`; `halvings`, how often steps are halved at the first contact, and at most in a
+    later collision. Bending waves spread as the root of time, so that steps may grow with it; and
+    a collision takes along what a wave reaches within its step, with the loss of Newton's law:
+    where no mass is lumped, that is an error of the step.
     Yields a `TimeStep` after each commit. Raises `SolverError`, and `InputError` where the
     integrator does not fit.
     """
     stepper = _Stepper(assembly, dof, sign, striker, weight, integrator, tolerance)
+    if halvings:
+        end, nominal = spans[0]
+        steps = [nominal / 2.0**k for k in range(halvings, 0, -1)]
+        spans = [*((min(OPENING * step, end), step) for step in steps), *spans]
+        stepper.shortest = steps[0]
     yield from march(spans, stepper.advance, most_cuts, "line search, open and closed contact")
 
 
@@ -94,6 +105,8 @@ class _Stepper:
             raise InputError("integrator", integrator, f"must be one of {', '.join(INTEGRATORS)}")
         self.assembly, self.dof, self.sign = assembly, dof, sign
         self.striker, self.weight, self.tolerance = striker, weight, tolerance
+        self.shortest = np.inf  # step of a collision that is not halved, in s
+        self._collision = COLLISION * striker.kinetic_energy
         self._origin = sign * float(assembly.displacement[dof])
         self._before: Array | None = None
         self._rate: Array | None = None  # mean velocities of the last step
@@ -140,6 +153,9 @@ class _Stepper:
                 continue
             # a closed contact that pulls must open, whatever the open solution says of velocities
             if tried.admissible or len(orders) == 1 or (refused and not closed):
+                turned = -0.5 * tried.percussion * gamma0
+                if turned > self._collision and dt >= 2.0 * self.shortest:
+                    return None, evaluations, residual
                 return self._commit(tried, dt), evaluations, residual
             refused = True
         return None, evaluations, residual

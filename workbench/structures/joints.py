@@ -78,16 +78,16 @@ class JointSprings(ElementGroup):
         first, second = self.bars.dofs[:, 2], self.bars.dofs[:, 5]
         old, new, k = self._old, self._new, self._stiffness
         new.rotation[:] = step.end[second] - step.end[first]
-        trial = k * (new.rotation - old.plastic)
+        within = old.rotation + step.weight * (new.rotation - old.rotation)
+        trial = k * (within - old.plastic)
         new.moment[:] = np.clip(trial, self._least, self._most)
         yields = new.moment != trial
         new.plastic[:] = old.plastic
-        new.plastic[yields] += (trial[yields] - new.moment[yields]) / k[yields]
+        new.plastic[yields] += (trial[yields] - new.moment[yields]) / (step.weight * k[yields])
         pinned = k == 0.0
         new.plastic[pinned] = new.rotation[pinned]
-        moment = step.weight * new.moment + (1.0 - step.weight) * old.moment
-        np.add.at(step.force, first, -moment)
-        np.add.at(step.force, second, moment)
+        np.add.at(step.force, first, -new.moment)
+        np.add.at(step.force, second, new.moment)
         tangent = np.where(yields, 0.0, step.weight * k)
         for row, column, sign in ((2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)):
             np.add.at(step.band, self.bars.positions[:, 6 * row + column], sign * tangent)
@@ -95,14 +95,12 @@ class JointSprings(ElementGroup):
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
         old, new, k = self._old, self._new, self._stiffness
-        softness = np.divide(1.0, k, out=np.zeros_like(k), where=k > 0.0)
-        flow = new.plastic - old.plastic
-        moment = weight * new.moment + (1.0 - weight) * old.moment
+        start, elastic = old.rotation - old.plastic, new.rotation - new.plastic
+        change = elastic - start
+        moment = k * ((1.0 - weight) * start + weight * elastic)
+        plastic = float(moment @ (new.plastic - old.plastic))
         return StepEnergies(
-            0.5 * float(softness @ new.moment**2),
-            float(moment @ flow),
-            (weight - 0.5) * float(softness @ (new.moment - old.moment) ** 2),
-            float(new.moment @ flow),
+            0.5 * float(k @ elastic**2), plastic, (weight - 0.5) * float(k @ change**2), plastic
         )
 
     @property

@@ -25,8 +25,9 @@ def respond(own, e, p, duration, strain, old, new):
     if own.elastic[e, p]:
         area, second = own.modulus[e] * own.area[e], own.modulus[e] * own.second[e]
         return area * strain[0], second * strain[1], area, 0.0, second
+    strains = strain[0], 0.0, strain[1]  # yields at the end of a step
     n, _, m, c00, _, c02, _, _, c22 = section_response(
-        own.sections, own.sections.of[e], duration, strain[0], 0.0, strain[1], old[p], new[p]
+        own.sections, own.sections.of[e], 1.0, duration, strains, old[p], new[p]
     )
     return n, m, c00, c02, c22
 
@@ -163,18 +164,16 @@ def account(weight, bars, own, old, new):
                 stored += 0.5 * dx * (area * after[0] ** 2 + second * after[1] ** 2)
                 algorithmic += (weight - 0.5) * dx * (area * d0 * d0 + second * d1 * d1)
                 continue
-            parts = section_energies(
-                own.sections,
-                own.sections.of[e],
-                weight,
-                dx,
+            states = (
                 (before[0], 0.0, before[1]),
                 (after[0], 0.0, after[1]),
                 old.fibers[e, p],
                 new.fibers[e, p],
             )
+            s = own.sections.of[e]
+            parts = section_energies(own.sections, s, weight, dx, *states)
             stored += parts[0]
             plastic += parts[1]
             algorithmic += parts[2]
-            ideal += parts[3]
+            ideal += section_energies(own.sections, s, 1.0, dx, *states)[1]
     return stored, plastic, algorithmic, ideal

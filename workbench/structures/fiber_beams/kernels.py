@@ -25,7 +25,7 @@ class Beam(NamedTuple):
     `spread` (points,) of the axial strain, all zero for linear axial displacement; fiber states
     `old` and `new` (points, states, f); `inner` (5,): elongation (m), bending rotations of both
     ends (rad), shear strain, and the amplitude a of the strain that `spread` adds; `local` (3,)
-    forces N, M1, M2; `duration` of the step in s.
+    forces N, M1, M2; `weight` and `duration` (s) of the step, see `section_response`.
     """
 
     length: float
@@ -37,6 +37,7 @@ class Beam(NamedTuple):
     new: Array
     inner: Array
     local: Array
+    weight: float
     duration: float
 
 
@@ -64,8 +65,9 @@ def point_sums(beam, sections, k, coupling):
     for g in range(beam.xi.shape[0]):
         spread = beam.spread[g]
         strain, curvature, b1, b2 = point_strain(length, beam.xi[g], spread, beam.inner)
+        strains = strain, 0.0, curvature
         n, _, m, c0, _, c1, _, _, c2 = section_response(
-            sections, beam.section, beam.duration, strain, 0.0, curvature, beam.old[g], beam.new[g]
+            sections, beam.section, beam.weight, beam.duration, strains, beam.old[g], beam.new[g]
         )
         w = beam.weights[g]
         wl = w * length
@@ -190,13 +192,16 @@ def assemble(step, bars, points, sections, old, new):
     k = np.empty((3, 3))
     coupling = np.empty(4)
     work = np.empty((7, 4))
+    weight = step.weight
+    rest = 1.0 - weight
     for e in range(bars.dofs.shape[0]):
         chord = chord_at(bars, e, step.end)
-        inner = new.inner[e]
+        begin, inner = old.inner[e], new.inner[e]
+        # the law is asked where fibers yield, within the step; `inner` then goes on to its end
         inner[0] = chord.elongation
-        if not (math.isfinite(inner[3]) and math.isfinite(inner[4])):
-            for i in range(1, inner.size):
-                inner[i] = old.inner[e, i]  # a wild trial must not spoil the next one
+        for i in range(inner.size):
+            at = rest * begin[i] + weight * inner[i]
+            inner[i] = at if math.isfinite(at) else begin[i]  # no wild trial spoils the next one
         beam = Beam(
             bars.lengths[e],
             sections.of[e],
@@ -207,12 +212,16 @@ def assemble(step, bars, points, sections, old, new):
             new.fibers[e],
             inner,
             new.local[e],
+            weight,
             step.duration,
         )
-        turn1 = step.end[bars.dofs[e, 2]] - chord.rotation
-        turn2 = step.end[bars.dofs[e, 5]] - chord.rotation
+        turn1 = weight * (step.end[bars.dofs[e, 2]] - chord.rotation) + rest * (begin[1] - begin[3])
+        turn2 = weight * (step.end[bars.dofs[e, 5]] - chord.rotation) + rest * (begin[2] - begin[3])
         element_law(beam, sections, turn1, turn2, k, coupling)
-        add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
+        for i in range(1, inner.size):
+            inner[i] = begin[i] + (inner[i] - begin[i]) / weight
+        inner[0] = chord.elongation
+        add_element(step, bars, e, chord, new.local[e], new.local[e], k, work)
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,6 +9,7 @@ from numba import njit
 from workbench.structures.uniaxial.kernels import (
     LINEAR,
     LINEAR_RATE,
+    MENEGOTTO_PINTO,
     SHEARED,
     linear,
     linear_rate,
@@ -18,12 +19,17 @@ from workbench.structures.uniaxial.kernels import (
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def section_response(sections, s, duration, gamma1, gamma2, kappa, old, new):
-    """Section forces N, V, M and their tangent (NN, NV, NM, VV, VM, MM).
+def section_response(sections, s, weight, duration, strains, old, new):
+    """Section forces N, V, M within a step and their tangent (NN, NV, NM, VV, VM, MM).
 
-    Arguments: `sections` tables, number `s` of the section, `duration` of the step in s; strains;
-    committed fiber states `old` (states, f). Writes the trial states `new`.
+    Arguments: `sections` tables, number `s` of the section; `weight`, the instant within the step
+    of `duration` (s) at which fibers yield; `strains` (Gamma_1, Gamma_2, kappa) there; committed
+    fiber states `old` (states, f). Writes the trial states `new` at the end of the step: plastic
+    strains go on over the rest of the step as they went so far.
     """
+    gamma1, gamma2, kappa = strains
+    duration *= weight
+    on = 1.0 / weight
     code, p = sections.code[s], sections.parameters[s]
     y, area, initial = sections.y[s], sections.area[s], sections.initial[s]
     N = V = M = 0.0
@@ -33,15 +39,17 @@ def section_response(sections, s, duration, gamma1, gamma2, kappa, old, new):
         for f in range(y.shape[0]):
             eps = gamma1 - y[f] * kappa + initial[f]
             if code == LINEAR:
-                stress, modulus, new[0, f], new[1, f] = linear(
-                    E, H, fy, Hi, eps, old[0, f], old[1, f]
-                )
+                stress, modulus, plastic, other = linear(E, H, fy, Hi, eps, old[0, f], old[1, f])
             elif code == LINEAR_RATE:
-                stress, modulus, new[0, f], new[1, f] = linear_rate(
+                stress, modulus, plastic, other = linear_rate(
                     p, duration, eps, old[0, f], old[1, f]
                 )
             else:
                 stress, modulus = menegotto_pinto(p, eps, old, new, f)
+                plastic, other = new[9, f], 0.0
+            new[0, f] = old[0, f] + on * (plastic - old[0, f])
+            if code != MENEGOTTO_PINTO:
+                new[1, f] = old[1, f] + on * (other - old[1, f])
             stress *= area[f]
             N += stress
             M -= stress * y[f]
@@ -59,7 +67,8 @@ def section_response(sections, s, duration, gamma1, gamma2, kappa, old, new):
             sigma, tau, k11, k12, k22, plastic, slid = sheared(
                 E, G, H, fy, eps, w * gamma2, old[0, f], old[1, f]
             )
-            new[0, f], new[1, f] = plastic, slid
+            new[0, f] = old[0, f] + on * (plastic - old[0, f])
+            new[1, f] = old[1, f] + on * (slid - old[1, f])
             A, yf = area[f], y[f]
             N += sigma * A
             V += tau * A * w
@@ -82,8 +91,8 @@ def section_energies(sections, s, weight, dx, before, after, old, new):
     `dx` in m; committed and trial strains (Gamma_1, Gamma_2, kappa) `before` and `after`, and
     fiber states `old` and `new` (states, f). Result: stored energy at the end; plastic dissipation
     of the step with stresses weighted as in its forces; algorithmic dissipation; and the plastic
-    work of end stresses alone, against which the plastic dissipation is judged. The work of the
-    isotropic part of hardening counts as dissipated; of the Menegotto-Pinto law only
+    work of stresses at yield, which is the second where fibers yield within the step. The work of
+    the isotropic part of hardening counts as dissipated; of the Menegotto-Pinto law only
     E eps_e^2 / 2 counts as stored.
     """
     code = sections.code[s]
@@ -92,7 +101,7 @@ def section_energies(sections, s, weight, dx, before, after, old, new):
     shear, slip = dx * sections.shear[s], after[1] - before[1]
     stored = 0.5 * shear * after[1] * after[1]
     algorithmic = lag * shear * slip * slip
-    plastic = ideal = 0.0
+    plastic = 0.0
     for f in range(sections.y.shape[1]):
         y, volume = sections.y[s, f], dx * sections.area[s, f]
         p0, p1 = old[0, f], new[0, f]
@@ -103,7 +112,6 @@ def section_energies(sections, s, weight, dx, before, after, old, new):
         algorithmic += lag * volume * (E * change * change + H * flow * flow)
         start, end = E * elastic0 - H * p0, E * elastic1 - H * p1
         work = ((1.0 - weight) * start + weight * end) * flow
-        whole = end * flow
         if code == SHEARED:
             w = sections.share[s, f]
             p0, p1 = old[1, f], new[1, f]
@@ -113,7 +121,5 @@ def section_energies(sections, s, weight, dx, before, after, old, new):
             algorithmic += lag * volume * (G * change * change + H * flow * flow / 3.0)
             start, end = G * elastic0 - H * p0 / 3.0, G * elastic1 - H * p1 / 3.0
             work += ((1.0 - weight) * start + weight * end) * flow
-            whole += end * flow
         plastic += volume * work
-        ideal += volume * whole
-    return stored, plastic, algorithmic, ideal
+    return stored, plastic, algorithmic, plastic

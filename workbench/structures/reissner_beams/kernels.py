@@ -51,9 +51,14 @@ def assemble(step, bars, sections, old, new):
         a1x, a1y = Dx * c - Dy * s, Dy * c + Dx * s
         gamma1 = r1x * a1x + r1y * a1y - 1.0
         gamma2 = r1y * a1x - r1x * a1y
-        fibers = old.fibers[e], new.fibers[e]
+        before, rest = old.strain[e], 1.0 - weight
+        within = (
+            rest * before[0] + weight * gamma1,
+            rest * before[1] + weight * gamma2,
+            rest * before[2] + weight * kappa,
+        )
         N, V, M, c00, c01, c02, c11, c12, c22 = section_response(
-            sections, sections.of[e], step.duration, gamma1, gamma2, kappa, *fibers
+            sections, sections.of[e], weight, step.duration, within, old.fibers[e], new.fibers[e]
         )
         new.stress[e, 0], new.stress[e, 1], new.stress[e, 2] = N, V, M
         new.strain[e, 0], new.strain[e, 1], new.strain[e, 2] = gamma1, gamma2, kappa
@@ -68,10 +73,6 @@ def assemble(step, bars, sections, old, new):
             ax, ay = cx * amx, cx * amy
             along, across = rmx * amx + rmy * amy, rmy * amx - rmx * amy
             turn_1, turn_2 = sc * across, -sc * along
-            rest = 1.0 - weight
-            N = rest * old.stress[e, 0] + weight * N
-            V = rest * old.stress[e, 1] + weight * V
-            M = rest * old.stress[e, 2] + weight * M
         else:
             ax, ay = a1x, a1y
             turn_1, turn_2 = gamma2, -(1.0 + gamma1)

@@ -79,7 +79,7 @@ class MenegottoPinto(Declared, table="law"):
     corner) and the factors `softening` and `softening_strain` (cR1, cR2) that lower it after
     reversals. Source: Menegotto and Pinto 1973; parameters after Filippou et al. 1983. A small
     partial unloading is treated as a full reversal, as usual with this law, so that stresses
-    afterwards may overshoot the first branch slightly. State of a fiber: nine numbers, the first
+    afterwards may overshoot the first branch slightly. State of a fiber: ten numbers, the first
     is the plastic strain.
     """
 
@@ -91,7 +91,7 @@ class MenegottoPinto(Declared, table="law"):
     softening_strain: float = checked(_ABOVE_ZERO, 0.15)
 
     code: ClassVar[int] = kernels.MENEGOTTO_PINTO
-    states: ClassVar[int] = 9
+    states: ClassVar[int] = 10
     rate: ClassVar[None] = None
 
     def parameters(self) -> Array:

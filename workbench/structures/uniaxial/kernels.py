@@ -73,21 +73,22 @@ def linear_rate(p, duration, eps, plastic, accumulated):
 
 @njit(cache=True, error_model="numpy")
 def menegotto_pinto(p, eps, old, new, f):
-    """Menegotto-Pinto: stress and tangent of fiber `f`; `old` and `new` are states (9, fibers).
+    """Menegotto-Pinto: stress and tangent of fiber `f`; `old` and `new` are states (10, fibers).
 
-    States: plastic strain, strain; strain and stress at the last reversal; those where its
-    elastic line meets the hardening line; largest and smallest strain; direction (0: virgin).
+    States: plastic strain at the end of the step, which the caller writes; strain; strain and
+    stress at the last reversal; those where its elastic line meets the hardening line; largest
+    and smallest strain; direction (0: virgin); plastic strain at the strain sampled last.
     """
     E, fy, b = p[0], p[2], p[3]
     yielding = fy / E
-    for k in range(9):
+    for k in range(10):
         new[k, f] = old[k, f]
     last = old[1, f]
     change = eps - last
     direction = old[8, f]
     if change == 0.0:
         if direction == 0.0:
-            return E * (eps - old[0, f]), E
+            return E * (eps - old[9, f]), E
     elif direction == 0.0:
         direction = math.copysign(1.0, change)
         new[2, f] = new[3, f] = 0.0
@@ -95,7 +96,7 @@ def menegotto_pinto(p, eps, old, new, f):
         new[6, f], new[7, f] = yielding, -yielding
     elif change * direction < 0.0:
         direction = -direction
-        stress = E * (last - old[0, f])
+        stress = E * (last - old[9, f])
         new[2, f], new[3, f] = last, stress
         if direction > 0.0:
             new[7, f] = min(old[7, f], last)
@@ -123,7 +124,7 @@ def menegotto_pinto(p, eps, old, new, f):
         bend = root * power / (1.0 + power)
     ratio = (new[5, f] - new[3, f]) / span
     stress = new[3, f] + (b * x + (1.0 - b) * x * root) * (new[5, f] - new[3, f])
-    new[0, f] = eps - stress / E
+    new[9, f] = eps - stress / E
     new[1, f] = eps
     return stress, ratio * (b + (1.0 - b) * bend)
 
