@@ -185,6 +185,9 @@ def test_energies_and_warnings(column) -> None:
     assert "sensitive" in found
     soft = MemberPulse("soft", column, Pulse("rectangular", 3.5e5, 0.01), "point", 0.1)
     assert "gradual-yielding" in {f.subject for f in warnings_of(SingleDof().simulate(soft))}
+    told = [finding.text for finding in SingleDof().domain(short)]
+    assert any("direct shear" in text for text in told)
+    assert not any("direct shear" in f.text for f in SingleDof().domain(soft))
     response = Biggs().simulate(replace(short, load="uniform"))
     assert "elastic" not in response  # not those of the member
     assert response["reaction"].shape == (2, response.sizes["time"])

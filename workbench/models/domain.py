@@ -77,9 +77,23 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
 
 
 def shear_findings(scenario: ColumnScenario) -> list[Finding]:
-    """Warnings of segments whose bending mechanism needs more shear than the webs carry."""
+    """Warnings of segments whose bending mechanism needs more shear than the webs carry.
+
+    And of pulses whose largest force, half of it on either side, is more than that.
+    """
     findings = []
     bound = shear_bound(scenario.column.strength_section)
+    remedy = SHEAR_REMEDY
+    if isinstance(scenario, MemberPulse):
+        remedy = "take fiber-shear, or superelements, whose webs yield in shear"
+        half = 0.5 * scenario.pulse.peak * scenario.whole
+        direct = half / scenario.column.properties.shear_resistance
+        if direct > 1.0:
+            text = (
+                f"half of the largest force of the pulse is {direct:.2f} Vpl: webs yield in direct "
+                "shear before the member bends, which models without shear yielding leave out"
+            )
+            findings.append(Finding("shear", text, remedy=remedy, number=direct))
     for segment, ratio in shear_demand(scenario).items():
         if bound < ratio <= 1.0:
             text = (
@@ -95,7 +109,7 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
                 f"{ratio:.2f}: its web yields in shear before, so that every model without shear "
                 "yielding overestimates the plastic resistance"
             )
-            findings.append(Finding("shear", text, remedy=SHEAR_REMEDY, number=ratio))
+            findings.append(Finding("shear", text, remedy=remedy, number=ratio))
     return findings
 
 

@@ -109,7 +109,15 @@ class HardImpact(Declared, table="option"):
         values["shear_utilisation"] = shear_utilisation(companion, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
         warnings = reached_findings(curve, companion, top)
-        if top > _RIGID * crush:
+        if top <= _RIGID * crush:
+            text = (
+                f"the striker crushes by {crush:.3g} m and takes the energy, the column moves "
+                f"{top:.3g} m: the answer for a vehicle of {self.striker_stiffness:.3g} N/m, not "
+                "for the rigid striker of the scenario"
+            )
+            remedy = "give the striker_stiffness, or take a model of rigid strikers"
+            warnings.append(Finding("striker", text, remedy=remedy, number=crush / top))
+        else:
             text = (
                 f"the column moves {top:.3g} m, the striker crushes by {crush:.3g} m against a "
                 "rigid wall: the structure is not the hard side, and the rule gives it more force "
