@@ -19,6 +19,7 @@ ops = pytest.importorskip(
 )
 STRIKE, AXIS, TURN = 1, 2, 3
 SPRING, PUSH = 9001, 2
+NEWMARK = ("Newmark", 0.5, 0.25)
 
 
 def stand(column: Column, lengths: np.ndarray, hardening: float, layers: int = 20) -> int:
@@ -98,14 +99,16 @@ def push(hit: int, path: np.ndarray) -> np.ndarray:
     return np.array(forces)
 
 
-def hit_by(scenario: ColumnImpact, hit: int, dt: float, count: int) -> np.ndarray:
-    """Displacements (count,) of the node `hit`, Newmark's constant average acceleration."""
+def hit_by(
+    scenario: ColumnImpact, hit: int, dt: float, count: int, integrator: tuple = NEWMARK
+) -> np.ndarray:
+    """Displacements (count,) of the node `hit`, by default with constant average acceleration."""
     striker = scenario.striker
     own = ops.nodeMass(hit)
     momentum = striker.mass * striker.velocity
     ops.mass(hit, own[0] + striker.mass, own[1], own[2])
     ops.setNodeVel(hit, STRIKE, momentum / (own[0] + striker.mass), "-commit")
-    _analysis("Transient", ("Newmark", 0.5, 0.25))
+    _analysis("Transient", integrator)
     begin = ops.getTime()
     found = []
     for number in range(1, count + 1):
