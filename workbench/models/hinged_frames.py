@@ -16,6 +16,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.findings import dead_load_state
 from workbench.frames.shear import shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
@@ -213,7 +214,7 @@ class RefinedPlasticHinge(BarHinges):
     imperfect: bool = checked(Flag(), False)
 
     name: ClassVar[str] = "refined-plastic-hinge"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
     in_impacts: ClassVar[str] = (
         "in catenary action moments give way to the axial force without the plastic elongation "
@@ -255,13 +256,17 @@ def _reverses(scenario: FrameScenario) -> bool:
 
 
 def axial_findings(frame: Frame) -> list[Finding]:
-    """Warning of members whose dead loads are a share of the squash load that takes moment away."""
-    loads = sum(abs(load.y) + abs(load.x) for load in frame.loads)
-    least = min(frame.properties(member).squash_load for member in frame.members)
-    if loads <= AXIAL_SHARE * least:
+    """Warning of a member whose dead load is a share of the squash load that takes moment away."""
+    state = dead_load_state(frame)
+    shares = {
+        member.name: abs(force) / frame.properties(member).squash_load
+        for member, force in zip(frame.members, state.axial, strict=True)
+    }
+    worst = max(shares, key=lambda name: shares[name])
+    if shares[worst] <= AXIAL_SHARE:
         return []
     text = (
-        f"dead loads of {loads / least:.2f} of the squash load of the weakest member: hinges "
-        "without N-M interaction may overestimate the resistance by a similar share"
+        f"dead loads bring {shares[worst]:.2f} of the squash load into member {worst}: hinges "
+        "without N-M interaction overestimate its resistance by nearly that share"
     )
-    return [Finding("interaction", text, remedy=REMEDY, number=loads / least)]
+    return [Finding("interaction", text, remedy=REMEDY, number=shares[worst])]

@@ -324,3 +324,9 @@ class RefinedBars(BarElements):
         stretch = state.local[:, :1] * self._rows["axial"][:, None]
         deformation = np.concatenate([stretch, state.turn], axis=1)
         return deformation, 0.5 * float(np.sum(state.local * deformation))
+
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step; what is not stored counts as plastic: no energy stands behind."""
+        told = super().account(weight)
+        lost = told.plastic + told.algorithmic
+        return told._replace(plastic=lost, algorithmic=0.0, ideal=lost)

@@ -69,14 +69,22 @@ def capacity(n, low, high, m):
 
 
 @njit(cache=True, error_model="numpy")
-def soft(state, before, pinned):
-    """Phi of an end at a force state that was `before`."""
+def soft(n, m, before, pinned):
+    """The phi of an end that an elastic increment takes from `before`, (n, m), to n and m.
+
+    An end may load in bending while N falls: it softens by the share of the increment that raises
+    the force state, so that forces do not jump where loading turns into unloading.
+    """
     if pinned:
         return 0.0
-    if state <= before or state <= STATE:
+    n0, m0 = before
+    old, new = min(force_state(n0, m0), 1.0), force_state(n, m)
+    if new <= old or old <= STATE:
         return 1.0
-    inside = min(before, 1.0)
-    return 1.0 if inside <= STATE else 4.0 * inside * (1.0 - inside)
+    by_n, by_m = (1.0, 8.0 / 9.0) if 0.5 * n > m / 9.0 else (0.5, 1.0)
+    span = by_n * abs(n - n0) + by_m * abs(m - m0)
+    share = min((new - old) / span, 1.0)
+    return 1.0 - share * (1.0 - 4.0 * old * (1.0 - old))
 
 
 @njit(cache=True, error_model="numpy")
@@ -94,8 +102,8 @@ def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
     d1, d4 = (end[1] - start[1]) / SUBSTEPS, (end[2] - start[2]) / SUBSTEPS
     for i in range(1, SUBSTEPS + 1):
         n = abs(N) / squash[0 if N >= 0.0 else 1]
-        a1 = force_state(n, abs(m1) / (bar.high1 if m1 > 0.0 else -bar.low1))
-        a4 = force_state(n, abs(m4) / (bar.high4 if m4 > 0.0 else -bar.low4))
+        a1 = n, abs(m1) / (bar.high1 if m1 > 0.0 else -bar.low1)
+        a4 = n, abs(m4) / (bar.high4 if m4 > 0.0 else -bar.low4)
         elongation = start[0] + (end[0] - start[0]) * i / SUBSTEPS
         N = (elongation - plastic) / bar.axial
         N = max(min(N, squash[0]), -squash[1])
@@ -103,9 +111,8 @@ def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
         n = abs(N) / squash[0 if N >= 0.0 else 1]
         k1, k, k4 = stiffness(bar, N, squash[1], reduction)
         e1, e4 = k1 * (t1 + d1) + k * (t4 + d4), k * (t1 + d1) + k4 * (t4 + d4)
-        s1 = force_state(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1))
-        s4 = force_state(n, abs(e4) / (bar.high4 if e4 > 0.0 else -bar.low4))
-        p1, p4 = soft(s1, a1, bar.pinned1), soft(s4, a4, bar.pinned4)
+        p1 = soft(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1), a1, bar.pinned1)
+        p4 = soft(n, abs(e4) / (bar.high4 if e4 > 0.0 else -bar.low4), a4, bar.pinned4)
         t1 += p1 * d1
         t4 += p4 * d4
         if p1 < 1.0:
@@ -117,18 +124,20 @@ def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
         c1 = 0.0 if bar.pinned1 else capacity(n, bar.low1, bar.high1, m1)
         c4 = 0.0 if bar.pinned4 else capacity(n, bar.low4, bar.high4, m4)
         over1, over4 = abs(m1) > c1, abs(m4) > c4
-        if over1 and not over4:
-            t1 -= (m1 - math.copysign(c1, m1)) / k1
-            m1, m4 = math.copysign(c1, m1), k * t1 + k4 * t4
-            over4 = abs(m4) > c4
-        elif over4 and not over1:
-            t4 -= (m4 - math.copysign(c4, m4)) / k4
-            m4, m1 = math.copysign(c4, m4), k1 * t1 + k * t4
-            over1 = abs(m1) > c1
-        if over1 and over4:
-            m1, m4 = math.copysign(c1, m1), math.copysign(c4, m4)
-            det = k1 * k4 - k * k
-            t1, t4 = (k4 * m1 - k * m4) / det, (k1 * m4 - k * m1) / det
+        if over1 or over4:
+            b1, b4 = math.copysign(c1, m1), math.copysign(c4, m4)
+            alone1, alone4 = m4 - k / k1 * (m1 - b1), m1 - k / k4 * (m4 - b4)
+            if over1 and abs(alone1) <= c4:
+                t1 -= (m1 - b1) / k1
+                m1, m4 = b1, alone1
+            elif over4 and abs(alone4) <= c1:
+                t4 -= (m4 - b4) / k4
+                m1, m4 = alone4, b4
+            else:
+                m4 = b4 if over4 else math.copysign(c4, alone1)
+                m1 = b1 if over1 else math.copysign(c1, alone4)
+                det = k1 * k4 - k * k
+                t1, t4 = (k4 * m1 - k * m4) / det, (k1 * m4 - k * m1) / det
     out[0], out[1], out[2], out[3], out[4] = N, m1, m4, t1, t4
     return plastic
 
