@@ -62,7 +62,7 @@ SCENARIOS: dict[str, dict[str, Any]] = {
     "pulse": {"kind": "member-pulse", **COLUMN, "pulse": {**PULSE, "load": "uniform"},
               "time": {"duration": 0.1}},
     "frame-pulse": {"kind": "frame-pulse", **FRAME, "pattern": [LOAD],
-                    "pulse": {**PULSE, "node": "hit", "direction": "x", "members": []},
+                    "pulse": {**PULSE, "node": "hit", "direction": "+x", "members": []},
                     "time": {"duration": 0.1}},
     "studs": {"kind": "stud-tests", "tests": TESTS},
 }  # fmt: skip

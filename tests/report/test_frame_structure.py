@@ -19,7 +19,9 @@ from workbench.scenarios import (
     FrameStatic,
     Load,
     Member,
+    MemberPulse,
     Node,
+    Pulse,
     Striker,
     frame_scenario,
     regular_frame,
@@ -157,3 +159,16 @@ def testspans():
     assert spans(list(np.arange(12.0))) == [(0.0, 11.0, "11 × 1 m = 11 m")]
     uneven = [*np.arange(11.0), 12.0]
     assert spans(uneven) == [(0.0, 12.0, "12 m")]
+
+
+@pytest.mark.parametrize("load", ["point", "uniform"])
+def test_pulses_stand_where_they_push(frames, load):
+    column = columns()["thesis"]
+    blast = MemberPulse("blast", column, Pulse("triangular", 2e5, 0.01), load, 0.05)
+    drawing = draw(request(frames, "structure", cases=[Case("blast", blast)]))
+    words = [words for words, _ in texts_of(drawing.canvas)]
+    assert "displacement" in words
+    assert ("p(t)" in words) == (load == "point")
+    said = " ".join(drawing.statements)
+    assert "triangular" in said
+    assert ("on below, above" in said) == (load == "uniform")

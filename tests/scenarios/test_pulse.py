@@ -79,7 +79,7 @@ def test_files_hold_pulses(thesis_impact, pulse) -> None:
 def test_a_pulse_on_a_frame_acts_on_something() -> None:
     frame = portal()
     given = {"frame": frame, "pulse": ALL[0], "node": "A1"}
-    assert FramePulse("ok", **given, loads=(Load("A1", x=1.0),)).direction == "x"
+    assert FramePulse("ok", **given, loads=(Load("A1", x=1.0),)).direction == "+x"
     for wrong, path in (
         ({}, "pulse.members"),
         ({"members": ("roof",)}, "pulse.members"),

@@ -42,7 +42,7 @@ def frame_scenario(
         return FrameStatic(name, frame, pattern, "hit", "x", path, "displacement")
     if isinstance(scenario, MemberPulse):
         pulse = FramePulse(
-            name, frame, scenario.pulse, "hit", "x", pattern, duration=scenario.duration
+            name, frame, scenario.pulse, "hit", "+x", pattern, duration=scenario.duration
         )
         if scenario.load == UNIFORM:
             pulse = replace(pulse, loads=(), members=("below", "above"))

@@ -165,7 +165,7 @@ class FramePulse(Declared, table="pulse"):
     """A pulse on a frame at rest under its dead loads; followed for `duration` (s).
 
     Arguments: `name`; `frame`; the `pulse`, a factor on the `loads` of a pattern, and a line load
-    (N/m) along `direction` (x, y, -x or -y) on every metre of the `members`; `node`, whose
+    (N/m) along `direction` (+x, -x, +y or -y) on every metre of the `members`; `node`, whose
     displacement along `direction` is recorded. Raises `InputError`.
     """
 
@@ -173,7 +173,7 @@ class FramePulse(Declared, table="pulse"):
     frame: Frame = checked(FRAME)
     pulse: Pulse = checked(Instance(Pulse))
     node: str = checked(NAME)
-    direction: str = checked(Choice(("x", "y", "-x", "-y")), "x")
+    direction: str = checked(Choice(STRIKES), "+x")
     loads: tuple[Load, ...] = checked(Many(Instance(Load)), (), path="pattern")
     members: tuple[str, ...] = checked(Many(NAME, different=True), ())
     duration: float = checked(DURATION, 0.1, path="time.duration")

@@ -26,6 +26,7 @@ TINTS = ("#b9c4cf", "#e3cfa8", "#a9cdb9", "#d9b8cc")  # one per section
 ACTION, DEAD = PALETTE[:2]
 ARROW = 0.38  # length
 _SUPPORT, _GAP, _DIAMOND = 0.34, 0.06, 0.055
+_ALONG = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a member, where arrows of a line load stand
 _MANY = 4  # equal loads or masses beyond this share one label
 _MOST_NAMES = 24
 _MOST = 3  # different places that are hit
@@ -270,6 +271,12 @@ def _pulses(panel: Axes, layout: Layout, pulses: Sequence[FramePulse]) -> list[s
     for load in shown.loads:
         away = _beyond(layout, load.node, complex(load.x, load.y))
         load_arrows(panel, layout, load, ACTION, "p(t)", away)
+    along = DIRECTIONS[shown.direction]
+    for member in (layout.frame.member(name) for name in shown.members):
+        start, end = layout.at(member.start), layout.at(member.end)
+        for share in _ALONG:
+            tip = start + share * (end - start) - (0.5 * layout.depth(member) + 0.01) * along
+            symbols.arrow(panel, tip - 0.6 * ARROW * layout.small * along, tip, ACTION)
     _ring(panel, layout, shown.node, "displacement")
     on = f", a line load along {shown.direction} on {', '.join(shown.members)}"
     shapes = ", ".join(dict.fromkeys(each.pulse.shape for each in pulses))
