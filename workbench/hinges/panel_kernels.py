@@ -128,6 +128,20 @@ def moment_capacity(web, N, rho):
 
 
 @njit(cache=True, error_model="numpy")
+def utilisation(web, length, forces, used):
+    """Write how far both ends (n, 2) of panels of a `length` are used by forces (n, 3)."""
+    for i in range(forces.shape[0]):
+        N = abs(forces[i, 0])
+        share = min(abs(forces[i, 1] + forces[i, 2]) / (length * web.shear), 1.0)
+        rho = ((1.0 - share) * (1.0 + share)) ** 0.5
+        top = web.flange_axial + rho * web.web_axial
+        capacity = moment_capacity(web, min(N, top), rho)[0]
+        for j in range(2):
+            bent = abs(forces[i, 1 + j]) / capacity if capacity > 0.0 else 1.0
+            used[i, j] = max(bent, max(N / top, share))
+
+
+@njit(cache=True, error_model="numpy")
 def _end(panel, h, e):
     """End h of the panel with its rotation, as `moments_in_box` takes it."""
     return End(0.0, -1.0, 1.0, 1.0, 1.0, panel.pinned[h], panel.flexibility[1 + 2 * h], e)

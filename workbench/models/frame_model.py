@@ -3,12 +3,13 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from math import pi, sqrt
 from time import perf_counter
 from typing import ClassVar, TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
@@ -47,6 +48,12 @@ PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
 PULSE_STEPS = 20.0  # of the length of a pulse, at least
 COLUMNS = (ColumnImpact, ColumnPushover, MemberPulse)
 COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The libraries that have threads of their own; to look for them takes some ms."""
+    return ThreadpoolController()
 
 
 def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
@@ -119,7 +126,7 @@ class FrameModel(ABC, Declared, table="option"):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings common to all member models."""
-        with threadpool_limits(1, user_api="blas"):  # small eigenvalue problems as well
+        with _libraries().limit(limits=1, user_api="blas"):  # small eigenvalue problems as well
             return member_findings(scenario)
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -135,7 +142,9 @@ class FrameModel(ABC, Declared, table="option"):
         a frame with the opposite sign: positive at the base.
         """
         told = as_frame(scenario)
-        with threadpool_limits(1, user_api="blas"):  # band solves are far too small for threads
+        with _libraries().limit(
+            limits=1, user_api="blas"
+        ):  # band solves are far too small for threads
             structure = self.structure(scenario)
             if not isinstance(scenario, COLUMNS):
                 return self._run(told, structure)

@@ -185,10 +185,7 @@ class Superelements(HingedElements):
         used = np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
         for e, section in enumerate(self._own):
             if section.web is not None:
-                shear = moment[..., e, :].sum(axis=-1) / self.lengths[e]
-                for at in np.ndindex(shear.shape):
-                    own = carried[at][e]
-                    used[(*at, e)] = section.web.utilisation(own[0], float(shear[at]), own[1:])
+                used[..., e, :] = section.web.utilisation(carried[..., e, :], self.lengths[e])
         return used
 
     def shapes(self, displacement: Array, points: ArrayLike) -> Array:
