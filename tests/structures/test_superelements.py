@@ -144,6 +144,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             np.zeros((1, 2), bool),
             np.zeros(1),
             0.0,
+            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(5)),
         )
         for _ in range(40 if kind == "flexible" else 20):  # Newton's method is slow for rigid bars
             plastic = rng.normal(size=4) * [3e-3, 0.02, 3e-3, 0.02]

@@ -38,6 +38,7 @@ SPLIT_ELEMENT = 0.05
 
 
 SLOW = ("solid-plane-stress",)
+BY_ERROR = ("rigid-superelement", "flexible-superelement")
 
 
 def split_tolerance(name: str) -> float:
@@ -55,7 +56,9 @@ COLUMNS, FRAMES = of(ColumnImpact.KIND), of(FrameImpact.KIND)
 
 @cache
 def model(name: str) -> Model:
-    return model_of(name)
+    """A model; where contacts open and close often, steps by error follow round-off: equal ones."""
+    own = model_of(name)
+    return replace(own, time_step=2e-5) if name in BY_ERROR else own  # type: ignore[type-var]
 
 
 @cache
