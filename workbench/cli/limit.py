@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from workbench.scenarios import Scenario
     from workbench.study.limit import Limit, Trial
 
-COLUMNS, FRAMES = "four-dof", "rigid-superelement"  # models by default
+COLUMNS, FRAMES, PULSES = "four-dof", "rigid-superelement", "single-dof"  # models by default
 VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
 _ENDINGS = {True: "survives", False: "collapses", None: "not known"}
 _TONES = {True: "good", False: "bad", None: "doubt"}
@@ -30,7 +30,7 @@ def limit(
     ] = VELOCITY,
     model: Annotated[
         list[str] | None,
-        typer.Option(help=f"Name of a model, once for each.  [default: {COLUMNS}, {FRAMES}]"),
+        typer.Option(help="Name of a model, once for each.  [default: by the scenario]"),
     ] = None,
     first: Annotated[
         float | None,
@@ -71,7 +71,8 @@ def limit(
         return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
 
     checked = [scenario_at(end) for end in ends]  # both, before the work
-    usual = FRAMES if checked[0].KIND.startswith("frame") else COLUMNS
+    kind = checked[0].KIND
+    usual = FRAMES if kind.startswith("frame") else PULSES if kind.endswith("pulse") else COLUMNS
     models = [make_model(each, options_from(options or [])) for each in model or [usual]]
     found = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {
