@@ -124,11 +124,12 @@ def test_curves_of_drawn_columns_are_continuous_and_end_in_the_rope(model) -> No
             base=str(random.choice(["clamped", "pinned"])),
             head=str(random.choice(["guided", "pinned", "fixed"])),
             restraint_stiffness=spring,
-            axial_load=float(random.uniform(-5e5, 1e6)),
+            axial_load=float(random.uniform(-5e5, 1e6) * (random.random() < 0.7)),
         )
         curve = model.curve(column)
         starts = curve.starts[1:]
         assert np.all(np.diff(curve.starts) > 0.0)
+        assert np.all(np.isfinite(curve.pieces["c"]))
         before, after = curve.force(starts * (1.0 - 1e-12)), curve.force(starts)
         np.testing.assert_allclose(before, after, rtol=1e-8)
         if spring > 0.0 or column.head == "fixed":

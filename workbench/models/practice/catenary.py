@@ -62,7 +62,7 @@ def trilinear(mechanism: Mechanism) -> ResistanceCurve:
     pieces = np.zeros(4, PIECE)
     put(pieces, 0, events.START, 0.0, (0.0, ke, 0.0))
     put(pieces, 1, events.LOAD, vy, (F0, 0.0, 0.0))
-    if starts >= v_c:
+    if not starts < v_c < np.inf:
         return ResistanceCurve(TRILINEAR, mechanism, pieces[:2], vy)
     rope = mechanism.slope_sum * mechanism.squash_load
     put(pieces, 2, events.TENSION, starts, (F0, (rope * v_c - F0) / (v_c - starts), 0.0))
@@ -147,7 +147,7 @@ class TrilinearCatenary(_Catenary):
     interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "trilinear-catenary"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Resistance of three straight lines: elastic, plastic mechanism at the axial force before "
         "the hit, catenary from where chords stretch more than hinges to the rope at N_p.",

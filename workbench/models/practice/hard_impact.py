@@ -53,7 +53,7 @@ class HardImpact(Declared, table="option"):
     deformation_capacity: float | None = checked(Number(1e-6, 10.0, "m"), optional=True)
 
     name: ClassVar[str] = "en-1991-hard-impact"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "All deformation is that of the striker, a linear spring of 300 kN/m unless given; the "
