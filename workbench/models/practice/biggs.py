@@ -17,11 +17,12 @@ from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.pulse import Pushed, pulse_response
-from workbench.responses import Response
+from workbench.responses import Finding, Response
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
 _PLACES = ("base", "hit", "head")  # nodes of the beam
+_ALIKE = 1.5  # largest ratio of equivalent masses without a warning: that of a force at midspan
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Biggs(SingleDof):
     hit_mass: ClassVar[str] = "shape"  # type: ignore[misc]
 
     name: ClassVar[str] = "biggs"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "
         "elastic, elastic with hinges, mechanism with hinges at clamped ends and at the hit point.",
@@ -59,6 +60,25 @@ class Biggs(SingleDof):
     def curve(self, column: Column) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
         return stage_curve(column, self.stages(column))
+
+    def domain(self, scenario: ColumnScenario) -> list[Finding]:
+        """Findings of the single-DOF column, and shapes too different to follow each other."""
+        findings = super().domain(scenario)
+        if not isinstance(scenario, MemberPulse):
+            return findings
+        stages = self.stages(scenario.column, scenario.load == UNIFORM)
+        factors = [stage.load_mass_factor for stage in stages]
+        spread = max(factors) / min(factors)
+        if spread > _ALIKE:
+            text = (
+                f"the equivalent mass of its stages lies between {min(factors):.2f} and "
+                f"{max(factors):.2f} of the member's: where one shape gives way to another kinetic "
+                "energy is lost that the member keeps, and the peak comes out too small; the "
+                "method is meant for loads near midspan"
+            )
+            remedy = "take single-dof with resistance = analytic, or a superelement"
+            findings.append(Finding("shapes", text, remedy=remedy, number=spread))
+        return findings
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) of the stage to which the energy of the blow leads."""
