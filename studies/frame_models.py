@@ -1,4 +1,4 @@
-"""Which frame model for what: one element per member by eight rules, against fiber frames.
+"""Which frame model for what: one element per member by nine rules, against fiber frames.
 
 Three frames (a portal, two bays in two storeys, the frame of Heng 2017), each pushed over, led to
 and fro, hit, and shaken.
@@ -12,7 +12,12 @@ import numpy as np
 from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
-from workbench.models.hinged_frames import Giberson, PlasticHinge, RefinedPlasticHinge
+from workbench.models.hinged_frames import (
+    Giberson,
+    PlasticHinge,
+    QuasiPlasticHinge,
+    RefinedPlasticHinge,
+)
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
@@ -89,13 +94,19 @@ def scenario(place: str, event: str) -> FrameScenario:
 REFERENCE = "fiber frame"
 RIGID, FLEXIBLE = "rigid superelement", "flexible superelement"
 GIBERSON, HINGE, AISC = "Giberson", "plastic hinge, exact", "plastic hinge, AISC"
-REFINED, FORCE, FIBER = "refined hinge, AISC", "force-based fibers", "fiber hinge"
+QUASI, REFINED, FORCE, FIBER = (
+    "quasi-plastic hinge",
+    "refined hinge, AISC",
+    "force-based fibers",
+    "fiber hinge",
+)
 CUBIC = "displacement-based fibers, 4 per member"
 models = {
     REFERENCE: FiberReissner(),
     GIBERSON: Giberson(),
     HINGE: PlasticHinge(),
     AISC: PlasticHinge(surface="aisc"),
+    QUASI: QuasiPlasticHinge(),
     REFINED: RefinedPlasticHinge(),
     RIGID: RigidSuperelement(shear="none"),
     FLEXIBLE: FlexibleSuperelement(shear="none"),

@@ -40,6 +40,7 @@ THEORY = {
     "force-based-beam": "frame-models.md",
     "fiber-hinge": "frame-models.md",
     "giberson": "frame-models.md",
+    "quasi-plastic-hinge": "frame-models.md",
     "refined-plastic-hinge": "frame-models.md",
     "plastic-hinge": "frame-models.md",
     "column-of-frame": "column-of-frame.md",

@@ -9,10 +9,18 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
+from workbench.frames.fibers import fiber_section, spread_of_yield
 from workbench.materials import Steel
 from workbench.models.frame_model import FrameModel
-from workbench.models.hinged_frames import BarHinges, Giberson, PlasticHinge, RefinedPlasticHinge
+from workbench.models.hinged_frames import (
+    BarHinges,
+    Giberson,
+    PlasticHinge,
+    QuasiPlasticHinge,
+    RefinedPlasticHinge,
+)
 from workbench.models.superelements import FlexibleSuperelement
+from workbench.references.fiber_corotational import FiberCorotational
 from workbench.scenarios import (
     Frame,
     FrameGroundMotion,
@@ -23,7 +31,7 @@ from workbench.scenarios import (
     Member,
     Node,
 )
-from workbench.sections import find
+from workbench.sections import find, square
 
 HEB, STEEL = find("HEB 220"), Steel()
 EI = STEEL.elastic_modulus * HEB.second_moment
@@ -133,3 +141,44 @@ def test_events_outside_the_domain_are_warned_of() -> None:
     assert subjects(RefinedPlasticHinge(), cycles) == {"cycles"}
     assert not subjects(RefinedPlasticHinge(), push)
     assert not subjects(PlasticHinge(), hit) | subjects(PlasticHinge(), cycles)
+
+
+def guided(push: float) -> FrameStatic:
+    """A square column between a clamp and a head that only sways: its moment is zero half-way."""
+    nodes = (
+        Node("foot", 0.0, 0.0, support="clamped"),
+        Node("head", 0.0, 3.0, spring_rotation=1e13),
+    )
+    frame = Frame(nodes, (Member("leg", "foot", "head", square(0.2)),))
+    return FrameStatic("guided", frame, (Load("head", x=1e3),), "head", "x", (push,))
+
+
+def test_spread_of_yield_of_a_rectangle_is_the_closed_form() -> None:
+    frame = guided(0.1).frame
+    first, rotation, share = spread_of_yield(fiber_section(frame, frame.members[0], 400, 0.0))
+    assert first == pytest.approx(2.0 / 3.0, rel=0.01)
+    for m in (0.8, 0.9, 0.98):
+        # kappa / kappa_y = 1 / sqrt(3 - 3 m) less 3 m / 2, times m, integrated from 2/3 on
+        s = sqrt(3.0 - 3.0 * m)
+        exact = 2.0 / 3.0 * (8.0 / 9.0 - s + s**3 / 9.0) - 0.5 * (m**3 - 8.0 / 27.0)
+        exact /= m**2
+        at = (m - first) / (1.0 - first)
+        assert np.interp(at, share, rotation) == pytest.approx(exact, rel=0.04)
+
+
+def test_quasi_plastic_hinge_spreads_as_fibers_do() -> None:
+    scenario = guided(0.06)
+    plain = {"geometry": "linear", "shear_flexible": False}
+    mesh = {"smallest_element": 0.03, "largest_element": 0.1, "levels": 1, "refinement": 0}
+    fine = FiberCorotational(shear_flexible=False, **mesh).simulate(scenario)["force"].values
+    quasi = QuasiPlasticHinge(**plain).simulate(scenario)["force"].values
+    sharp = PlasticHinge(**plain).simulate(scenario)["force"].values
+    knee = int(np.argmax(np.abs(sharp / np.maximum(fine, 1.0) - 1.0)[2:])) + 2
+    assert sharp[knee] / fine[knee] > 1.04
+    assert quasi[1:] == pytest.approx(fine[1:], rel=0.015)
+    # cycles: once hardened, elastic up to the moment that was reached
+    cycles = QuasiPlasticHinge(**plain).simulate(replace(scenario, path=(0.03, 0.0, 0.03)))
+    force, moved = cycles["force"].values, cycles["displacement"].values
+    top = int(np.argmax(moved))
+    again = np.interp(0.025, moved[-20:], force[-20:])
+    assert again == pytest.approx(np.interp(-0.025, -moved[top : top + 20], force[top : top + 20]))

@@ -8,7 +8,7 @@ docs/theory/frame-models.md.
 """
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, inf, pi, sqrt
 from typing import ClassVar
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames.fibers import fiber_section, spread_of_yield
 from workbench.frames.findings import dead_load_state
 from workbench.frames.shear import shear_stiffness
 from workbench.frames.structure import FrameStructure
@@ -197,6 +198,38 @@ class PlasticHinge(BarHinges):
         if joint_governs:
             return np.array([[0.0, 1.0], [1.0, 0.0]])
         return polyline(self.surface, frame.strength_section(piece.member))
+
+
+@dataclass(frozen=True)
+class QuasiPlasticHinge(PlasticHinge):
+    """Quasi-plastic hinges: plastic rotations of spreading yield, calibrated on fibers.
+
+    Options: those of `PlasticHinge`; `layers` of the fiber section that the curve is taken from.
+    """
+
+    layers: int = checked(Number(4, 1000, integer=True), 40)
+
+    name: ClassVar[str] = "quasi-plastic-hinge"
+    version: ClassVar[int] = 1
+    sources: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
+    assumptions: ClassVar[tuple[str, ...]] = (
+        "Hinges yield first where the outermost fiber does and harden to the full section as the "
+        "plastic zone of a linear moment with its zero half-way spreads; flow normal to the "
+        "surface reached.",
+        "Isotropic: after a reversal an end is elastic up to the moment that it has reached.",
+        "No residual stress, no shear yielding, no local buckling, no strain-rate effect.",
+    )
+    in_cycles: ClassVar[str] = (
+        "after the first full hinge of an end its yielding is sudden, as in the plastic hinge"
+    )
+
+    def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
+        section = fiber_section(frame, piece.member, self.layers, 0.0)
+        first, rotation, hardened = spread_of_yield(section)
+        end = super()._end(frame, piece, side)
+        strain = frame.steel.yield_stress / frame.steel.elastic_modulus
+        turn = 0.5 * piece.length * strain / float(np.max(section.y))
+        return replace(end, first_yield=first, spread=np.stack([turn * rotation, hardened]))
 
 
 @dataclass(frozen=True)

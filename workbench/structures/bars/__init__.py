@@ -8,8 +8,8 @@ from workbench.structures.bars.group import (
     BarState,
     HingedBars,
     PlasticEnd,
-    RefinedBars,
 )
+from workbench.structures.bars.refined_bars import RefinedBars
 
 __all__ = [
     "NO_INTERACTION",

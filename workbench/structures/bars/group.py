@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Indices
-from workbench.structures.bars import kernels, refined_kernels
+from workbench.structures.bars import kernels
 from workbench.structures.elements import Bars, HingedElements, StepEnergies
 
 BAR = np.dtype(
@@ -30,7 +30,9 @@ class PlasticEnd:
     Arguments: `axial` resistance in tension and compression; `moments` that it resists, positive
     and negative; `curve` (2, corners), the share of the moment that is left over |N| over its
     resistance, from 0 on; `stiffness` of the joint in N m/rad (0: a pin); `hardening`, kinematic,
-    in N m per rad of plastic rotation.
+    in N m per rad of plastic rotation; `first_yield`, the share of the moments at which an end
+    yields first without N, and `spread` (2, points), how much of the way from there to `curve` it
+    has hardened over its accumulated plastic rotation in rad (1 and None: at once).
     """
 
     axial: tuple[float, float]
@@ -38,6 +40,8 @@ class PlasticEnd:
     curve: Array
     stiffness: float = inf
     hardening: float = 0.0
+    first_yield: float = 1.0
+    spread: Array | None = None
 
     def share(self, side: int, axial: Array) -> Array:
         """Share of the plastic moment left at |N| (n,) in tension (side 0) or compression."""
@@ -99,13 +103,15 @@ class BarState(NamedTuple):
     """State of all bars.
 
     `local` (e, 3): N, M_1, M_4; `deformation` (e, 3): elongation and end rotations against the
-    chord; `plastic` (e, 3) parts of these; `back` (e, 2): backstresses of the hinges.
+    chord; `plastic` (e, 3) parts of these; `back` (e, 2): backstresses of the hinges; `spread`
+    (e, 2): their accumulated plastic rotations.
     """
 
     local: Array
     deformation: Array
     plastic: Array
     back: Array
+    spread: Array
 
 
 class BarTables(NamedTuple):
@@ -113,7 +119,8 @@ class BarTables(NamedTuple):
 
     `rows` (e,), records of BAR; `corners` (e, 2, corners, 3) and `counts` (e, 2), see `hinged_law`;
     elastic `stiffness`
-    (e, 3, 3) of first order, of which the share `eta` always acts beside the hinges.
+    (e, 3, 3) of first order, of which the share `eta` always acts beside the hinges; if `gradual`,
+    shares of both moments at `first` yield (e, 2, corners, 2) and `curves` (e, 2, 2, points).
     """
 
     rows: Any
@@ -121,6 +128,9 @@ class BarTables(NamedTuple):
     counts: Indices
     stiffness: Array
     eta: float
+    gradual: bool
+    first: Array
+    curves: Array
 
 
 class BarElements(HingedElements):
@@ -213,7 +223,7 @@ class HingedBars(BarElements):
         first_order: bool = False,
     ) -> None:
         self.regularisation, count = regularisation, len(bars)
-        state = BarState(*(np.zeros((count, width)) for width in (3, 3, 3, 2)))
+        state = BarState(*(np.zeros((count, width)) for width in (3, 3, 3, 2, 2)))
         super().__init__(nodes, bars, state, first_order)
 
     def place(self, bars: Bars) -> None:
@@ -223,12 +233,23 @@ class HingedBars(BarElements):
         corners = np.zeros((len(sides), max(len(side) for side in sides), 3))
         for row, side in zip(corners, sides, strict=True):
             row[: len(side)] = side
+        both = corners.reshape(len(self._own), 2, -1, 3)
+        ends = [(bar.start, bar.end) for bar in self._own]
+        axial = np.array([[end.axial for end in pair] for pair in ends]).swapaxes(1, 2)
+        share = np.array([[end.first_yield for end in pair] for pair in ends])
+        reach = np.maximum(1.0 - both[..., :1] / axial[:, :, None], 0.0)
+        gradual = all(end.spread is not None for pair in ends for end in pair)
+        at_once = np.array([[0.0, 1.0], [1.0, 1.0]])
+        curves = [[at_once if end.spread is None else end.spread for end in pair] for pair in ends]
         self._tables = BarTables(
             self._rows,
-            corners.reshape(len(self._own), 2, -1, 3),
+            both,
             np.array([len(side) for side in sides]).reshape(-1, 2),
-            np.stack([_first_order(row) for row in self._rows]),
+            np.stack([first_order(row) for row in self._rows]),
             self.regularisation,
+            gradual,
+            share[:, None, None] * reach,
+            np.array(curves) if gradual else np.tile(at_once, (len(ends), 2, 1, 1)),
         )
 
     @property
@@ -237,7 +258,7 @@ class HingedBars(BarElements):
         return (self._tables,)
 
 
-def _first_order(row: Any) -> Array:
+def first_order(row: Any) -> Array:
     """Elastic stiffness (3, 3) of a row of BAR without axial force."""
     near, far = row["bending"] / 3.0 + row["shear"], -row["bending"] / 6.0 + row["shear"]
     stiffness = np.zeros((3, 3))
@@ -248,85 +269,3 @@ def _first_order(row: Any) -> Array:
         kept = np.array(free)
         stiffness[np.ix_(kept, kept)] = np.linalg.inv(both[np.ix_(kept - 1, kept - 1)])
     return stiffness
-
-
-class RefinedState(NamedTuple):
-    """State of refined plastic hinges.
-
-    `local` and `deformation` (e, 3) as of `BarState`; `plastic` elongation (e,); elastic rotations
-    `turn` (e, 2).
-    """
-
-    local: Array
-    deformation: Array
-    plastic: Array
-    turn: Array
-
-
-class RefinedTables(NamedTuple):
-    """Bars as arrays for the kernels.
-
-    `rows`, `stiffness` and `eta` as of `BarTables`; `squash` loads (e, 2) in tension and
-    compression; `reduction` of E; `scale` (e, 3), deformations at yield.
-    """
-
-    rows: Any
-    squash: Array
-    reduction: float
-    scale: Array
-    stiffness: Array
-    eta: float
-
-
-class RefinedBars(BarElements):
-    """Bars with stability functions, tangent modulus and gradual hinges at both ends.
-
-    Arguments: as for `HingedBars`; `reduction` of the elastic modulus.
-    """
-
-    kernels: ClassVar[Any] = refined_kernels
-
-    def __init__(
-        self,
-        nodes: ArrayLike,
-        bars: Sequence[Bar],
-        reduction: float = 1.0,
-        regularisation: float = 1e-6,
-        first_order: bool = False,
-    ) -> None:
-        count, self.reduction, self.regularisation = len(bars), reduction, regularisation
-        widths = ((3,), (3,), (), (2,))
-        state = RefinedState(*(np.zeros((count, *width)) for width in widths))
-        super().__init__(nodes, bars, state, first_order)
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
-
-    def place(self, bars: Bars) -> None:
-        """Take its place in a structure from the assembly."""
-        super().place(bars)
-        ends = [(bar.start, bar.end) for bar in self._own]
-        squash = np.array([np.min([end.axial for end in pair], axis=0) for pair in ends])
-        turn = np.array([max(*a.moments, *b.moments) for a, b in ends]) * self._rows["bending"]
-        self._tables = RefinedTables(
-            self._rows,
-            squash,
-            self.reduction,
-            np.stack([squash.max(axis=1) * self._rows["axial"], turn, turn], axis=1),
-            np.stack([_first_order(row) for row in self._rows]),
-            self.regularisation,
-        )
-
-    def elastic(self, state: Any) -> tuple[Array, float]:
-        """Elastic deformations (elements, 3) of a state, with E_t, and their energy in J."""
-        stretch = state.local[:, :1] * self._rows["axial"][:, None]
-        deformation = np.concatenate([stretch, state.turn], axis=1)
-        return deformation, 0.5 * float(np.sum(state.local * deformation))
-
-    def account(self, weight: float) -> StepEnergies:
-        """Energies of the step; what is not stored counts as plastic: no energy stands behind."""
-        told = super().account(weight)
-        lost = told.plastic + told.algorithmic
-        return told._replace(plastic=lost, algorithmic=0.0, ideal=lost)

@@ -24,6 +24,8 @@ from workbench.structures.bars.beam_kernels import modes
 from workbench.structures.corotation.kernels import add_element, chord_at
 
 ITERATIONS = 60
+GRADUAL = 60  # iterations of gradual hinges
+SETTLED = 1e-10  # of the way from first yield to the full surface
 CLOSED = 1e-14  # of the terms that make the gap
 
 
@@ -73,11 +75,11 @@ def form(pair, m1, m4):
 
 
 @njit(cache=True, error_model="numpy")
-def flow_at(bar, trial, back, N, share, slope):
+def flow_at(bar, trial, back, hard, N, share, slope):
     """The `Flow` at an axial force N, capacities at `share` (2,) with `slope` (2,) by |N|."""
     (f11, f14, f44), first, _ = flexibility(bar, N)
     # kinematic hardening h: M = X + m + h r leaves (F^-1 + h)^-1 m + r = (1 + F h)^-1 (e - F X)
-    h1, h4 = bar.hardening1, bar.hardening4
+    h1, h4 = hard
     e1 = trial[1] - f11 * back[0] - f14 * back[1]
     e4 = trial[2] - f14 * back[0] - f44 * back[1]
     s1, s4 = 1.0 + f11 * h1, 1.0 + f44 * h4
@@ -112,7 +114,7 @@ def reduce(k, direction, hardening):
 
 
 @njit(cache=True, error_model="numpy")
-def tangent(bar, N, flow, fixed, k):
+def tangent(bar, N, flow, hard, fixed, k):
     """Write the tangent `k` (3, 3) at N; `fixed`: N is at a corner of the yield surface."""
     (f11, f14, f44), first, second = flexibility(bar, N)
     bent, _, _ = form(second, flow.m1, flow.m4)
@@ -131,31 +133,31 @@ def tangent(bar, N, flow, fixed, k):
     direction = np.zeros(3)
     if bar.pinned1 or flow.r1 != 0.0:
         direction[0], direction[1] = flow.a1, math.copysign(1.0, flow.r1)
-        reduce(k, direction, bar.hardening1)
+        reduce(k, direction, hard[0])
     if bar.pinned4 or flow.r4 != 0.0:
         direction[0], direction[1], direction[2] = flow.a4, 0.0, math.copysign(1.0, flow.r4)
-        reduce(k, direction, bar.hardening4)
+        reduce(k, direction, hard[1])
     if fixed:
         direction[0], direction[1], direction[2] = 1.0, 0.0, 0.0
         reduce(k, direction, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
-def hinged_law(bar, corners, counts, trial, back, k, flow):
+def hinged_law(bar, corners, counts, trial, back, hard, onwards, k, flow):
     """Forces of a beam-column and its hinges, for its trial deformations.
 
     Arguments: `bar`, a row of BAR; `corners` (2, corners, 3), |N| in tension and in compression
     with the shares of both moments left there, and `counts` (2,) of these; elastic `trial`
-    deformations (3,); backstresses `back` (2,). Writes the tangent `k` (3, 3) and the plastic
-    `flow` (3,); result: N, M_1, M_4.
+    deformations (3,); backstresses `back` (2,); hardening `hard` (2,) over the step and `onwards`
+    (2,) at its end. Writes the tangent `k` (3, 3) and the plastic `flow` (3,); result: N, M_1, M_4.
     """
-    rest = flow_at(bar, trial, back, 0.0, corners[0, 0, 1:], np.zeros(2))
+    rest = flow_at(bar, trial, back, hard, 0.0, corners[0, 0, 1:], np.zeros(2))
     side = 0 if rest.gap < 0.0 else 1
     sign = 1.0 if side == 0 else -1.0
     line = corners[side, : counts[side]]
     last = line.shape[0] - 1
     slopes = (line[1, 1:] - line[0, 1:]) / line[1, 0]
-    N, fixed, done = 0.0, False, flow_at(bar, trial, back, 0.0, line[0, 1:], slopes)
+    N, fixed, done = 0.0, False, flow_at(bar, trial, back, hard, 0.0, line[0, 1:], slopes)
     if done.push > 0.0 and abs(rest.gap) <= done.push:
         fixed = True
     else:
@@ -163,20 +165,20 @@ def hinged_law(bar, corners, counts, trial, back, k, flow):
         beyond = False
         while high - low > 1:
             middle = (low + high) // 2
-            if left_of(bar, trial, back, line, middle, sign) >= 0.0:
+            if left_of(bar, trial, back, hard, line, middle, sign) >= 0.0:
                 high, beyond = middle, True
             else:
                 low = middle
-        if not beyond and left_of(bar, trial, back, line, last, sign) < 0.0:
+        if not beyond and left_of(bar, trial, back, hard, line, last, sign) < 0.0:
             N, fixed = sign * line[last, 0], True
             slopes = (line[last, 1:] - line[last - 1, 1:]) / (line[last, 0] - line[last - 1, 0])
-            done = flow_at(bar, trial, back, N, line[last, 1:], slopes)
+            done = flow_at(bar, trial, back, hard, N, line[last, 1:], slopes)
         else:
             width = line[high, 0] - line[low, 0]
             slopes = (line[high, 1:] - line[low, 1:]) / width
             a, b = line[low, 0], line[high, 0]
             N = sign * a
-            done = flow_at(bar, trial, back, N, line[low, 1:], slopes)
+            done = flow_at(bar, trial, back, hard, N, line[low, 1:], slopes)
             if low > 0 and sign * done.gap > 0.0:
                 fixed = True
             else:
@@ -184,24 +186,72 @@ def hinged_law(bar, corners, counts, trial, back, k, flow):
                 stop = False
                 for _ in range(ITERATIONS):
                     share = line[low, 1:] + slopes * (N - line[low, 0])
-                    done = flow_at(bar, trial, back, sign * N, share, slopes)
+                    done = flow_at(bar, trial, back, hard, sign * N, share, slopes)
                     size = N * bar.axial + done.push + abs(trial[0])
                     if stop or abs(done.gap) <= CLOSED * size:
                         break
-                    tangent(bar, sign * N, done, False, k)
+                    tangent(bar, sign * N, done, onwards, False, k)
                     N, a, b, stop = newton_in_bracket(N, sign * done.gap, 1.0 / k[0, 0], a, b)
                 N *= sign
-    tangent(bar, N, done, fixed, k)
+    tangent(bar, N, done, onwards, fixed, k)
     flow[0] = done.push - done.gap if fixed else done.push
     flow[1], flow[2] = done.r1, done.r4
     return N, done.m1, done.m4
 
 
 @njit(cache=True, error_model="numpy")
-def left_of(bar, trial, back, line, at, sign):
+def left_of(bar, trial, back, hard, line, at, sign):
     """Gap of the elongation along the sign of N at a corner, seen from smaller |N|."""
     slopes = (line[at, 1:] - line[at - 1, 1:]) / (line[at, 0] - line[at - 1, 0])
-    return sign * flow_at(bar, trial, back, sign * line[at, 0], line[at, 1:], slopes).gap
+    return sign * flow_at(bar, trial, back, hard, sign * line[at, 0], line[at, 1:], slopes).gap
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def hardened(curve, rotation):
+    """Hardened share at an accumulated plastic rotation along `curve` (2, points), its slope."""
+    last = curve.shape[1] - 1
+    if rotation >= curve[0, last]:
+        return 1.0, 0.0
+    at = np.searchsorted(curve[0], rotation, "right") - 1
+    slope = (curve[1, at + 1] - curve[1, at]) / (curve[0, at + 1] - curve[0, at])
+    return curve[1, at] + slope * (rotation - curve[0, at]), slope
+
+
+@njit(cache=True, error_model="numpy")
+def gradual_law(own, e, trial, spread, k, flow):
+    """`hinged_law` of hinges that harden from first yield to the full surface, isotropically.
+
+    Argument: plastic rotations `spread` (2,) accumulated so far. The surface is that at the end of
+    the step, found by Newton's iteration on how far each hinge has hardened.
+    """
+    bar, counts = own.rows[e], own.counts[e]
+    full, first = own.corners[e], own.first[e]
+    surface, none = full.copy(), np.zeros(2)
+    level, onwards, off = np.empty(2), np.zeros(2), np.empty(2)
+    for i in range(2):
+        level[i], _ = hardened(own.curves[e, i], spread[i])
+    N = m1 = m4 = 0.0
+    for count in range(GRADUAL):
+        for i in range(2):
+            surface[:, :, 1 + i] = first[:, :, i] + level[i] * (full[:, :, 1 + i] - first[:, :, i])
+        N, m1, m4 = hinged_law(bar, surface, counts, trial, none, none, onwards, k, flow)
+        values, _, _ = flexibility(bar, N)
+        side = 0 if N >= 0.0 else 1
+        line, last = full[side], counts[side]
+        for i in range(2):
+            r, (low, high) = flow[1 + i], (bar.low1, bar.high1) if i == 0 else (bar.low4, bar.high4)
+            reached, slope = hardened(own.curves[e, i], spread[i] + abs(r))
+            room = np.interp(abs(N), line[:last, 0], line[:last, 1 + i] - first[side, :last, i])
+            room *= high if r > 0.0 else -low
+            off[i] = reached - level[i]
+            onwards[i] = room * slope
+            # a higher level takes the rotation back by its moment times the flexibility
+            step = off[i] / (1.0 + onwards[i] * values[2 * i])
+            level[i] += step if count < GRADUAL // 2 else 0.5 * step
+        if max(abs(off[0]), abs(off[1])) <= SETTLED:
+            break
+    hinged_law(bar, surface, counts, trial, none, none, onwards, k, flow)
+    return N, m1, m4
 
 
 @njit(cache=True, error_model="numpy")
@@ -223,16 +273,21 @@ def elastic(rows, local, deformation, stored):
 def assemble(step, bars, own, old, new):
     """Add forces and tangents of all elements for a `step`; write the state `new`."""
     k, work = np.empty((3, 3)), np.empty((7, 4))
-    trial, flow = np.empty(3), np.empty(3)
+    trial, flow, hard = np.empty(3), np.empty(3), np.empty(2)
     eta = own.eta
     for e in range(bars.dofs.shape[0]):
         bar, deformation = own.rows[e], new.deformation[e]
         chord = deform(bars, e, step.end, deformation)
         trial[:] = deformation - old.plastic[e]
-        N, m1, m4 = hinged_law(bar, own.corners[e], own.counts[e], trial, old.back[e], k, flow)
+        if own.gradual:
+            N, m1, m4 = gradual_law(own, e, trial, old.spread[e], k, flow)
+        else:
+            hard[0], hard[1] = bar.hardening1, bar.hardening4
+            corners, counts = own.corners[e], own.counts[e]
+            N, m1, m4 = hinged_law(bar, corners, counts, trial, old.back[e], hard, hard, k, flow)
+            new.back[e] = old.back[e] + hard * flow[1:]
+        new.spread[e] = old.spread[e] + np.abs(flow[1:])
         new.plastic[e] = old.plastic[e] + flow
-        new.back[e, 0] = old.back[e, 0] + bar.hardening1 * flow[1]
-        new.back[e, 1] = old.back[e, 1] + bar.hardening4 * flow[2]
         linear = eta * own.stiffness[e]
         local = linear @ deformation
         local[0] += (1.0 - eta) * N
