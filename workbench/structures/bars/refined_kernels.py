@@ -7,6 +7,7 @@ its ends adds
 
 which is K^-1 times the matrix of Heng 2017, eq. 2.9: phi is 1 while the force state alpha is below
 1/2 or falls, 4 alpha (1 - alpha) above, 0 in a full hinge, where M stays on the surface alpha = 1.
+Tables and states: `RefinedTables`, `RefinedState`.
 """
 
 import math
