@@ -12,7 +12,6 @@ from math import exp, log
 import numpy as np
 from scipy.stats import qmc
 
-from workbench.assessment import Gate
 from workbench.cli import main
 from workbench.models.descriptors import descriptors
 from workbench.models.domain import euler_load, shear_demand
@@ -44,6 +43,7 @@ SECTIONS = (
     square(0.12),
 )
 WEB, SOLID, BEAM = "web-yielding beam", "solid", "fiber beam"
+REFINED = "web-yielding beam, refined"  # the same with the coarser meshes that tell its error
 REDUCED = {
     "4-DOF with panels": FourDofShear(),
     "SDOF with panels": SingleDof(resistance="panel", hit_mass="waves"),
@@ -64,10 +64,15 @@ REDUCED = {
     "hand estimate": HandEstimate(),
     "EN 1991-1-7 hard impact": HardImpact(),
 }
-models = {WEB: FiberShear(levels=2), SOLID: SolidPlaneStress(), BEAM: FiberReissner(levels=1)}
+models = {
+    WEB: FiberShear(levels=1),
+    REFINED: FiberShear(levels=2),
+    SOLID: SolidPlaneStress(),
+    BEAM: FiberReissner(levels=1),
+}
 models |= REDUCED
 COLUMNS, UNSEEN = 320, 5  # of which every so many check the rules that the others make
-BEAMS, SOLIDS = 4, 64  # every so many columns have them
+BEAMS, REFINEMENTS, SOLIDS = 4, 16, 64  # every so many columns have them
 LEAST, MOST = 0.3, 6e4  # mass of the striker: over the lumped mass, and in kg
 PART, DEMAND, TURNED, SHARE = "part", "V/Vpl of the mechanism", "length below in m", "P/Npl"
 
@@ -102,6 +107,7 @@ def drawn(point: np.ndarray, number: int) -> Case:
     name += f"{below:.2f} + {above:.2f} m, {velocity:.1f} m/s, {mass:.0f} kg"
     impact = replace(impact, name=name, striker=Striker(mass, velocity), duration=duration)
     asked = {WEB: True, SOLID: number % SOLIDS == SOLIDS // 2, BEAM: number % BEAMS == 0}
+    asked[REFINED] = number % REFINEMENTS == 5
     told = descriptors(impact)
     return Case(
         name,
@@ -115,7 +121,7 @@ def drawn(point: np.ndarray, number: int) -> Case:
             "energy over elastic": told["energy_over_elastic"],
             "striker over lumped mass": told["striker_over_lumped"],
         },
-        quick=number in range(5, 5 + 8 * 31, 31),
+        quick=number in range(5, 5 + 5 * 31, 31),
     )
 
 
@@ -140,18 +146,6 @@ groups = {
         }.items()
     },
 }
-gates = tuple(
-    Gate(
-        label,
-        WEB,
-        "peak_displacement",
-        "relative_error",
-        0.10,
-        "Wanted for design; the columns beyond it mark where a model stops being trustworthy.",
-        "Bound set by this study, not by a standard.",
-    )
-    for label in REDUCED
-)
 figures = (
     Figure(
         "map",
@@ -182,17 +176,16 @@ study = Study(
     cases=cases,
     models=models,
     reference=WEB,
-    references=(SOLID, WEB, BEAM),
+    references=(SOLID, REFINED, WEB, BEAM),
     groups=groups,
     decisive="map",
     quantities=("peak_displacement", "residual_displacement", "time_of_peak", "peak_force"),
-    gates=gates,
     figures=figures,
     notes=(
         "Columns are drawn by a scrambled Sobol sequence with a fixed seed, none left out "
         f"afterwards; every {UNSEEN}th checks the rules that the others make.",
         "The struck solid is the reference where the study has one, else the beam whose webs "
-        "yield.",
+        "yield, on one mesh; its numerical error is told by every 16th column.",
     ),
 )
 

@@ -7,15 +7,14 @@ from dataclasses import fields, replace
 
 from workbench.datafiles import data_directory
 from workbench.registry import make_model, model_kind
-from workbench.scenarios import ColumnPushover, MemberPulse, Pulse, frame_scenario, load_scenario
+from workbench.scenarios import ColumnPushover, frame_scenario, load_scenario
 
 hit = load_scenario(data_directory() / "published" / "heng2017_impact_column.toml")
 hit = replace(hit, duration=1e-3)
 push = ColumnPushover("push", hit.column, 1e-3)
-pulse = MemberPulse("pulse", hit.column, Pulse("ramp", 1e3, 1e-3), "point", 1e-3)
 for name in sys.argv[1:]:
     one_mesh = "levels" in {field.name for field in fields(model_kind(name))}
     model = make_model(name, {"levels": 1} if one_mesh else {})
-    for scenario in (hit, push, pulse, frame_scenario(hit)):
+    for scenario in (hit, push, frame_scenario(hit)):
         if scenario.KIND in model.answers:
             model.simulate(scenario)

@@ -344,6 +344,7 @@ def test_an_assessment_reads_the_store_only(
         "validation.csv",
         "matrix.csv",
         "cost.csv",
+        "ranking.csv",
     }
     outcomes = [row["outcome"] for row in result.tables["cells"]]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4

@@ -165,6 +165,45 @@ def measure(
     return Answer({"rows": len(rows), "files": written}, [Paragraph(text)])
 
 
+@app.command("rules")
+@verb
+def rules(
+    study: StudyName,
+    store: StoreRoot = "reports",
+    out: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Where to write.  [default: the table of the program]"),
+    ] = None,
+    earlier: Annotated[
+        bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
+    ] = False,
+) -> Answer:
+    """Find the rules of validity in a stored study of drawn columns, and check them.
+
+    A small tree per model tells regions in which its peak is off; columns that the study marks
+    as unseen check it. Writes the table from which models warn.
+    """
+    from workbench.evidence import dataset
+    from workbench.models.validity import TABLE
+    from workbench.study import assess, load_study
+    from workbench.study.store import csv_bytes, write_atomically
+    from workbench.study.validity import VALIDITY_COLUMNS, checked, unseen_of, validity_rows
+
+    chosen = load_study(study).study
+    tables = assess(chosen, Path(store), earlier=earlier).tables
+    unseen = unseen_of(chosen)
+    rows, checks = (list(each(chosen, tables, unseen)) for each in (validity_rows, checked))
+    path = dataset(TABLE).path if out is None else Path(out) / dataset(TABLE).path.name
+    write_atomically(path, csv_bytes(rows, VALIDITY_COLUMNS))
+    right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
+    text = f"{len(rows)} regions of {len(checks)} models in {path}."
+    share = f" Right on {right} of {asked} answers that the trees had not seen." if asked else ""
+    columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
+    told = Table.of("checks", "Columns that the trees had not seen.", columns, checks)
+    content = {"rows": len(rows), "file": str(path), "checks": checks}
+    return Answer(content, [Paragraph(text + share), told])
+
+
 @app.command("check")
 @verb
 def check(

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import check_keys
+from workbench.models.validity import measured_findings
 from workbench.responses import (
     Finding,
     Outcome,
@@ -62,7 +63,7 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
         response = _refused([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
-    findings = model.domain(scenario)
+    findings = [*model.domain(scenario), *measured_findings(model, scenario)]
     refusals = [finding for finding in findings if finding.refusal]
     if refusals:
         response = _refused(refusals)

@@ -44,6 +44,29 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
     }
 
 
+FEATURES = {  # of rules of validity, and their words
+    DEMAND: "V/Vpl of the mechanism",
+    YIELDING: "energy of the hit over the elastic one",
+    STRIKER: "striker over lumped mass",
+    "turned": "energy of the hit over the work of the mechanism per length of the shorter segment",
+    "axial_over_euler": "axial load over the Euler load",
+    "axial_over_squash": "axial load over the squash load",
+    "restraint_over_axial": "restraint over the axial stiffness of the column",
+    "shorter_over_length": "shorter segment over the length",
+}
+
+
+def features(scenario: ColumnImpact) -> dict[str, float]:
+    """The numbers that rules of validity may ask for, by the names of `FEATURES`."""
+    own, column = descriptors(scenario), scenario.column
+    properties, shorter = column.properties, min(column.length_below, column.length_above)
+    resistance = sum(min(each, 1.0) for each in shear_demand(scenario).values())
+    left = scenario.input_energy / (1.0 + 1.0 / own[STRIKER])
+    own["turned"] = left / (resistance * properties.shear_resistance * shorter)
+    own["shorter_over_length"] = shorter / column.length
+    return {name: own[name] for name in FEATURES}
+
+
 def variant_of(model: Any) -> str:
     """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
     pairs = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))

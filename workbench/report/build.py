@@ -19,6 +19,7 @@ from workbench.report.chapters import (
     integrators,
     limits,
     measured,
+    ranking,
     reference,
     results,
     stud_evidence,
@@ -92,6 +93,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     short = stud_evidence.in_short(study, stored, decisive)
     parts: list[Section | None] = [
         answer.answer(study, stored, () if short else decisive),
+        ranking.table(stored),
         measured.validation(study, stored),
         short,
         integrators.in_short(study, stored),

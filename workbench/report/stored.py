@@ -19,7 +19,7 @@ BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
-    *("references", "validation", "matrix", "cost", "budget"),
+    *("references", "validation", "matrix", "cost", "budget", "ranking"),
 )
 _TEXTS = dict.fromkeys(
     (

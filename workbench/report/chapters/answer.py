@@ -27,7 +27,7 @@ from workbench.content.tree import (
     Table,
     marked,
 )
-from workbench.report.chapters import measured, verdicts
+from workbench.report.chapters import measured, ranking, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.subject import in_labels, subject
 from workbench.report.stored import BEST, CellState, Stored
@@ -171,9 +171,9 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     if any(row["synthetic"] for row in rows if row["group"] == group):
         return f"{group}: synthetic, shows the form only; no model is judged."
     if not found:
-        return f"{group}: no model stays within {_up(FAIR)} in every case, inside its domain."
+        return f"{group}: {ranking.advice(stored, group, _up(FAIR))}"
     own, costs = {row["label"]: row for row in rows if row["group"] == group}, _costs(stored)
-    # whole percents: what differs by less is told apart by what remains, then by the time
+    # whole percents: the rest is told apart by what remains, then by the time
     order = sorted(
         found,
         key=lambda label: (
@@ -182,8 +182,8 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
             costs.get(label, 1.0),
         ),
     )
-    first, *others = order
-    cases = "the case" if own[first]["asked"] == 1 else f"all {own[first]['asked']} cases"
+    (first, *others), asked = order, own[order[0]]["asked"]
+    cases = "the case" if asked == 1 else f"all {asked} cases"
     remains = own[first][f"{RESIDUAL}_within"]
     left = "" if remains is None else f", residual within {_up(remains)}"
     spent = f", {part(costs[first])} of the time" if first in costs else ""

@@ -1,0 +1,44 @@
+"""Trees find the boxes that made the classes, and stop where nothing is left to find."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+
+from workbench.assessment.tree import grow, impurity, rounded
+
+
+def drawn(count: int = 400) -> np.ndarray:
+    return np.random.default_rng(4).uniform(0.0, 2.0, (count, 3))
+
+
+def test_a_box_is_found_at_its_bounds() -> None:
+    points = drawn()
+    classes = ((points[:, 0] > 1.0) & (points[:, 2] < 0.5)).astype(int)
+    leaves = list(grow(points, classes, 3, 10))
+    assert sorted(np.concatenate([leaf.members for leaf in leaves])) == list(range(400))
+    (inside,) = (leaf for leaf in leaves if classes[leaf.members].mean() > 0.9)
+    assert set(inside.bounds) == {0, 2}
+    assert inside.bounds[0] == (pytest.approx(1.0, abs=0.1), inf)
+    assert inside.bounds[2] == (-inf, pytest.approx(0.5, abs=0.1))
+    for point, own in zip(points, classes, strict=True):
+        (leaf,) = (leaf for leaf in leaves if leaf.holds(point))
+        if abs(point[0] - 1.0) > 0.1 and abs(point[2] - 0.5) > 0.1:
+            assert np.bincount(classes[leaf.members]).argmax() == own
+
+
+def test_it_stops_at_its_depth_at_few_points_and_at_one_class() -> None:
+    points = drawn()
+    checkers = (np.sum(points > 1.0, axis=1) % 2).astype(int)
+    assert len(list(grow(points, checkers, 2, 10))) <= 4
+    assert min(len(leaf.members) for leaf in grow(points, checkers, 9, 25)) >= 25
+    (leaf,) = grow(points, np.ones(400, dtype=int), 5, 10)
+    assert leaf.bounds == {}
+
+
+def test_impurity_and_round_bounds() -> None:
+    assert impurity(np.array([0, 0, 0])) == 0.0
+    assert impurity(np.array([0, 0, 1, 1])) == 2.0  # 4 (1 - 1/4 - 1/4)
+    assert [rounded(x) for x in (0.0, 0.12345, 678.0, -3.14159)] == [0.0, 0.12, 680.0, -3.1]

@@ -1,0 +1,69 @@
+"""The shipped rules of validity: regions that tile, warnings with numbers, cause and remedy."""
+
+from __future__ import annotations
+
+from math import isinf
+
+import pandas as pd
+import pytest
+
+from workbench.evidence import load
+from workbench.models.descriptors import FEATURES, features
+from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.validity import TABLE, TOLERATED, measured_findings
+from workbench.registry import make_model
+from workbench.responses import warnings_of
+from workbench.scenarios import ColumnImpact
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    return load(TABLE).fillna({"options": "", "better": ""})
+
+
+def test_regions_of_a_model_tile_and_their_counts_add_up(table, thesis_impact) -> None:
+    scenarios = [thesis_impact.at_velocity(v) for v in (0.5, 2.0, 8.0, 15.0, 40.0)]
+    for (_, _), regions in table.groupby(["model", "options"]):
+        for scenario in scenarios:
+            own = features(scenario)
+            held = sum(
+                all(row[f"{n}_low"] <= own[n] < row[f"{n}_high"] for n in FEATURES)
+                for _, row in regions.iterrows()
+            )
+            assert held == 1
+    assert (table["low"] + table["high"] <= table["count"]).all()
+    assert (table["falls"] <= table["high"]).all()
+    assert (table["stands"] <= table["low"]).all()
+    assert (table["better_off"].fillna(0) <= table["low"] + table["high"]).all()
+
+
+def test_a_model_without_shear_is_warned_of_where_webs_yield(thesis_impact: ColumnImpact) -> None:
+    (finding,) = measured_findings(FourDof(), thesis_impact)
+    assert finding.subject == "measured"
+    assert finding.outside
+    assert "V/Vpl of the mechanism 1.79, above" in finding.text
+    assert "too small" in finding.text
+    assert finding.remedy.startswith("take ")
+    assert TOLERATED < finding.number <= 1.0
+    assert "measured" in [f.subject for f in warnings_of(FourDof().simulate(thesis_impact))]
+
+
+def test_variants_have_rules_of_their_own_and_other_models_none(thesis_impact, table) -> None:
+    assert measured_findings(FourDof(beta=1.3), thesis_impact) == []  # not measured
+    assert measured_findings(make_model("fiber-reissner"), thesis_impact) == []
+    options = set(table.loc[table["model"] == "energy-estimate", "options"])
+    assert options >= {"", "resistance=analytic", "resistance=panel hit_mass=waves"}
+    told = {
+        str(model): [f.text for f in measured_findings(model, thesis_impact)]
+        for model in (EnergyEstimate(), EnergyEstimate(resistance="panel", hit_mass="waves"))
+    }
+    assert len({tuple(texts) for texts in told.values()}) == 2
+
+
+def test_a_region_with_few_errors_is_not_warned_of(table) -> None:
+    quiet = table[(table["low"] + table["high"]) / table["count"] <= TOLERATED]
+    assert len(quiet) > 0
+    bounded = [name for name in FEATURES if not isinf(quiet.iloc[0][f"{name}_low"])]
+    assert len(bounded) <= len(FEATURES)
+    assert FourDofShear().name in set(table["model"])

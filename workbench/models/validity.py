@@ -1,0 +1,99 @@
+"""Where the study `which_model` found a model off: its rules of validity, as data.
+
+`workbench data measure` writes the table; a row is a region of a model, told by bounds of what
+a scenario says before anything is run, with what was measured there and the model that did best.
+"""
+
+import csv
+from functools import lru_cache
+from math import inf
+from typing import Any
+
+from workbench.datafiles import data_directory
+from workbench.models.descriptors import FEATURES, features, variant_of
+from workbench.responses import Finding
+from workbench.scenarios import ColumnImpact
+
+TABLE = "validity"
+BEYOND = 0.10  # error of the peak that is told
+TOLERATED = 0.02  # share of the columns of a region that may be beyond it without a warning
+SUBJECT = "measured"  # most columns of the region are off: outside the domain
+RISK = "measured-risk"  # some are
+
+
+def measured_findings(model: Any, scenario: Any) -> list[Finding]:
+    """Warning of a column in a region where the model was measured to be off."""
+    if not isinstance(scenario, ColumnImpact) or not (rules := _rules().get(_key(model))):
+        return []
+    own = features(scenario)
+    return [_told(row, own) for row in rules if _holds(row, own) and _beyond(row) > TOLERATED]
+
+
+def _key(model: Any) -> tuple[str, str]:
+    return model.name, variant_of(model)
+
+
+@lru_cache(maxsize=1)
+def _rules() -> dict[tuple[str, str], list[dict[str, Any]]]:
+    """Rows of the table by model and options."""
+    path = data_directory() / "validation" / f"{TABLE}.csv"
+    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    with path.open(newline="", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream):
+            found.setdefault((row["model"], row["options"]), []).append(_typed(row))
+    return found
+
+
+def _typed(row: dict[str, str]) -> dict[str, Any]:
+    words = ("model", "options", "better", "study")
+    return {name: v if name in words else float(v) if v else None for name, v in row.items()}
+
+
+def bounds_of(row: dict[str, Any]) -> dict[str, tuple[float, float]]:
+    """The bounds of a region that bound anything, by the names of features."""
+    ends = {name: (row[f"{name}_low"], row[f"{name}_high"]) for name in FEATURES}
+    return {name: end for name, end in ends.items() if end != (-inf, inf)}
+
+
+def _holds(row: dict[str, Any], own: dict[str, float]) -> bool:
+    return all(low <= own[name] < high for name, (low, high) in bounds_of(row).items())
+
+
+def _beyond(row: dict[str, Any]) -> float:
+    return float((row["low"] + row["high"]) / row["count"])
+
+
+def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
+    """What was measured in a region, the numbers of this column beside its bounds."""
+    where = "; ".join(
+        f"{FEATURES[name]} {own[name]:.3g}, {region}"
+        for name, ends in bounds_of(row).items()
+        for region in (_between(*ends),)
+    )
+    beyond, apart = row["low"] + row["high"], row["falls"] + row["stands"]
+    text = (
+        f"in {beyond:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
+        f"{100.0 * BEYOND:g} % off, {row['low']:.0f} too small and {row['high']:.0f} too large"
+    )
+    if row["bias"] is not None:
+        ends = (100.0 * (row[name] - 1.0) for name in ("bias", "least", "most"))
+        text += "; expect {:+.0f} % ({:+.0f} to {:+.0f} %)".format(*ends)
+    if apart:
+        text += (
+            f"; {row['falls']:.0f} collapsed where the reference survives, {row['stands']:.0f} "
+            "survived where it collapses"
+        )
+    remedy = ""
+    if row["better"]:
+        remedy = (
+            f"take {row['better']}, off in {row['better_off']:.0f} of {row['better_count']:.0f} "
+            "there"
+        )
+    share = _beyond(row)
+    return Finding(SUBJECT if share > 0.5 else RISK, text, remedy=remedy, number=share)
+
+
+def _between(low: float, high: float) -> str:
+    if low == -inf:
+        return f"below {high:g}"
+    return f"above {low:g}" if high == inf else f"{low:g} to {high:g}"

@@ -1,0 +1,84 @@
+"""Which model to take over many drawn columns, by counts and by pairs of answers."""
+
+from functools import partial
+from typing import Any
+
+from workbench.content.formatting import count, part, percent, several
+from workbench.content.tree import Cell, Column, Section, Table
+from workbench.models.validity import BEYOND
+from workbench.report.stored import Stored
+
+SURE = 0.05  # chance of as many pairs if two models were equal, from which one is better
+Row = dict[str, Any]
+_WIDE = 40  # rows
+
+
+def advice(stored: Stored, group: str, bound: str) -> str:
+    """What to take where no model keeps within a `bound` in every case, and what to expect."""
+    rows = [row for row in stored.rows["ranking"] if row["group"] == group]
+    if not rows:
+        return f"no model stays within {bound} in every case, inside its domain."
+    best = rows[0]
+    wrong = best["falls"] + best["stands"]
+    text = (
+        f"take {best['label']}; peak within {100 * BEYOND:g}\u2009% in {best['within']} of "
+        f"{best['judged']}, expect {_expected(best)}, nine of ten columns in brackets"
+    )
+    if wrong:
+        text += f"; collapse told wrongly in {wrong}"
+    if best["refused"]:
+        text += f"; no answer in {best['refused']}"
+    equal = [row["label"] for row in rows[1:] if not _surely(row)]
+    if equal:
+        text += f". Not surely worse: {several(equal, 5)}"
+    costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
+    if best["label"] in costs:
+        text += f". Time: {part(costs[best['label']])} of the reference"
+    return text + "."
+
+
+def table(stored: Stored) -> Section | None:
+    """All models of every large group, the best first."""
+    rows = stored.rows["ranking"]
+    if not rows:
+        return None
+    caption = (
+        f"Drawn columns by group: peaks within {100 * BEYOND:g} % of the best reference, too small "
+        "and too large ones (a model that survives where the reference collapses counts as too "
+        "small: false safe; the other way round: false alarm), and the pairs of answers in "
+        "which the first model of the group errs less, with the chance of as many if both were "
+        "equal (sign test)."
+    )
+    columns = (
+        Column("group", width=1.4, of="group"),
+        Column("model", width=1.6, of="label"),
+        Column("within", True, of=lambda row: Cell(f"{row['within']} of {row['judged']}")),
+        Column("too small", True, of="low"),
+        Column("too large", True, of="high"),
+        Column("false safe", True, of="stands"),
+        Column("false alarm", True, of="falls"),
+        Column("refused", True, of="refused"),
+        Column("median, 5 to 95 %", width=1.6, of=partial(_expected)),
+        Column("first errs less", width=1.2, of=_pairs),
+    )
+    return Section("ranking", "Which model", (Table.of("ranking", caption, columns, rows, _WIDE),))
+
+
+def _expected(row: Row) -> str:
+    """The median error and where nine of ten columns lie."""
+    if row["median"] is None:
+        return "no number"
+    middle, *ends = (percent(row[name] - 1.0, rough=True) for name in ("median", "least", "most"))
+    return f"{middle} ({' to '.join(ends)})"
+
+
+def _pairs(row: Row) -> str:
+    if row["against"] == row["label"]:
+        return "itself"
+    chance = "" if row["chance"] is None else f" ({row['chance']:.2g})"
+    return f"{row['wins']} of {count(row['pairs'], 'column')}{chance}"
+
+
+def _surely(row: Row) -> bool:
+    """Whether the first model errs less, and not by chance."""
+    return row["chance"] is not None and row["chance"] < SURE
