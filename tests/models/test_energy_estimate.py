@@ -81,9 +81,10 @@ def test_elastic_impact_leaves_nothing(thesis_impact) -> None:
 
 def test_restitution_findings(thesis_impact) -> None:
     def subjects(impact: ColumnImpact) -> set[str]:
-        return {finding.subject for finding in warnings_of(EnergyEstimate().simulate(impact))}
+        found = warnings_of(EnergyEstimate().simulate(impact))
+        return {finding.subject for finding in found} - {"measured"}
 
-    assert subjects(thesis_impact) - {"measured"} == {"shear"}
+    assert subjects(thesis_impact) == {"shear"}
     assert subjects(bouncing(thesis_impact, 1.0)) == {"shear"}
     assert subjects(bouncing(thesis_impact, 0.5)) == {"shear", "restitution"}
     light = bouncing(thesis_impact, 1.0, mass=300.0)

@@ -1,0 +1,44 @@
+"""What the first page advises over many drawn columns."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+from workbench.content.terminal import render_text
+from workbench.report.chapters import ranking
+
+FIRST = {
+    **{"group": "slow", "label": "panels", "asked": 64, "judged": 60, "within": 50},
+    **{"low": 8, "high": 2, "falls": 0, "stands": 1, "refused": 4, "median": 0.98},
+    **{"least": 0.85, "most": 1.05, "against": "panels", "pairs": 0, "wins": 0, "chance": None},
+}
+WORSE = {**FIRST, "label": "bars", "against": "panels", "pairs": 58, "wins": 50, "chance": 1e-8}
+EQUAL = {**WORSE, "label": "frames", "wins": 30, "chance": 0.45}
+
+
+def stored(*rows: dict) -> SimpleNamespace:
+    cost = [{"label": "panels", "ratio": 0.01}]
+    return SimpleNamespace(rows={"ranking": list(rows), "cost": cost})
+
+
+def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> None:
+    text = ranking.advice(stored(FIRST, WORSE, EQUAL), "slow", "10 %")
+    assert text.startswith(
+        "take panels; peak within 10\u2009% in 50 of 60, expect \u22122.0\u2009% ("
+    )
+    assert "collapse told wrongly in 1" in text
+    assert "no answer in 4" in text
+    assert "Not surely worse: frames." in text
+    assert "bars" not in text
+    assert text.endswith("Time: 1/100 of the reference.")
+    assert ranking.advice(stored(FIRST), "fast", "10 %").startswith("no model stays within 10 %")
+
+
+def test_the_table_counts_pairs() -> None:
+    section = ranking.table(stored(FIRST, WORSE, EQUAL))
+    assert section is not None
+    text = " ".join(render_text(*section.blocks).split())
+    assert "50 of 60" in text
+    assert "50 of 58 columns (1e-08)" in text
+    assert "itself" in text
+    assert ranking.table(stored()) is None
