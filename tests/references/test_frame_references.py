@@ -36,10 +36,10 @@ from workbench.testing import check_model
 
 REFERENCES = {kind.name: kind for kind in (FiberReissner, FiberCorotational, FiberShear)}
 ANY = MeshRule(0.0, 0.0)
-UNIFORM = {  # independent implementation: size in m, elements, peaks in m of both formulations
-    0.4: (164, 0.3655, 0.4324),
-    0.2: (320, 0.4284, 0.4571),
-    0.1: (640, 0.4599, 0.4734),
+UNIFORM = {  # size in m, elements, peaks in m of both formulations
+    0.4: (164, 0.3720, 0.4357),  # these two with steps of an eighth (exact) and a quarter
+    0.2: (320, 0.4321, 0.4591),
+    0.1: (640, 0.4599, 0.4734),  # these two by an independent implementation, whose steps damp
     0.05: (1280, 0.4773, 0.4824),
 }
 
@@ -119,7 +119,7 @@ def test_the_references_answer_frames(kind) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "expected"), [(FiberReissner, 0.3655), (FiberCorotational, 0.4324)]
+    ("kind", "expected"), [(FiberReissner, 0.3720), (FiberCorotational, 0.4357)]
 )
 def test_equal_sizes_are_options_of_the_models(thesis_frame, kind, expected) -> None:
     more = {} if kind is FiberReissner else {"shear_flexible": False}
@@ -128,8 +128,8 @@ def test_equal_sizes_are_options_of_the_models(thesis_frame, kind, expected) -> 
     )
     response = model.simulate(thesis_frame)
     assert response.attrs["elements"] == 164
-    # the independent steps damp; measured 0.0125
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.02)
+    # measured 5.0e-3
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=7.5e-3)
 
 
 def test_options_that_frames_do_not_know_are_refused() -> None:
@@ -158,8 +158,8 @@ def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
     elements, *peaks = UNIFORM[size]
     assert response.attrs["elements"] == elements
     expected = peaks[kind != "fiber-reissner"]
-    # the independent steps damp; measured 0.0125
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=0.02)
+    # measured 5.0e-3 at 0.4 m and where the independent steps damp 6.1e-3
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=7.5e-3)
     error = np.abs(response["balance_error"]).max() / response["input_energy"]
     assert float(error) < 1e-8
 
