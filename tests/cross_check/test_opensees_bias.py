@@ -17,7 +17,7 @@ from workbench.scenarios import Column, ColumnImpact, Frame, Member, Striker
 from workbench.sections import find
 from workbench.structures.fibers import BeamSection
 
-STEP = 1e-5  # s, of OpenSees; half or twice as long: 0.1 to 0.3 %
+STEP = 1e-5  # s, of OpenSees; with half of it peaks change by 0.03 % (10 m/s)
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,9 @@ def test_peak_is_inside_the_stated_uncertainty(name) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        *("restrained", "fixed", "pinned", "short"),  # measured -0.36, -0.07, +0.11 and -0.10 %
-        pytest.param("slower", marks=pytest.mark.xfail(strict=True, reason="-0.54 %")),
-        pytest.param("slender", marks=pytest.mark.xfail(strict=True, reason="-0.59 %")),
+        *("restrained", "fixed", "pinned", "short"),  # measured -0.34, -0.08, +0.11 and -0.10 %
+        pytest.param("slower", marks=pytest.mark.xfail(strict=True, reason="-0.56 %")),
+        pytest.param("slender", marks=pytest.mark.xfail(strict=True, reason="-0.6 to -0.9 %")),
     ],
 )
 def test_peak_is_within_what_is_asked_for(name) -> None:

@@ -53,9 +53,8 @@ def test_order_and_limit() -> None:
     assert limit == pytest.approx(0.495, rel=0.01)
 
 
-@pytest.mark.parametrize("size", [0.4, 0.2])
-def test_explicit_steps_give_the_same_peak(size) -> None:
+def test_explicit_steps_give_the_same_peak() -> None:
     """Central differences do not damp either."""
-    explicit = peak(explicit_impact, *thesis_frame(size, lumped=True), [(DURATION, 1e-4)])
-    implicit = peak(resolved, *thesis_frame(size, lumped=True), [(DURATION, 5e-5)], 0.5)
-    assert explicit == pytest.approx(implicit, rel=3e-3)  # measured 0.4e-3 and 2.0e-3
+    explicit = peak(explicit_impact, *thesis_frame(0.4, lumped=True), [(DURATION, 1e-4)])
+    implicit = peak(resolved, *thesis_frame(0.4, lumped=True), [(DURATION, 5e-5)], 0.5)
+    assert explicit == pytest.approx(implicit, rel=8e-4)  # measured 3.5e-4
