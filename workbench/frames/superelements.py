@@ -21,7 +21,7 @@ from workbench.structures.superelements import HingeEnd
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
-_LONGEST = 1.0  # m, of an element of a struck member where none are asked for
+_LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
 _SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
 
@@ -79,7 +79,7 @@ def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
     """Parts of every member where none are asked for: of struck ones a `multiple`, else one.
 
     A node shares its velocity with a third of each bar beside it at once, of which the beam knows
-    nothing: in an inelastic hit that takes its share of the energy. Bars are at most a metre long,
+    nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
     and so short that two of them take some `_SHARED`, unless they were shorter than high. Members
     under a line load, which acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
@@ -87,8 +87,9 @@ def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
     if isinstance(scenario, FrameImpact):
         for number, member in _struck(scenario):
             mass = scenario.frame.properties(member).mass_per_length
-            longest = min(_LONGEST, 1.5 * _SHARED * scenario.striker.mass / mass)
-            pairs = scenario.frame.length(member) / max(longest, member.section.height) / multiple
+            height = member.section.height
+            longest = min(_LONGEST * height, 1.5 * _SHARED * scenario.striker.mass / mass)
+            pairs = scenario.frame.length(member) / max(longest, height) / multiple
             counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
     if isinstance(scenario, FramePulse):
         for number, member in enumerate(scenario.frame.members):

@@ -44,7 +44,6 @@ from workbench.responses import (
     peak_contact_force,
     peak_of,
 )
-from workbench.responses.histories import FORCE_WINDOW
 from workbench.scenarios import (
     Column,
     ColumnImpact,
@@ -60,7 +59,7 @@ _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _STEPS_PER_PERIOD = 16  # of the impact mass alone on the steepest stiffness
 _FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
 _FEWEST_STEPS = 100  # of a record
-_FIRST_STEPS = 20  # of the millisecond over which contact forces are averaged
+_PUSH_SHARE, _FIRST_STEPS = 0.1, 20  # of the period, in steps that tell the largest force
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 _ENDINGS: dict[type[Exception], Outcome] = {
@@ -100,7 +99,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -224,7 +223,7 @@ class SingleDof(Declared, table="option"):
             return kernels.Pace(duration, step, step, step, 0.0)
         slower = sqrt(1.0 + scenario.striker.mass / column.properties.impact_mass)
         push = max(step, min(slower * step, longest))
-        window = min(FORCE_WINDOW, duration)  # which sees the first collision
+        window = min(_PUSH_SHARE * period, duration)  # which sees the first collision
         return kernels.Pace(duration, step, push, min(step, window / _FIRST_STEPS), window)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
