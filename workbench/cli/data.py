@@ -23,6 +23,13 @@ from workbench.content.tree import (
 app = typer.Typer(
     help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
 )
+TablesRoot = Annotated[
+    str | None,
+    typer.Option(metavar="DIR", help="Where to write.  [default: the tables of the program]"),
+]
+Earlier = Annotated[
+    bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
+]
 
 
 @app.command("list")
@@ -135,13 +142,8 @@ def _added(added: Any) -> Iterator[Block]:
 def measure(
     study: StudyName,
     store: StoreRoot = "reports",
-    out: Annotated[
-        str | None,
-        typer.Option(metavar="DIR", help="Where to write.  [default: the tables of the program]"),
-    ] = None,
-    earlier: Annotated[
-        bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
-    ] = False,
+    out: TablesRoot = None,
+    earlier: Earlier = False,
 ) -> Answer:
     """Measure the model form in a stored study of columns: bias and scatter by region.
 
@@ -170,13 +172,8 @@ def measure(
 def rules(
     study: StudyName,
     store: StoreRoot = "reports",
-    out: Annotated[
-        str | None,
-        typer.Option(metavar="DIR", help="Where to write.  [default: the table of the program]"),
-    ] = None,
-    earlier: Annotated[
-        bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
-    ] = False,
+    out: TablesRoot = None,
+    earlier: Earlier = False,
 ) -> Answer:
     """Find the rules of validity in a stored study of drawn columns, and check them.
 

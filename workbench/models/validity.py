@@ -1,6 +1,6 @@
 """Where the study `which_model` found a model off: its rules of validity, as data.
 
-`workbench data measure` writes the table; a row is a region of a model, told by bounds of what
+`workbench data rules` writes the table; a row is a region of a model, told by bounds of what
 a scenario says before anything is run, with what was measured there and the model that did best.
 """
 
@@ -23,14 +23,13 @@ RISK = "measured-risk"  # some are
 
 def measured_findings(model: Any, scenario: Any) -> list[Finding]:
     """Warning of a column in a region where the model was measured to be off."""
-    if not isinstance(scenario, ColumnImpact) or not (rules := _rules().get(_key(model))):
+    if not isinstance(scenario, ColumnImpact):
+        return []
+    rules = _rules().get((model.name, variant_of(model)))
+    if rules is None:
         return []
     own = features(scenario)
     return [_told(row, own) for row in rules if _holds(row, own) and _beyond(row) > TOLERATED]
-
-
-def _key(model: Any) -> tuple[str, str]:
-    return model.name, variant_of(model)
 
 
 @lru_cache(maxsize=1)
@@ -45,18 +44,16 @@ def _rules() -> dict[tuple[str, str], list[dict[str, Any]]]:
 
 
 def _typed(row: dict[str, str]) -> dict[str, Any]:
+    """Numbers of a row as such; under `bounds` those of the region that bound anything."""
     words = ("model", "options", "better", "study")
-    return {name: v if name in words else float(v) if v else None for name, v in row.items()}
-
-
-def bounds_of(row: dict[str, Any]) -> dict[str, tuple[float, float]]:
-    """The bounds of a region that bound anything, by the names of features."""
-    ends = {name: (row[f"{name}_low"], row[f"{name}_high"]) for name in FEATURES}
-    return {name: end for name, end in ends.items() if end != (-inf, inf)}
+    typed = {name: v if name in words else float(v) if v else None for name, v in row.items()}
+    ends = {name: (typed[f"{name}_low"], typed[f"{name}_high"]) for name in FEATURES}
+    bounds = {name: end for name, end in ends.items() if end != (-inf, inf)}
+    return {**typed, "bounds": bounds}
 
 
 def _holds(row: dict[str, Any], own: dict[str, float]) -> bool:
-    return all(low <= own[name] < high for name, (low, high) in bounds_of(row).items())
+    return all(low <= own[name] < high for name, (low, high) in row["bounds"].items())
 
 
 def _beyond(row: dict[str, Any]) -> float:
@@ -66,9 +63,8 @@ def _beyond(row: dict[str, Any]) -> float:
 def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
     where = "; ".join(
-        f"{FEATURES[name]} {own[name]:.3g}, {region}"
-        for name, ends in bounds_of(row).items()
-        for region in (_between(*ends),)
+        f"{FEATURES[name]} {own[name]:.3g}, {_between(*ends)}"
+        for name, ends in row["bounds"].items()
     )
     beyond, apart = row["low"] + row["high"], row["falls"] + row["stands"]
     text = (

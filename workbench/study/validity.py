@@ -186,17 +186,15 @@ def _counted(errors: Array) -> dict[str, Any]:
 def _better(study: Study, errors: Errors, label: str, cases: list[str]) -> Row:
     """The model that is off in the fewest of some columns, none if that is the model itself."""
 
-    def off(name: str) -> tuple[int, int]:
-        own = [errors[name][case] for case in cases if case in errors[name]]
-        return sum(abs(error) > BEYOND for error in own) + len(cases) - len(own), len(own)
+    def off(name: str) -> int:
+        return sum(abs(errors[name].get(case, inf)) > BEYOND for case in cases)
 
-    best = min(errors, key=lambda name: (off(name)[0], name != label))
+    best = min(errors, key=lambda name: (off(name), name != label))
     if best == label:
         return {"better": ""}
     model = study.models[best]
     words = f"{model.name} {variant_of(model)}".rstrip()
-    missed, _ = off(best)
-    return {"better": words, "better_count": len(cases), "better_off": missed}
+    return {"better": words, "better_count": len(cases), "better_off": off(best)}
 
 
 def _paired(best: Mapping[str, float], other: Mapping[str, float], name: str) -> Row:

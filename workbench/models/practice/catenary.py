@@ -130,8 +130,12 @@ def catenary_curve(column: Column, shape: str) -> ResistanceCurve:
     return profile(mechanism, beam_of(column).stages(plastic)[0].shape.stretching)
 
 
+@dataclass(frozen=True)
 class _Catenary(SingleDof):
     """What the three share: their curve stands for the resistance of the column."""
+
+    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     def curve(self, column: Column) -> ResistanceCurve:
         """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
@@ -143,8 +147,6 @@ class TrilinearCatenary(_Catenary):
     """Elastic line, plastic plateau, straight line to the rope; options as in `single-dof`."""
 
     resistance: ClassVar[str] = TRILINEAR  # type: ignore[misc]
-    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
-    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "trilinear-catenary"
     version: ClassVar[int] = 2
@@ -161,8 +163,6 @@ class YinWang(_Catenary):
     """Axial force of the assumed profile, moment beside it; options as in `single-dof`."""
 
     resistance: ClassVar[str] = PROFILE  # type: ignore[misc]
-    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
-    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "yin-wang"
     version: ClassVar[int] = 1
@@ -180,8 +180,6 @@ class Izzuddin(_Catenary):
     """Elastic, plastic bending, transient and final catenary; options as in `single-dof`."""
 
     resistance: ClassVar[str] = RIGID_PLASTIC  # type: ignore[misc]
-    rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
-    interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "izzuddin"
     version: ClassVar[int] = 1

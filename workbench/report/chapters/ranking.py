@@ -1,6 +1,5 @@
 """Which model to take over many drawn columns, by counts and by pairs of answers."""
 
-from functools import partial
 from typing import Any
 
 from workbench.content.formatting import count, part, percent, several
@@ -58,7 +57,7 @@ def table(stored: Stored) -> Section | None:
         Column("false safe", True, of="stands"),
         Column("false alarm", True, of="falls"),
         Column("refused", True, of="refused"),
-        Column("median, 5 to 95 %", width=1.6, of=partial(_expected)),
+        Column("median, 5 to 95 %", width=1.6, of=_expected),
         Column("first errs less", width=1.2, of=_pairs),
     )
     return Section("ranking", "Which model", (Table.of("ranking", caption, columns, rows, _WIDE),))
