@@ -102,7 +102,7 @@ def drawn(point: np.ndarray, number: int) -> Case:
     mass = 2.0 * resistance * reach / velocity**2
     mass = min(max(mass, LEAST * column.properties.impact_mass), MOST)
     travelled = 0.5 * mass * velocity**2 / resistance
-    duration = min(max(0.02, 5.0 * travelled / velocity + 0.02), 0.2)
+    duration = 5.0 * travelled / velocity + 0.02  # 2.5 times what a constant force takes
     name = f"{number:03d} {section.name.removesuffix(' without fillets')}, "
     name += f"{below:.2f} + {above:.2f} m, {velocity:.1f} m/s, {mass:.0f} kg"
     impact = replace(impact, name=name, striker=Striker(mass, velocity), duration=duration)

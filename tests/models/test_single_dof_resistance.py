@@ -25,7 +25,7 @@ from workbench.models.resistance import (
 from workbench.models.resistance.panel import plateau, transition_length
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
-from workbench.scenarios import Column, ColumnPushover
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import circular_tube, find
 
 MODULUS = 210e9
@@ -419,6 +419,23 @@ def test_energy_and_sdof_on_panels_give_the_peak_of_the_four_dof_column(
     assert peaks[1:] == pytest.approx([peaks[0]] * 2, rel=2e-3)  # measured 1.0e-3
     without = float(SingleDof(resistance="analytic").simulate(impact)["peak_displacement"])
     assert without < 0.75 * peaks[0]  # measured 0.70 and 0.66
+
+
+def test_curve_of_panels_ends_where_the_axial_load_wins() -> None:
+    # a push to nine tenths of the shorter bar finds no equilibrium from 0.95 m on
+    section = find("IPE 270").without_fillets()
+    column = Column(section, 1.29, 2.90, axial_load=4.8e5)
+    curve = column_curve(column, None, "panel")
+    assert 0.4 < curve.lost_at < 0.7
+    rigid = resistance_curve(mechanism_of(column, None), "analytic")
+    assert curve.lost_at == pytest.approx(rigid.lost_at, rel=0.1)
+    model = SingleDof(resistance="panel", hit_mass="waves")
+    impact = ColumnImpact("loaded", column, Striker(1500.0, 3.0))
+    peaks = [each.simulate(impact)["peak_displacement"].item() for each in (model, FourDofShear())]
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
+    fallen = model.simulate(ColumnPushover("beyond", column, 0.8))
+    assert outcome_of(fallen) is Outcome.COLLAPSE
+    assert "lost its resistance to the axial load" in fallen.attrs["message"]
 
 
 def test_curve_of_panels_is_refused_where_they_do_not_hold(thesis_impact) -> None:

@@ -10,6 +10,7 @@ mass m1 (a third of the column) sits at the hit point, the head mass at the head
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import inf
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -181,20 +182,32 @@ class RigidBars(Declared, table="option"):
         spacing = duration / _RECORDS
         return Pace(duration, first, longest, error, vibration, flow, spacing, _MOST_STEPS)
 
-    def _pushover(self, scenario: ColumnPushover) -> Response:
-        column = scenario.column
+    def pushed(
+        self, column: Column, displacement: float, least: float = -inf
+    ) -> tuple[Any, Any, dict[str, Any]]:
+        """The bars of a pushed column, its records and their histories.
+
+        Arguments: the `displacement` to which it is pushed (m); the force (N) below which the push
+        may end, `least`. Raises `SolverError` where equilibrium is lost before.
+        """
         bars, q = self.bars(column)
-        steps = max(200, int(np.ceil(scenario.displacement / (_PUSH_STEP * column.length) - 1e-9)))
-        path = np.linspace(0.0, scenario.displacement, steps + 1)[1:]
+        steps = max(200, int(np.ceil(displacement / (_PUSH_STEP * column.length) - 1e-9)))
+        path = np.linspace(0.0, displacement, steps + 1)[1:]
         records = np.zeros(steps + 1, statics.STATE)
         records["q"][0] = q
         shared = q[U1] * bars["stiffness"][0, 0]
         records["stress"][0, :, 0] = shared if self.spring_shares_load else -column.axial_load
-        status, last, residual = statics.pushover(bars, path, records, np.zeros(1, statics.WORK)[0])
+        work = np.zeros(1, statics.WORK)[0]
+        status, last, residual = statics.pushover(bars, path, least, records, work)
         if status != statics.OK:
             where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
             raise SolverError(where, residual, tried)
-        values = _histories(column, bars, records)
+        records = records[: last + 2]
+        return bars, records, _histories(column, bars, records)
+
+    def _pushover(self, scenario: ColumnPushover) -> Response:
+        column = scenario.column
+        bars, records, values = self.pushed(column, scenario.displacement)
         force = values["force"]
         pieces = 0.5 * (force[1:] + force[:-1]) * np.diff(values["displacement"])
         external = np.concatenate([[0.0], np.cumsum(pieces)])
@@ -203,7 +216,7 @@ class RigidBars(Declared, table="option"):
         values["input_energy"] = external[-1]
         return build_response(
             values,
-            steps=steps + 1,
+            steps=len(records),
             hinges=tuple(HINGES),
             segments=SEGMENTS,
             warnings=self._reached(column, values),

@@ -259,11 +259,11 @@ def commit(column, start, state, work):
 
 
 @njit(cache=True, error_model="numpy")
-def pushover(column, path, records, work):
+def pushover(column, path, least, records, work):
     """Static path under imposed v1 = path[i]; returns (status, last step, residual).
 
     `records` (steps + 1,) of STATE begin with the preloaded column. Increments that do not
-    converge are halved down to 1/1024.
+    converge are halved down to 1/1024. The path ends early once the force is below `least`.
     """
     residual = 0.0
     for i in range(path.size):
@@ -287,4 +287,6 @@ def pushover(column, path, records, work):
                 if stride < 1.0 / 1024.0:
                     return NO_CONVERGENCE, i, residual
         state.force = work.F[V]
+        if state.force < least:
+            return OK, i, residual
     return OK, path.size - 1, residual

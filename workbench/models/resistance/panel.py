@@ -12,14 +12,13 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import brentq
 
-from workbench.errors import OutOfDomainError
+from workbench.errors import OutOfDomainError, SolverError
 from workbench.hinges import ShearSurface
 from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import ResistanceCurve
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.resistance.mechanism import SECTION, Mechanism, mechanism_of
 from workbench.models.resistance.shapes import RESISTANCES, resistance_curve
-from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import Column, ColumnPushover
 
 PANEL = "panel"
@@ -60,15 +59,20 @@ def panel_curve(
 ) -> ResistanceCurve:
     """Static curve of the column's panels up to nine tenths of the shorter bar.
 
-    Raises `OutOfDomainError` where they do not hold for the column, or lose their equilibrium.
+    It ends where the resistance is lost to the axial load: nothing is in equilibrium far behind.
+    Raises `OutOfDomainError` where the panels do not hold for the column.
     """
     top = 0.9 * min(mechanism.lengths)
-    push = ColumnPushover("resistance", column, top)
-    response = FourDofShear(rotational_stiffness=rotational_stiffness).simulate(push)
-    if outcome_of(response) is not Outcome.OK:
-        raise OutOfDomainError(f"static curve of its panels: {response.attrs['message']}")
-    v, force = response["displacement"].values, response["force"].values
-    flows = np.flatnonzero(response["dissipated"].values > 0.0)
+    model = FourDofShear(rotational_stiffness=rotational_stiffness)
+    refusals = [str(f) for f in model.domain(ColumnPushover("curve", column, top)) if f.refusal]
+    if refusals:
+        raise OutOfDomainError(f"static curve of its panels: {'; '.join(refusals)}")
+    try:
+        _, _, values = model.pushed(column, top, least=0.0)
+    except SolverError as error:
+        raise OutOfDomainError(f"static curve of its panels: {error}") from error
+    v, force, top = values["displacement"], values["force"], values["displacement"][-1]
+    flows = np.flatnonzero(values["dissipated"] > 0.0)
     limit = float(v[max(flows[0] - 1, 1)]) if len(flows) else top
     # closely where hinges form, then evenly
     at = np.unique(

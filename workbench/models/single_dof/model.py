@@ -34,6 +34,7 @@ from workbench.models.resistance.limits import (
     reached_findings,
     shear_utilisation,
 )
+from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof import kernels
 from workbench.models.single_dof.pulse import Pushed, pulse_response
 from workbench.responses import (
@@ -99,7 +100,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -249,6 +250,8 @@ class SingleDof(Declared, table="option"):
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column, top = scenario.column, scenario.displacement
         curve = self.curve(column)
+        if curve.shape == PANEL and curve.lost_at <= top:  # its points end there
+            raise collapsed(curve, column, curve.lost_at)
         # the breakpoints are load steps, so that the quadrature of the force is exact
         inner = curve.starts[1:][curve.starts[1:] < top]
         path = np.union1d(np.linspace(0.0, top, _PUSH_STEPS + 1), inner)
