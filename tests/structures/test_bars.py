@@ -51,7 +51,7 @@ def law(bars: HingedBars, trial: Array, back: Array | None = None) -> tuple[Arra
     row, corners, counts = own.rows[0], own.corners[0], own.counts[0]
     hard = np.array([row["hardening1"], row["hardening4"]])
     total = np.asarray(trial, float)
-    forces = kernels.hinged_law(row, corners, counts, total, before, hard, hard, k, flow)
+    forces = kernels.hinged_law(row, corners, counts, total, before, hard, np.zeros(2), k, flow)
     return np.array(forces), k, flow
 
 
@@ -93,7 +93,7 @@ def test_tangent_compatibility_and_dissipation(kind: str) -> None:
                 2.0 * step[j]
             )
         off += np.abs((k - differences) / np.outer(size, size)).max() > 1e-4
-        assert k == pytest.approx(k.T, abs=1e-9 * np.abs(k).max())
+        assert k == pytest.approx(k.T, abs=1e-9 * size.max() ** 2)
     assert off <= 2  # differences across a corner of the surface
 
 
@@ -163,29 +163,30 @@ def test_tangent_of_gradual_hinges() -> None:
     places = np.zeros((1, 36), dtype=np.int64)
     bars.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
     (own,) = bars.tables
-    spread, size = np.array([0.0005, 0.0]), np.sqrt([EA / LENGTH, 4 * EI / LENGTH, 4 * EI / LENGTH])
+    size = np.sqrt([EA / LENGTH, 4 * EI / LENGTH, 4 * EI / LENGTH])
+    # one end may have hardened where the other begins to: levels were sought in vain there
+    cases = np.where(rng.random((100, 2)) < 0.3, 0.0, 10.0 ** rng.uniform(-6.0, -1.0, (100, 2)))
 
-    def forces(trial: Array) -> tuple[Array, Array, Array]:
+    def forces(trial: Array, spread: Array) -> tuple[Array, Array, Array]:
         k, flow = np.empty((3, 3)), np.empty(3)
         found = np.array(kernels.gradual_law(own, 0, trial, spread, k, flow))
         return found, k, flow
 
     off = 0
-    for _ in range(100):
-        trial = YIELD * 10.0 ** rng.uniform(-0.3, 0.5) * rng.standard_normal(3)
-        found, k, flow = forces(trial)
+    for spread in cases:
+        trial = YIELD * 10.0 ** rng.uniform(-0.3, 1.0) * rng.standard_normal(3)
+        found, k, flow = forces(trial, spread)
         for i, end_flow in enumerate(flow[1:]):  # on the surface that it has hardened to
             share, _ = kernels.hardened(curve, spread[i] + abs(end_flow))
             n = abs(found[0]) / NP
             full = float(np.interp(n, *polyline("exact", PLATES)))
             capacity = MP * (0.88 * (1.0 - n) + share * (full - 0.88 * (1.0 - n)))
-            assert abs(found[1 + i]) <= capacity + 1e-6 * MP
+            assert abs(found[1 + i]) <= capacity + 1e-9 * MP
             if end_flow != 0.0:
-                assert abs(found[1 + i]) == pytest.approx(capacity, abs=1e-6 * MP)
+                assert abs(found[1 + i]) == pytest.approx(capacity, abs=1e-9 * MP)
         differences = np.empty((3, 3))
         for j, step in enumerate(np.diag(1e-6 * YIELD)):
-            change = forces(trial + step)[0] - forces(trial - step)[0]
+            change = forces(trial + step, spread)[0] - forces(trial - step, spread)[0]
             differences[:, j] = change / (2.0 * step[j])
-        off += np.abs((k - differences) / np.outer(size, size)).max() > 0.03
-    # the tangent leaves out that the surface turns while it hardens
-    assert off <= 3
+        off += np.abs((k - differences) / np.outer(size, size)).max() > 1e-4
+    assert off <= 2  # differences across a corner of the surface

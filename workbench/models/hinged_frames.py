@@ -210,7 +210,7 @@ class QuasiPlasticHinge(PlasticHinge):
     layers: int = checked(Number(4, 1000, integer=True), 40)
 
     name: ClassVar[str] = "quasi-plastic-hinge"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "
