@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import log, pi
 
 import numpy as np
@@ -29,7 +30,8 @@ def critical(length: float, reduction: float, mode: str) -> float:
     bar, squash = row(length)
 
     def stiffness(force: float) -> float:
-        k1, k, _ = refined_kernels.stiffness(bar, -force, squash[1], reduction)
+        share = reduction * refined_kernels.modulus(force / squash[1])
+        k1, k, _ = refined_kernels.stiffness(bar, -force, share)
         return {"pinned": k1 - k, "propped": k1}[mode]
 
     high = (2.2 if mode == "propped" else 1.2) * pi**2 * EI / length**2
@@ -66,7 +68,7 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     """Equation 2.9: M' = EI/L [phi_A (S1 - S2^2/S1 (1 - phi_B)), phi_A phi_B S2; ...] theta'."""
     length, axial = 4.0, -0.1 * NP
     bar, squash = row(length)
-    k1, k, _ = refined_kernels.stiffness(bar, axial, squash[1], 1.0)
+    k1, k, _ = refined_kernels.stiffness(bar, axial, 1.0)
     moments = MP * np.array(moment)
     turn = np.linalg.solve([[k1, k], [k, k1]], moments)
     start = np.array([axial * length / EA, 0.0, 0.0])
@@ -78,12 +80,37 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     # an increment that raises the force state of both ends
     step = 1e-6 * np.linalg.solve([[k1, k], [k, k1]], np.sign(moments) * MP)
     out, step = np.empty(5), np.array([0.0, *step])
-    refined_kernels.refined_law(bar, squash, 1.0, start, start + step, 0.0, turn, out)
+    law = partial(refined_kernels.refined_law, bar, squash, 1.0, start)
+    law(start + step, 0.0, moments, turn, out)
     assert out[1:3] - moments == pytest.approx(matrix @ step[1:], rel=1e-4)
     # and back: an end whose force state falls is elastic
-    refined_kernels.refined_law(bar, squash, 1.0, start, start - step, 0.0, turn, out)
+    law(start - step, 0.0, moments, turn, out)
     elastic = np.array([[k1, k], [k, k1]]) @ -step[1:]
     assert out[1:3] - moments == pytest.approx(elastic, rel=1e-6)
+
+
+def test_tangent_modulus_acts_on_increments() -> None:
+    """A bent bar under growing compression: what it carries is not softened, what is added is."""
+    length = 2.0
+    bar, squash = row(length, moment=100.0 * MP)  # ends elastic, N l^2 / EI = 0.6 at most
+    at = [np.array([-share * NP * length / EA, 0.0, 0.0]) for share in (0.3, 0.8)]
+    moments, out, none = np.array([0.2, -0.2]) * MP, np.empty(5), np.zeros(2)
+    k1, k, _ = refined_kernels.stiffness(bar, -0.3 * NP, 1.0)
+    turn = moments / (k1 - k)
+    refined_kernels.refined_law(bar, squash, 1.0, *at, 0.0, moments, turn, out)
+    # P-delta of a uniformly bent bar takes N l / 6 of each rotation (Przemieniecki 1968)
+    assert moments[0] - out[1] == pytest.approx(0.5 * NP * length / 6.0 * turn[0], rel=0.02)
+    bent, more = out[1:3].copy(), np.array([0.0, 1e-6, -1e-6])
+    refined_kernels.refined_law(
+        bar, squash, 1.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out
+    )
+    k1, k, _ = refined_kernels.stiffness(bar, -0.8 * NP, -2.7243 * 0.8 * log(0.8))
+    state = 0.8 + 8.0 / 9.0 * bent[0] / (100.0 * MP)
+    phi = 4.0 * state * (1.0 - state)
+    added = phi * (k1 - k**2 / k1 * (1.0 - phi) - phi * k)  # equation 2.9, both ends alike
+    assert out[1] - bent[0] == pytest.approx(1e-6 * added, rel=1e-4)
+    refined_kernels.refined_law(bar, squash, 1.0, at[0], at[0], 0.0, none, none, out)
+    assert np.all(out[1:] == 0.0)
 
 
 def test_forces_stay_on_the_surface() -> None:
@@ -92,6 +119,7 @@ def test_forces_stay_on_the_surface() -> None:
     out = np.empty(5)
     for _ in range(200):
         end = rng.standard_normal(3) * np.array([0.02, 0.1, 0.1])
-        refined_kernels.refined_law(bar, squash, 1.0, np.zeros(3), end, 0.0, np.zeros(2), out)
+        none = np.zeros(2)
+        refined_kernels.refined_law(bar, squash, 1.0, np.zeros(3), end, 0.0, none, none, out)
         n, m = abs(out[0]) / NP, np.abs(out[1:3]).max() / MP
         assert max(n + 8.0 / 9.0 * m, 0.5 * n + m) <= 1.0 + 1e-6

@@ -247,7 +247,7 @@ class RefinedPlasticHinge(BarHinges):
     imperfect: bool = checked(Flag(), False)
 
     name: ClassVar[str] = "refined-plastic-hinge"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
     in_impacts: ClassVar[str] = (
         "in catenary action moments give way to the axial force without the plastic elongation "

@@ -159,7 +159,8 @@ def hinged_law(bar, corners, counts, trial, back, hard, turn, k, flow):
     Arguments: `bar`, a row of BAR; `corners` (2, corners, 3), |N| in tension and in compression
     with the shares of both moments left there, and `counts` (2,) of these; elastic `trial`
     deformations (3,); backstresses `back` and hardening `hard` (2,); `turn` (2,), by how much more
-    elongation (m/rad) comes with a rotation as hardening turns the surface. Writes the tangent `k` (3, 3) and the plastic `flow` (3,); result: N, M_1, M_4.
+    elongation (m/rad) comes with a rotation as hardening turns the surface. Writes the tangent `k`
+    (3, 3) and the plastic `flow` (3,); result: N, M_1, M_4.
     """
     rest = flow_at(bar, trial, back, hard, 0.0, corners[0, 0, 1:], np.zeros(2))
     side = 0 if rest.gap < 0.0 else 1
@@ -235,7 +236,7 @@ def gradual_law(own, e, trial, spread, k, flow):
     Argument: plastic rotations `spread` (2,) accumulated so far. The surface is that at the end of
     the step: Newton's iteration on the rotations r, in which the law itself solves for hinges that
     harden in proportion from where the last r has brought them, M = c + h (r - r_last). As
-    hardening slows down, r rises to the solution from below: 13 times at most in 40 000 drawn cases.
+    hardening slows down, r rises to the solution from below, in 13 steps at most of 40 000 cases.
     """
     bar, counts = own.rows[e], own.counts[e]
     full, first = own.corners[e], own.first[e]

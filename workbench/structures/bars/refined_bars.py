@@ -15,13 +15,14 @@ from workbench.structures.elements import Bars, StepEnergies
 class RefinedState(NamedTuple):
     """State of refined plastic hinges.
 
-    `local` and `deformation` (e, 3) as of `BarState`; `plastic` elongation (e,); elastic rotations
-    `turn` (e, 2).
+    `local` and `deformation` (e, 3) as of `BarState`; `plastic` elongation (e,); end moments
+    `moment` and the rotations that bend it, `turn` (e, 2).
     """
 
     local: Array
     deformation: Array
     plastic: Array
+    moment: Array
     turn: Array
 
 
@@ -57,7 +58,7 @@ class RefinedBars(BarElements):
         first_order: bool = False,
     ) -> None:
         count, self.reduction, self.regularisation = len(bars), reduction, regularisation
-        widths = ((3,), (3,), (), (2,))
+        widths = ((3,), (3,), (), (2,), (2,))
         state = RefinedState(*(np.zeros((count, *width)) for width in widths))
         super().__init__(nodes, bars, state, first_order)
 

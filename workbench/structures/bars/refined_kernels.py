@@ -1,12 +1,13 @@
 """Refined plastic hinge: stability functions, tangent modulus, gradual hinges (Liew et al. 1993).
 
-State of an element are its elastic rotations t = (t_1, t_4), with M = K(N, E_t) t; a rotation d of
-its ends adds
+State of an element are its moments M and the rotations t = (t_1, t_4) that bend it; a rotation d
+of its ends adds
 
     dt_1 = phi_1 d_1 - phi_4 (1 - phi_1) (k_14 / k_11) d_4,    dt_4 likewise,
 
-which is K^-1 times the matrix of Heng 2017, eq. 2.9: phi is 1 while the force state alpha is below
-1/2 or falls, 4 alpha (1 - alpha) above, 0 in a full hinge, where M stays on the surface alpha = 1.
+and dM = K(N, E_t) dt + dN (dK/dN) t: the tangent modulus acts on increments. K dt is the matrix of
+Heng 2017, eq. 2.9: phi is 1 while the force state alpha is below 1/2 or falls, 4 alpha (1 - alpha)
+above, 0 in a full hinge, where M stays on the surface alpha = 1.
 Tables and states: `RefinedTables`, `RefinedState`.
 """
 
@@ -44,9 +45,8 @@ def force_state(n, m):
 
 
 @njit(cache=True, error_model="numpy")
-def stiffness(bar, N, Np, reduction):
-    """k_11, k_14, k_44 of beam, shear and joints at N; E is multiplied by `reduction` and E_t."""
-    share = reduction * modulus(-N / Np)
+def stiffness(bar, N, share):
+    """k_11, k_14, k_44 of beam, shear and joints at N for a `share` of E."""
     y = min(-bar.geometric * N / share, STEEPEST)
     r = cotangent(y)
     symmetric = 2.0 * share / bar.bending * r
@@ -89,17 +89,18 @@ def soft(n, m, before, pinned):
 
 
 @njit(cache=True, error_model="numpy")
-def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
+def refined_law(bar, squash, reduction, start, end, plastic, moment, turn, out):
     """Forces at deformations `end` (3,) of an element that was at `start` (3,), in substeps.
 
     Arguments: a row of BAR; `squash` loads (2,) in tension and compression; `reduction` of E;
-    `plastic` elongation (m) and elastic rotations `turn` (2,) at the start. Writes N, M_1, M_4 and
-    the rotations at the end to `out` (5,); result: the new plastic elongation.
+    `plastic` elongation (m), `moment` and rotations `turn` (2,) at the start. Writes N, M_1, M_4
+    and the rotations at the end to `out` (5,); result: the new plastic elongation.
     """
     t1, t4 = turn[0], turn[1]
+    m1, m4 = moment[0], moment[1]
     N = (start[0] - plastic) / bar.axial
-    k1, k, k4 = stiffness(bar, N, squash[1], reduction)
-    m1, m4 = k1 * t1 + k * t4, k * t1 + k4 * t4
+    share = reduction * modulus(-N / squash[1])
+    k1, k, k4 = stiffness(bar, N, share)
     d1, d4 = (end[1] - start[1]) / SUBSTEPS, (end[2] - start[2]) / SUBSTEPS
     for i in range(1, SUBSTEPS + 1):
         n = abs(N) / squash[0 if N >= 0.0 else 1]
@@ -110,17 +111,22 @@ def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
         N = max(min(N, squash[0]), -squash[1])
         plastic = elongation - N * bar.axial
         n = abs(N) / squash[0 if N >= 0.0 else 1]
-        k1, k, k4 = stiffness(bar, N, squash[1], reduction)
-        e1, e4 = k1 * (t1 + d1) + k * (t4 + d4), k * (t1 + d1) + k4 * (t4 + d4)
+        # N acts on the deflection that is there; the new modulus on what is added to it
+        s1, s, s4 = stiffness(bar, N, share)
+        m1 += (s1 - k1) * t1 + (s - k) * t4
+        m4 += (s - k) * t1 + (s4 - k4) * t4
+        share = reduction * modulus(-N / squash[1])
+        k1, k, k4 = stiffness(bar, N, share)
+        e1, e4 = m1 + k1 * d1 + k * d4, m4 + k * d1 + k4 * d4
         p1 = soft(n, abs(e1) / (bar.high1 if e1 > 0.0 else -bar.low1), a1, bar.pinned1)
         p4 = soft(n, abs(e4) / (bar.high4 if e4 > 0.0 else -bar.low4), a4, bar.pinned4)
-        t1 += p1 * d1
-        t4 += p4 * d4
+        by1, by4 = p1 * d1, p4 * d4
         if p1 < 1.0:
-            t1 -= p4 * (1.0 - p1) * k / k1 * d4
+            by1 -= p4 * (1.0 - p1) * k / k1 * d4
         if p4 < 1.0:
-            t4 -= p1 * (1.0 - p4) * k / k4 * d1
-        m1, m4 = k1 * t1 + k * t4, k * t1 + k4 * t4
+            by4 -= p1 * (1.0 - p4) * k / k4 * d1
+        t1, t4 = t1 + by1, t4 + by4
+        m1, m4 = m1 + k1 * by1 + k * by4, m4 + k * by1 + k4 * by4
         # back to the surface by plastic rotations alone: of one end, then of both
         c1 = 0.0 if bar.pinned1 else capacity(n, bar.low1, bar.high1, m1)
         c4 = 0.0 if bar.pinned4 else capacity(n, bar.low4, bar.high4, m4)
@@ -135,10 +141,12 @@ def refined_law(bar, squash, reduction, start, end, plastic, turn, out):
                 t4 -= (m4 - b4) / k4
                 m1, m4 = alone4, b4
             else:
-                m4 = b4 if over4 else math.copysign(c4, alone1)
-                m1 = b1 if over1 else math.copysign(c1, alone4)
+                b4 = b4 if over4 else math.copysign(c4, alone1)
+                b1 = b1 if over1 else math.copysign(c1, alone4)
                 det = k1 * k4 - k * k
-                t1, t4 = (k4 * m1 - k * m4) / det, (k1 * m4 - k * m1) / det
+                t1 += (k4 * (b1 - m1) - k * (b4 - m4)) / det
+                t4 += (k1 * (b4 - m4) - k * (b1 - m1)) / det
+                m1, m4 = b1, b4
     out[0], out[1], out[2], out[3], out[4] = N, m1, m4, t1, t4
     return plastic
 
@@ -149,14 +157,15 @@ def assemble(step, bars, own, old, new):
     k, work = np.empty((3, 3)), np.empty((7, 4))
     out, moved, end = np.empty(5), np.empty(5), np.empty(3)
     for e in range(bars.dofs.shape[0]):
-        bar, start, turn = own.rows[e], old.deformation[e], old.turn[e]
+        bar, start, turn, moment = own.rows[e], old.deformation[e], old.turn[e], old.moment[e]
         chord = deform(bars, e, step.end, new.deformation[e])
         plastic = old.plastic[e]
         new.plastic[e] = refined_law(
-            bar, own.squash[e], own.reduction, start, new.deformation[e], plastic, turn, out
+            bar, own.squash[e], own.reduction, start, new.deformation[e], plastic, moment, turn, out
         )
         linear = own.eta * own.stiffness[e]
         new.local[e] = out[:3] + linear @ new.deformation[e]
+        new.moment[e] = out[1:3]
         new.turn[e] = out[3:]
         if step.tangent:
             for j in range(3):
@@ -165,7 +174,9 @@ def assemble(step, bars, own, old, new):
                 # onwards, so that a step does not look like unloading
                 by = -by if end[j] < start[j] else by
                 end[j] += by
-                refined_law(bar, own.squash[e], own.reduction, start, end, plastic, turn, moved)
+                refined_law(
+                    bar, own.squash[e], own.reduction, start, end, plastic, moment, turn, moved
+                )
                 for i in range(3):
                     k[i, j] = (moved[i] - out[i]) / by + linear[i, j]
         add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
