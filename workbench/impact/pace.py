@@ -6,6 +6,7 @@ first, very short step, so that its instant is found. After the first rebound on
 elastic vibration is at stake, and longer steps are taken.
 """
 
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ class Pace(NamedTuple):
     @property
     def records(self) -> int:
         """How many records it takes at most: of three, the outer ones are a spacing apart."""
-        return 2 * int(np.ceil(self.duration / self.spacing)) + 4
+        return 2 * ceil(self.duration / self.spacing) + 4
 
 
 @njit(cache=True, error_model="numpy")
@@ -48,6 +49,21 @@ def aimed(pace, time, dt, gap, gamma):
     if gap > 0.0 and gamma < 0.0:
         return min(dt, max(-gap / gamma, pace.first))
     return dt
+
+
+@njit(cache=True, error_model="numpy")
+def met(gap, start, end, dt, allowed):
+    """When the gap (m) closes in an open step of `dt`, whose ends see it grow by `start` and `end`.
+
+    Infinite where the overlap grows by no more than is `allowed` (m).
+    """
+    if gap + 0.5 * dt * (start + end) > min(gap, 0.0) - allowed:
+        return np.inf
+    bend = (end - start) / dt
+    above = max(gap, 0.0)
+    if bend >= 0.0:
+        return above / max(-start, 1e-300)
+    return (start + (start * start - 2.0 * bend * above) ** 0.5) / -bend
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,4 +1,4 @@
-"""The elasto-plastic spring of the single-degree-of-freedom column and its time stepping.
+"""The elasto-plastic spring of the single-degree-of-freedom column, and a step in time.
 
 Heng 2017, section 5.2 and chapter 3. The envelope of the spring is a resistance curve, `pieces`.
 """
@@ -12,14 +12,14 @@ from workbench.impact import contact_loss, explicit_percussion, rebound, touches
 from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between
 
 MIDPOINT, MOREAU = 0, 1
-OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
+OK, NO_CONVERGENCE, COLLAPSE, TOO_MANY = range(4)
 HISTORIES = (
     *("displacement", "velocity", "striker_velocity", "percussion", "force"),
     *("kinetic", "elastic", "dissipated", "contact_loss"),
 )
 RECORD = np.dtype([(name, float) for name in (*HISTORIES, "time")])
-_EPS = 2.220446049250313e-16
-_TOUCHING = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
+EPS = 2.220446049250313e-16
+TOUCHING = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
 
 
 class Spring(NamedTuple):
@@ -45,19 +45,6 @@ class Blow(NamedTuple):
     striker: float
     velocity: float
     restitution: float
-
-
-class Pace(NamedTuple):
-    """Duration of the record and steps, in s: in general, and while the striker pushes on.
-
-    The `first` are taken until the time `until`.
-    """
-
-    duration: float
-    step: float
-    push: float
-    first: float
-    until: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -169,7 +156,7 @@ def solve_midpoint(dt, w0, mass, jump, state, pieces):
         residual = mass * (w1 - w0) + jump + dt * mean
         scale = mass * (abs(w0) + abs(w1)) + abs(jump) + dt * (abs(mean) + abs(f1))
         scale += dt * abs(slope) * (abs(v0) + abs(v1))  # round-off of v in the force
-        if abs(residual) <= 4.0 * _EPS * scale:
+        if abs(residual) <= 4.0 * EPS * scale:
             return w1, 0.0
         if residual > 0.0:
             high = w1
@@ -179,25 +166,25 @@ def solve_midpoint(dt, w0, mass, jump, state, pieces):
         new = w1 - residual / gradient if gradient > 0.0 else w1 - residual / mass
         if not low < new < high and high - low < np.inf:
             new = 0.5 * (low + high)
-        if abs(new - w1) <= 2.0 * _EPS * (abs(w0) + abs(w1)):
+        if abs(new - w1) <= 2.0 * EPS * (abs(w0) + abs(w1)):
             return new, 0.0
         w1 = new
     return w1, abs(residual) / scale
 
 
 @njit(cache=True, error_model="numpy")
-def _midpoint_step(dt, motion, blow, state, pieces):
+def midpoint_step(dt, motion, blow, state, pieces, close):
     """One energy-conserving midpoint step (Heng 2017, eqs 3.31-3.33).
 
-    `motion`: velocity of the hit point, position and velocity of the striker. Contact is
-    eliminated: closed, the striker follows with w_c1 = w1 + eps gamma_0.
+    `motion`: velocity of the hit point, position and velocity of the striker; a gap below `close`
+    is none. Contact is eliminated: closed, the striker follows with w_c1 = w1 + eps gamma_0.
     Returns (residual, motion, state, percussion, energy lost in contact).
     """
     (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
     gamma = w0 - wc0
     restitution = rebound(gamma, restitution)
     percussion, w1, residual = 0.0, 0.0, 0.0
-    closed = touches(state.v - xc - _TOUCHING, gamma, dt)
+    closed = touches(state.v - xc - close, gamma, dt)
     if closed:
         jump = striker * (1.0 + restitution) * gamma
         w1, residual = solve_midpoint(dt, w0, mass + striker, jump, state, pieces)
@@ -214,14 +201,14 @@ def _midpoint_step(dt, motion, blow, state, pieces):
 
 
 @njit(cache=True, error_model="numpy")
-def _moreau_step(dt, motion, blow, state, pieces):
-    """One explicit step of Moreau's scheme (eqs 3.26-3.30); as `_midpoint_step`."""
+def moreau_step(dt, motion, blow, state, pieces):
+    """One explicit step of Moreau's scheme (eqs 3.26-3.30); as `midpoint_step`."""
     (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
     gamma = w0 - wc0
     state = spring_moved(state, state.v + 0.5 * dt * w0, pieces)
     xc += 0.5 * dt * wc0
     w1, wc1, percussion = w0 - dt * state.force / mass, wc0, 0.0
-    if state.v - xc <= _TOUCHING:
+    if state.v - xc <= TOUCHING:
         percussion = explicit_percussion(w1 - wc0, gamma, restitution, mass, striker)
         w1 += percussion / mass
         wc1 -= percussion / striker
@@ -235,52 +222,6 @@ def _record(row, state, pieces):
     """Force and energies of the spring."""
     row.force, row.dissipated = state.force, state.dissipated
     row.elastic = spring_energy(state, pieces)
-
-
-@njit(cache=True, error_model="numpy")
-def impact(scheme, pace, blow, elastic_limit, limit, pieces, records):
-    """Follow the impact: (status, last record, residual, final state).
-
-    The first collision, whose instant is known, comes before the first step; later ones are
-    found by the steps. Its percussion is recorded with the first step. `records` of RECORD are
-    zero at first. COLLAPSE when v passes `limit`.
-    """
-    state = spring_at_rest(elastic_limit, pieces)
-    mass, striker, velocity, restitution = blow
-    records[0].striker_velocity = velocity
-    records[0].kinetic = 0.5 * striker * velocity**2
-    first = explicit_percussion(-velocity, -velocity, restitution, mass, striker)
-    motion = (first / mass, 0.0, velocity - first / striker)
-    lost = contact_loss(first, -velocity, motion[0] - motion[2])
-    n, time, percussion = 0, 0.0, first
-    while time < pace.duration - 1e-9 * pace.step:
-        rises = state.v >= state.top or not state.yielded
-        ahead = (mass + striker) * motion[0] - state.force * pace.push  # still rising after it
-        inside = state.v + pace.push * motion[0] < limit
-        dt = pace.push if percussion > 0.0 and rises and inside and ahead > 0.0 else pace.step
-        if time < pace.until:
-            dt = pace.first
-        dt = min(dt, pace.duration - time)
-        if scheme == MOREAU:
-            found = _moreau_step(dt, motion, blow, state, pieces)
-        else:
-            found = _midpoint_step(dt, motion, blow, state, pieces)
-        residual, motion, state, percussion, loss = found
-        n += 1
-        time = n * pace.step if pace.until == 0.0 else time + dt
-        if residual > 1e-9:
-            return NO_CONVERGENCE, n, residual, state
-        lost += loss
-        row = records[n]
-        row.time = min(time, pace.duration)
-        row.displacement, row.velocity, row.striker_velocity = state.v, motion[0], motion[2]
-        row.percussion = percussion + first if n == 1 else percussion
-        row.kinetic = 0.5 * (mass * motion[0] ** 2 + striker * motion[2] ** 2)
-        row.contact_loss = lost
-        _record(row, state, pieces)
-        if state.v > limit:
-            return COLLAPSE, n, 0.0, state
-    return OK, n, 0.0, state
 
 
 @njit(cache=True, error_model="numpy")

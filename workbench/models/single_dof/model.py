@@ -8,8 +8,8 @@ one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the s
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import reduce
-from math import ceil, pi, sqrt
+from functools import lru_cache, reduce
+from math import ceil, inf, pi, sqrt
 from time import perf_counter
 from typing import Any, ClassVar, NamedTuple
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
+from workbench.impact.pace import Pace
 from workbench.models.base import respond
 from workbench.models.domain import step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
@@ -35,7 +36,7 @@ from workbench.models.resistance.limits import (
     shear_utilisation,
 )
 from workbench.models.resistance.panel import PANEL
-from workbench.models.single_dof import kernels
+from workbench.models.single_dof import kernels, march
 from workbench.models.single_dof.pulse import Pushed, pulse_response
 from workbench.responses import (
     Finding,
@@ -43,7 +44,6 @@ from workbench.responses import (
     Response,
     build_response,
     peak_contact_force,
-    peak_of,
 )
 from workbench.scenarios import (
     Column,
@@ -57,10 +57,11 @@ from workbench.scenarios.pulse import UNIFORM
 
 Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
-_STEPS_PER_PERIOD = 16  # of the impact mass alone on the steepest stiffness
-_FINE_STEPS = 1000  # repeated impacts converge at first order; Moreau does not keep energy
-_FEWEST_STEPS = 100  # of a record
-_PUSH_SHARE, _FIRST_STEPS = 0.1, 20  # of the period, in steps that tell the largest force
+_FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
+_FIRST, _FEWEST_STEPS = 4.0, 50  # steps after an impact, in such ones; steps of a record
+_ERROR = (1e-3, 1e-4)  # of a step without and with restitution, see `Pace`
+_INSTANT = 1e-12  # s, of the first collision
+_POINTS, _RECORDS = 20, (500, 80_000)  # parts of a period and of a record that are recorded
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
 _PUSH_STEPS = 1000
 _ENDINGS: dict[type[Exception], Outcome] = {
@@ -72,10 +73,11 @@ _BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_fo
 
 
 class _Run(NamedTuple):
-    time: Array
     records: Any
-    state: kernels.Spring
     curve: ResistanceCurve
+    peak: float
+    time_of_peak: float
+    changed: float
 
 
 @dataclass(frozen=True)
@@ -84,10 +86,9 @@ class SingleDof(Declared, table="option"):
 
     Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
     or panel (webs yield in shear: the static curve of `four-dof-shear`);
-    `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None: a
-    16th of the shortest period, of that with the striker on while it pushes, a 1000th with
-    restitution or Moreau's scheme, at most a 100th of the record; the midpoint scheme keeps the
-    energy whatever the step);
+    `integrator`: midpoint (energy conserving) or moreau (explicit); `time_step` in s (None:
+    controlled by the error, the energy is kept whatever the step; moreau: a 1000th of the shortest
+    period);
     `rotational_stiffness`: factor c of the hinge stiffness c EI / l (the thesis: 6; None: as in
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
@@ -100,7 +101,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -151,8 +152,7 @@ class SingleDof(Declared, table="option"):
             findings.append(Finding("time-step", text, refusal=True))
         if self.integrator == "moreau":
             with suppress(OutOfDomainError):  # told by the solution itself
-                stable = 2.0 / _frequency(self.curve(scenario.column), scenario.column)
-                findings += step_finding(step, stable)
+                findings += step_finding(step, self.period(scenario.column) / pi)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -189,43 +189,42 @@ class SingleDof(Declared, table="option"):
     def _march(self, scenario: ColumnImpact) -> _Run:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
-        curve = self.curve(column)
-        pace, scheme = self._pace(scenario, curve), _SCHEMES[self.integrator]
-        records = np.zeros(round(scenario.duration / pace.step) + _FIRST_STEPS + 2, kernels.RECORD)
-        limit = limit_of(curve, column)
-        mass = column.properties.impact_mass
-        blow = kernels.Blow(mass, striker.mass, striker.velocity, striker.restitution)
-        status, last, residual, state = kernels.impact(
-            scheme, pace, blow, curve.elastic_limit, limit, curve.pieces, records
+        bounces = striker.restitution > 0.0
+        curve, limit, pace = _prepared(self, column, scenario.duration, bounces)
+        records = np.empty(pace.records, kernels.RECORD)
+        blow = (striker.mass, striker.velocity, striker.restitution)
+        given = np.array((*pace, column.properties.impact_mass, *blow))
+        scheme = _SCHEMES[self.integrator]
+        status, last, time, residual, peak, at, changed = march.impact(
+            scheme, given, curve.elastic_limit, limit, curve.pieces, records
         )
-        if status == kernels.NO_CONVERGENCE:
-            tried = "Newton with bisection; the resistance may soften too fast for the step"
-            where = f"time {records['time'][last - 1]:.4g} s (step of {pace.step:.3g} s)"
-            raise SolverError(where, residual, tried)
         if status == kernels.COLLAPSE:
             now = records[last]
             since = (float(now["displacement"]) - limit) / float(now["velocity"])
-            raise collapsed(curve, column, limit, float(now["time"]) - since)
-        records = records[: last + 1]
-        return _Run(records["time"], records, state, curve)
+            raise collapsed(curve, column, limit, time - since)
+        if status != kernels.OK:
+            tried = f"Newton with bisection, shorter steps, at most {pace.most} of them"
+            raise SolverError(f"time {time:.4g} s", residual, tried)
+        return _Run(records[: last + 1], curve, peak, at, changed)
 
-    def _pace(self, scenario: ColumnImpact, curve: ResistanceCurve) -> kernels.Pace:
-        duration = scenario.duration
-        if self.time_step is not None:
-            step = duration / max(1, ceil(duration / self.time_step))
-            return kernels.Pace(duration, step, step, step, 0.0)
-        column = scenario.column
-        period = 2.0 * pi / _frequency(curve, column)
-        event_bound = scenario.striker.restitution > 0.0 or self.integrator == "moreau"
-        share = _FINE_STEPS if event_bound else _STEPS_PER_PERIOD
-        longest = duration / _FEWEST_STEPS
-        step = duration / min(ceil(duration / min(period / share, longest)), _MOST_STEPS)
-        if event_bound:
-            return kernels.Pace(duration, step, step, step, 0.0)
-        slower = sqrt(1.0 + scenario.striker.mass / column.properties.impact_mass)
-        push = max(step, min(slower * step, longest))
-        window = min(_PUSH_SHARE * period, duration)  # which sees the first collision
-        return kernels.Pace(duration, step, push, min(step, window / _FIRST_STEPS), window)
+    def period(self, column: Column) -> float:
+        """Shortest period (s) of the impact mass on the resistance. Raises `OutOfDomainError`."""
+        steepest = self.curve(column).unloading_stiffness(reach(column))
+        return 2.0 * pi * sqrt(column.properties.impact_mass / steepest)
+
+    def pace(self, column: Column, duration: float, bounces: bool) -> Pace:
+        """How an impact followed for a `duration` (s) is stepped through."""
+        period, step = self.period(column), self.time_step
+        if step is None:
+            step = max(period / _FINE_STEPS, duration / _MOST_STEPS)
+            if self.integrator == "midpoint":
+                longest = duration / _FEWEST_STEPS
+                spacing = min(period / _POINTS, duration / _RECORDS[0])
+                spacing = max(spacing, duration / _RECORDS[1])
+                control = (_ERROR[bounces], _ERROR[bounces], inf, spacing, _MOST_STEPS_ASKED)
+                return Pace(duration, min(_FIRST * step, longest), longest, *control)
+        step = duration / max(1, ceil(duration / step))
+        return Pace(duration, step, step, inf, inf, inf, 1.001 * step, _MOST_STEPS_ASKED)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
@@ -243,7 +242,8 @@ class SingleDof(Declared, table="option"):
             **_scalars(scenario, run),
         }
         warnings = reached_findings(curve, companion, top)
-        response = build_response(values, time=run.time, segments=SEGMENTS, warnings=warnings)
+        time = records["time"]
+        response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
 
@@ -285,29 +285,29 @@ class SingleDof(Declared, table="option"):
         )
 
 
-def _frequency(curve: ResistanceCurve, column: Column) -> float:
-    """Highest circular frequency of the impact mass on the spring, in rad/s."""
-    steepest = curve.unloading_stiffness(reach(column))
-    return sqrt(steepest / column.properties.impact_mass)
+@lru_cache(maxsize=256)
+def _prepared(
+    model: SingleDof, column: Column, duration: float, bounces: bool
+) -> tuple[ResistanceCurve, float, Pace]:
+    """Curve, limit of the displacement (m) and pace of a column, for the next strike."""
+    curve = model.curve(column)
+    return curve, limit_of(curve, column), model.pace(column, duration, bounces)
 
 
 def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
-    percussion, spring = run.records["percussion"].copy(), run.state
-    values = peak_of(run.time, run.records["displacement"])
-    if values:
-        values["residual_displacement"] = run.curve.residual(values["peak_displacement"])
-        if spring.yielded:  # what reverse yielding has changed since
-            top = spring.top - spring.top_force / spring.stiffness
-            now = spring.v - spring.force / spring.stiffness
-            values["residual_displacement"] += now - top
+    percussion, values = run.records["percussion"].copy(), {}
+    if int(np.argmax(run.records["displacement"])) < len(percussion) - 1:  # it comes back
+        values["peak_displacement"], values["time_of_peak"] = run.peak, run.time_of_peak
+        values["residual_displacement"] = run.curve.residual(run.peak) + run.changed
     # the first collision is recorded with the first step but happens at time 0
     striker = scenario.striker
     mass = scenario.column.properties.impact_mass
     first = collide(mass, striker.mass, striker.velocity, striker.restitution).percussion
-    percussion[:2] = first, percussion[1] - first
-    values["peak_force"] = peak_contact_force(run.time, percussion)
     values["impulse"] = float(percussion.sum())
+    percussion[:2] = first, percussion[1] - first
+    time = np.concatenate([[0.0, _INSTANT], run.records["time"][1:]])
+    values["peak_force"] = peak_contact_force(time, np.concatenate([[0.0], percussion]))
     return values
 
 

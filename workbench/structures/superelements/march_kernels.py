@@ -10,7 +10,7 @@ step.
 import numpy as np
 from numba import njit
 
-from workbench.impact.pace import aimed, growth
+from workbench.impact.pace import aimed, growth, met
 from workbench.structures.kernels import copy
 from workbench.structures.superelements.step_kernels import commit, gap_of, solve
 
@@ -49,21 +49,6 @@ def softened(body, motion):
             flow = motion.new.plastic[e, h] - motion.old.plastic[e, h]
             lost += 0.5 * abs((motion.new.carried[e, i] - motion.old.carried[e, i]) * flow)
     return lost
-
-
-@njit(cache=True, error_model="numpy")
-def met(gap, start, end, dt, allowed):
-    """When the gap (m) closes in an open step of `dt`, whose ends see it grow by `start` and `end`.
-
-    Infinite where the overlap grows by no more than is `allowed` (m).
-    """
-    if gap + 0.5 * dt * (start + end) > min(gap, 0.0) - allowed:
-        return np.inf
-    bend = (end - start) / dt
-    above = max(gap, 0.0)
-    if bend >= 0.0:
-        return above / max(-start, 1e-300)
-    return (start + (start * start - 2.0 * bend * above) ** 0.5) / -bend
 
 
 @njit(cache=True, error_model="numpy")
