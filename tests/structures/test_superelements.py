@@ -1,5 +1,7 @@
 """The superelement: tangents, energy identity, invariance, closed forms, condensation."""
 
+from math import inf
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -154,8 +156,9 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             k = np.zeros((3, 3))
             empty = (np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 3)))
             state = SuperelementState(*empty, total[None].copy(), np.zeros(1))
+            old = SuperelementState(plastic[None], *empty[1:], np.zeros((1, 3)), np.zeros(1))
             scratch = np.zeros(3), np.zeros(5)
-            kernels.hinge_bar_law(0, tables, plastic[None], state, k, *scratch)
+            kernels.hinge_bar_law(0, tables, 1.0, old, state, k, *scratch)
             local, carried = state.local[0], state.carried[0]
             pair = plastic.reshape(2, 2)
             if kind == "rigid":
@@ -169,6 +172,51 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
                 assert k / unit == pytest.approx(tangent / unit, abs=1e-7)
                 compared += 1
     assert compared >= 100 or kind == "rigid"
+
+
+def on_a_circle(rate: np.ndarray, start: np.ndarray, steps: int, weight: float) -> np.ndarray:
+    """N and M, scaled, of a hinge beside a pin after a straight path that begins at yield.
+
+    The surface is a circle in the metric of its springs, the `rate` is scaled by what yields.
+    """
+    surface, work = YieldSurface(NP, MP, 2.0, 2.0), 1e3
+    hinge = HingeEnd(surface, NP**2 / work, MP**2 / work)
+    element = Superelement(HingeEnd(surface, inf, 0.0), hinge)
+    group = Superelements([[0, 1]], sections=[element], section_of=[0], regularisation=0.0)
+    PlanarAssembly([[0.0, 0.0], [1.0, 0.0]], [group])
+    (tables,), (old, new) = group.tables, group.states
+    unit, at = np.array([NP, MP]), [0, 2]
+    old.carried[0, at] = start * unit
+    old.deformation[0, at] = start * work / unit
+    scratch = [tables.scratch[i] for i in (0, 2, 3)]
+    for _ in range(steps):
+        new.deformation[0, at] = old.deformation[0, at] + rate / steps * work / unit
+        kernels.hinge_bar_law(0, tables, weight, old, new, *scratch)
+        plastic, ideal = np.array(kernels.settle(weight, tables, old, new))[[1, 3]]
+        assert plastic <= ideal * (1.0 + 1e-12)
+        if weight == 0.5:
+            assert plastic == pytest.approx(ideal, rel=1e-12)  # nothing is softened
+        for mine, its in zip(old, new, strict=True):
+            mine[:] = its
+    assert np.linalg.norm(old.carried[0, at] / unit) == pytest.approx(1.0, abs=1e-12)
+    return np.asarray(old.carried[0, at] / unit)
+
+
+def test_hinges_return_to_second_order_in_midpoint_steps() -> None:
+    """Krieg and Krieg 1977: w' = -|rate| sin w, of the angle w between forces and rate."""
+    rate, start = np.array([1.2, 0.5]), np.array([0.8, -0.6])
+    towards = np.arctan2(rate[1], rate[0])
+    begin = towards - np.arctan2(start[1], start[0])
+    left = 2.0 * np.arctan(np.tan(0.5 * begin) * np.exp(-np.hypot(*rate)))
+    exact = np.array([np.cos(towards - left), np.sin(towards - left)])
+    errors = [
+        [np.abs(on_a_circle(rate, start, n, weight) - exact).max() for n in (16, 32, 64)]
+        for weight in (0.5, 1.0)
+    ]
+    for mine, order in zip(errors, (2.0, 1.0), strict=True):
+        observed = np.log2(np.array(mine[:-1]) / mine[1:])
+        np.testing.assert_allclose(observed, order, atol=0.1)
+    assert errors[0][0] < 0.1 * errors[1][0]
 
 
 def elastic_answer(element: Superelement, length: float, held, dof, force: float) -> float:

@@ -19,8 +19,8 @@ class Pace(NamedTuple):
     """How an impact is stepped through; times in s.
 
     `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
-    displacement of a step over the way that the striker goes in it (infinite: every step is
-    `first`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
+    displacement of a step over the way that the striker goes in it (infinite: equal steps, each
+    the `longest`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
     step, in the measure of the model; shortest time between two records, `spacing`; steps at
     `most`.
     """
@@ -45,7 +45,7 @@ def aimed(pace, time, dt, gap, gamma):
     """The step that does not go beyond the end, the next of equal steps, or the next impact."""
     dt = min(dt, pace.duration - time)
     if not pace.error < np.inf:
-        return min(dt, (np.floor(time / pace.first + 1e-6) + 1.0) * pace.first - time)
+        return min(dt, (np.floor(time / pace.longest + 1e-6) + 1.0) * pace.longest - time)
     if gap > 0.0 and gamma < 0.0:
         return min(dt, max(-gap / gamma, pace.first))
     return dt

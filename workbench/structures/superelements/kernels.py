@@ -18,18 +18,25 @@ from workbench.structures.corotation.kernels import add_element, chord_at
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def hinge_bar_law(e, hinges, plastic, new, k, trial, flow):
-    """Local forces and tangent of element `e` for its deformations in the `new` state.
+def _quadratic(matrix, x):
+    """Quadratic form of x (3,) with [a, 0, 0; 0, b, c; 0, c, d], stored as (a, b, c, d)."""
+    axial = matrix[0] * x[0] * x[0]
+    bending = matrix[1] * x[1] * x[1] + matrix[3] * x[2] * x[2]
+    coupling = 2.0 * matrix[2] * x[1] * x[2]
+    return axial + bending + coupling
 
-    Arguments: `hinges`, see `HingeTables`; committed `plastic` deformations (e, 4). Writes the new
-    plastic deformations, the forces carried by the hinges, local forces and their tangent `k`
-    (3, 3); scratch `trial` (3,), `flow` (5,).
-    """
-    eta = hinges.eta
-    deformation, carried, local = new.deformation[e], new.carried[e], new.local[e]
-    trial[0] = deformation[0] - plastic[e, 0] - plastic[e, 2]
-    trial[1] = deformation[1] - plastic[e, 1]
-    trial[2] = deformation[2] - plastic[e, 3]
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def elastic_trial(deformation, plastic, trial):
+    """Write what of a `deformation` (3,) is elastic if nothing flows any more."""
+    trial[0] = deformation[0] - plastic[0] - plastic[2]
+    trial[1] = deformation[1] - plastic[1]
+    trial[2] = deformation[2] - plastic[3]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def project(e, hinges, trial, carried, k, flow):
+    """Forces of element `e` nearest to the elastic ones of `trial`, their tangent, and the flow."""
     bending, pinned = hinges.bending[e], hinges.pinned[e]
     if hinges.webs[e].stiffness > 0.0:
         panel = Panel(bending, pinned, hinges.lengths[e], hinges.webs[e])
@@ -37,13 +44,32 @@ def hinge_bar_law(e, hinges, plastic, new, k, trial, flow):
     else:
         pair = Pair(bending, hinges.bounds[e], hinges.exponents[e], pinned)
         project_pair(pair, trial, carried, k, flow)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def hinge_bar_law(e, hinges, weight, old, new, k, trial, flow):
+    """Local forces and tangent of element `e` for its deformations in the `new` state.
+
+    Hinges return to the yield surface at the `weight` of the way from the `old` state, see
+    `settle`. Writes the new plastic deformations, the forces carried by the hinges, local forces
+    and their tangent `k` (3, 3); scratch `trial` (3,), `flow` (5,).
+    """
+    eta, before = hinges.eta, 1.0 - weight
+    deformation, carried, local = new.deformation[e], new.carried[e], new.local[e]
+    elastic_trial(deformation, old.plastic[e], trial)
+    if before > 0.0:
+        for i in range(3):
+            trial[i] += before * (old.deformation[e, i] - deformation[i])
+            carried[i] += before * (old.carried[e, i] - carried[i])
+    project(e, hinges, trial, carried, k, flow)
     for i in range(4):
-        new.plastic[e, i] = plastic[e, i] + flow[i]
-    rest = 1.0 - eta
+        new.plastic[e, i] = old.plastic[e, i] + flow[i] / weight
     for i in range(3):
-        local[i] = rest * carried[i]
+        if before > 0.0:
+            carried[i] += before / weight * (carried[i] - old.carried[e, i])
+        local[i] = (1.0 - eta) * carried[i]
         for j in range(3):
-            k[i, j] *= rest
+            k[i, j] *= 1.0 - eta
     kn, k11, k14, k44 = hinges.stiffness[e]
     local[0] += eta * kn * deformation[0]
     local[1] += eta * (k11 * deformation[1] + k14 * deformation[2])
@@ -53,6 +79,49 @@ def hinge_bar_law(e, hinges, plastic, new, k, trial, flow):
     k[1, 2] += eta * k14
     k[2, 1] += eta * k14
     k[2, 2] += eta * k44
+
+
+@njit(cache=True, error_model="numpy")
+def settle(weight, hinges, old, new):
+    """Let hinges flow on until they are admissible at the end of a step; energies of it, in J.
+
+    Forces that are at yield at the `weight` of a step end beyond the surface: by the curvature of
+    their path, or where the flow begins. What it takes to bring them back with nothing moving is
+    plastic work, and tells how well the step has followed the hinges. Result: as of `account`, and
+    that work. Elements are settled in the `new` state.
+    """
+    stored = plastic = algorithmic = ideal = excess = 0.0
+    eta, rest = hinges.eta, 1.0 - hinges.eta
+    k, _, trial, flow = hinges.scratch
+    for e in range(hinges.rotary.size):
+        flexibility, stiffness = hinges.flexibility[e], hinges.stiffness[e]
+        carried, gone = new.carried[e], new.plastic[e]
+        for i in range(3):
+            trial[i] = carried[i] - old.carried[e, i]
+        algorithmic += (weight - 0.5) * rest * _quadratic(flexibility, trial)
+        for i in range(3):
+            trial[i] = new.deformation[e, i] - old.deformation[e, i]
+        algorithmic += (weight - 0.5) * eta * _quadratic(stiffness, trial)
+        stored += 0.5 * eta * _quadratic(stiffness, new.deformation[e])
+        first = carried[0], carried[1], carried[2]
+        for i in range(3):
+            new.local[e, i] -= rest * carried[i]
+        elastic_trial(new.deformation[e], gone, trial)
+        project(e, hinges, trial, carried, k, flow)
+        mean = end = 0.0
+        for h in range(4):
+            i = 0 if h % 2 == 0 else 1 + h // 2
+            flown = rest * (gone[h] - old.plastic[e, h])
+            mean += (weight * first[i] + (1.0 - weight) * old.carried[e, i]) * flown
+            end += carried[i] * flown
+            excess += 0.5 * rest * (first[i] + carried[i]) * flow[h]
+            gone[h] += flow[h]
+        for i in range(3):
+            new.local[e, i] += rest * carried[i]
+        stored += 0.5 * rest * _quadratic(flexibility, carried)
+        plastic += mean
+        ideal += max(mean, end)  # of the forces that go with a flow those at yield do most work
+    return stored, plastic + excess, algorithmic, ideal + excess, excess
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,7 +137,7 @@ def assemble(step, bars, hinges, old, new):
         new.deformation[e, 0] = chord.elongation
         new.deformation[e, 1] = step.end[bars.dofs[e, 2]] - chord.rotation
         new.deformation[e, 2] = step.end[bars.dofs[e, 5]] - chord.rotation
-        hinge_bar_law(e, hinges, old.plastic, new, k, trial, flow)
+        hinge_bar_law(e, hinges, step.weight if step.dynamic else 1.0, old, new, k, trial, flow)
         gradients, turn = add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
         new.rate[e] = 0.0
         if moving and hinges.rotary[e] > 0.0:
@@ -103,39 +172,11 @@ def turn_chord(step, bars, e, chord, gradients, inertia, change):
             step.band[positions[first + 7]] += sign * yy
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _quadratic(matrix, x):
-    """Quadratic form of x (3,) with [a, 0, 0; 0, b, c; 0, c, d], stored as (a, b, c, d)."""
-    axial = matrix[0] * x[0] * x[0]
-    bending = matrix[1] * x[1] * x[1] + matrix[3] * x[2] * x[2]
-    coupling = 2.0 * matrix[2] * x[1] * x[2]
-    return axial + bending + coupling
-
-
 @njit(cache=True, error_model="numpy")
 def account(weight, bars, hinges, old, new):
-    """Energies of a step from the committed to the trial state of a group, in J.
+    """Energies of a step from the committed to the trial state of a group, which settles, in J.
 
     Result: stored energy at the end; plastic dissipation of the step with forces weighted as in
     the step; algorithmic dissipation; and the plastic work of forces that stay at yield.
     """
-    stored = plastic = algorithmic = ideal = 0.0
-    eta, rest = hinges.eta, 1.0 - hinges.eta
-    _, _, change, moved = hinges.scratch
-    for e in range(bars.lengths.shape[0]):
-        stored += 0.5 * rest * _quadratic(hinges.flexibility[e], new.carried[e])
-        stored += 0.5 * eta * _quadratic(hinges.stiffness[e], new.deformation[e])
-        for i in range(3):
-            change[i] = new.carried[e, i] - old.carried[e, i]
-            moved[i] = new.deformation[e, i] - old.deformation[e, i]
-        algorithmic += (weight - 0.5) * (
-            rest * _quadratic(hinges.flexibility[e], change)
-            + eta * _quadratic(hinges.stiffness[e], moved)
-        )
-        for h in range(4):
-            i = 0 if h % 2 == 0 else 1 + h // 2
-            flow = new.plastic[e, h] - old.plastic[e, h]
-            end = rest * new.carried[e, i]
-            plastic += (weight * end + (1.0 - weight) * rest * old.carried[e, i]) * flow
-            ideal += end * flow
-    return stored, plastic, algorithmic, ideal
+    return settle(weight, hinges, old, new)[:4]

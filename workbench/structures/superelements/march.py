@@ -32,7 +32,7 @@ def follow_impact(
     pace: Pace,
     *,
     sign: float = 1.0,
-    tolerance: float = 1e-8,
+    tolerance: float = 1e-9,
 ) -> Iterator[TimeStep]:
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
@@ -54,7 +54,8 @@ def follow_impact(
         SuperelementState(*(values.copy() for values in old)),
         SuperelementState(*(values.copy() for values in new)),
         np.array([striker.position, striker.velocity]),
-        np.zeros_like(x),
+        *np.zeros((3, x.size)),
+        np.zeros(1),
         np.array([assembly.largest_force]),
     )
     scratch: list[Array] = list(np.zeros((7, assembly.size)))
@@ -119,10 +120,7 @@ def _stack(motion: Motion, rows: int) -> Motion:
         return np.empty((rows, *values.shape))
 
     old = SuperelementState(*map(room, motion.old))
-    return Motion(
-        room(motion.x), room(motion.v), motion.momentum, old, motion.new, motion.striker,
-        motion.rate, motion.force,
-    )  # fmt: skip
+    return motion._replace(x=room(motion.x), v=room(motion.v), old=old)
 
 
 def _told(records: Any, striker: PointMass) -> TimeStep:

@@ -1,10 +1,10 @@
 """Going through an impact of superelements in one call: the length of the steps, and the records.
 
 Steps are as long as two measures allow, or of one length: the error of the displacement of the hit
-point, see `workbench.impact.pace`; and what averaging the forces over a step takes off the plastic
-work, which is of second order in the step while hinges flow, and shows where they begin to flow or
-ring. Axial vibrations of the bars are not resolved: the midpoint scheme keeps their energy at any
-step.
+point, see `workbench.impact.pace`; and what hinges spend to `settle` after a step, which shows
+where they begin to flow, ring, or follow the surface around a bend. Velocities jump within the
+step of an impact, which is short for that. Axial vibrations of the bars are not resolved: the
+midpoint scheme keeps their energy at any step.
 """
 
 import numpy as np
@@ -12,10 +12,12 @@ from numba import njit
 
 from workbench.impact.pace import aimed, growth, met
 from workbench.structures.kernels import copy
+from workbench.structures.superelements.kernels import settle
 from workbench.structures.superelements.step_kernels import commit, gap_of, solve
 
 CUTS = 4096  # pieces into which the shortest step may be cut where it does not converge
 LONGER = 1.5  # times as long a step may be as the one before
+BACK = 4.0  # the same on the way back to equal steps, which impacts interrupt
 CLOSER = 0.999  # of the way to the next impact: contact closes where a step would end in overlap
 GOING, DONE, NO_CONVERGENCE, TOO_MANY = range(4)
 _NUMBERS = (
@@ -40,18 +42,6 @@ def _keep(motion, stack, row):
 
 
 @njit(cache=True, error_model="numpy")
-def softened(body, motion):
-    """What averaging over the trial step takes off the plastic work of its end, in J."""
-    lost = 0.0
-    for e in range(body.hinges.rotary.size):
-        for h in range(4):
-            i = 0 if h % 2 == 0 else 1 + h // 2
-            flow = motion.new.plastic[e, h] - motion.old.plastic[e, h]
-            lost += 0.5 * abs((motion.new.carried[e, i] - motion.old.carried[e, i]) * flow)
-    return lost
-
-
-@njit(cache=True, error_model="numpy")
 def advance(body, pace, motion, work, clock, records, stack):
     """Go on until the records are full or the impact is over; returns (status, records)."""
     row, d, end = 0, body.dof, pace.duration * (1.0 - 1e-12)
@@ -61,6 +51,8 @@ def advance(body, pace, motion, work, clock, records, stack):
         record = records[row]
         gap, gamma = gap_of(body, motion)
         dt = aimed(pace, clock.time, clock.dt, CLOSER * gap, gamma)
+        if gap + dt * gamma <= 0.0 and gamma < -1e-9 * scale and not controlled:
+            dt = min(dt, pace.first)
         clock.steps += 1
         if clock.steps > pace.most:
             return TOO_MANY, row
@@ -80,19 +72,22 @@ def advance(body, pace, motion, work, clock, records, stack):
             if meeting < dt:
                 clock.dt = max(meeting, pace.first)
                 continue
+        energies = settle(0.5, body.hinges, motion.old, motion.new)
         struck = percussion > 0.0 and gamma < -1e-9 * scale
-        factor = 0.0 if struck else LONGER
+        factor = LONGER if controlled else BACK
+        if struck:
+            factor, clock.error = 0.0, pace.error
         if controlled and clock.smooth and not struck:
             if body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0:
                 clock.error = pace.vibration
             rate = abs(acceleration - clock.acceleration) / (0.5 * (dt + clock.before))
-            flow = (softened(body, motion) / energy) ** 0.5
+            flow = (max(energies[4], 0.0) / energy) ** 0.5
             factor = growth(pace, clock.error * scale, rate, dt, flow)
             if factor < 0.7 and dt > pace.first:
                 clock.dt = max(dt * max(factor, 0.2), pace.first)
                 continue
             factor = min(max(factor, 0.3), LONGER)
-        commit(body, motion, work, dt, percussion, record)
+        commit(body, motion, work, dt, percussion, energies, record)
         if not struck:
             clock.acceleration = acceleration
         clock.smooth, clock.before, clock.time = not struck, dt, clock.time + dt

@@ -15,7 +15,7 @@ from workbench.impact import restitution as law
 from workbench.structures import kernels
 from workbench.structures.elements import Step
 from workbench.structures.kernels import add_inertia, copy, largest
-from workbench.structures.superelements.kernels import account, assemble
+from workbench.structures.superelements.kernels import assemble
 
 ITERATIONS, SEARCHES = 25, 8
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
@@ -53,7 +53,9 @@ class Motion(NamedTuple):
     """What moves: committed `x`, `v` and momentum M v (dofs,), states of the elements.
 
     `old` is committed, `new` the trial; `striker` (2,), its position and velocity; mean `rate`
-    (dofs,) of the last step; `force` (1,), the largest nodal force so far.
+    (dofs,) of the last step, and how it has changed since the one before, `slope`, and is expected
+    to change, `trend`, both per time; `lasted` (1,), length of the last step; `force` (1,), the
+    largest nodal force so far.
     """
 
     x: Array
@@ -63,6 +65,9 @@ class Motion(NamedTuple):
     new: Any
     striker: Array
     rate: Array
+    slope: Array
+    trend: Array
+    lasted: Array
     force: Array
 
 
@@ -192,7 +197,8 @@ def solve(body, motion, work, dt):
         work.given[i] = 2.0 / dt * motion.momentum[i] + body.load[i]
     for _ in range(2 if may else 1):
         for i in range(work.x.size):
-            work.x[i] = motion.x[i] + dt * motion.rate[i]
+            ahead = motion.rate[i] + 0.5 * (dt + motion.lasted[0]) * motion.trend[i]
+            work.x[i] = motion.x[i] + dt * ahead
         copy(motion.old.carried, motion.new.carried)
         done, residual, spent = newton(body, motion, work, dt, closed, touch)
         evaluations += spent
@@ -209,16 +215,20 @@ def solve(body, motion, work, dt):
 
 
 @njit(cache=True, error_model="numpy")
-def commit(body, motion, work, dt, percussion, record):
+def commit(body, motion, work, dt, percussion, energies, record):
     """Commit the solved step and add what it has spent to a `record` of RECORD."""
     x0, v0, n = motion.x, motion.v, work.x.size
     gamma = body.sign * v0[body.dof] - motion.striker[1]
-    stored, plastic, algorithmic, ideal = account(
-        0.5, body.bars, body.hinges, motion.old, motion.new
-    )
+    stored, plastic, algorithmic, ideal, _ = energies
     for i in range(n):
         moved = work.x[i] - x0[i]
-        motion.rate[i] = moved / dt
+        slope = 2.0 * (moved / dt - motion.rate[i]) / (dt + motion.lasted[0])
+        # of two that differ in sign none, else the smaller one: what rings is not extrapolated
+        same = slope * motion.slope[i] > 0.0
+        motion.trend[i] = min(abs(slope), abs(motion.slope[i])) if same else 0.0
+        if slope < 0.0:
+            motion.trend[i] *= -1.0
+        motion.slope[i], motion.rate[i] = slope, moved / dt
         record.external_work += body.load[i] * moved
         v0[i] = 2.0 * moved / dt - v0[i]
         x0[i] = work.x[i]
@@ -235,6 +245,7 @@ def commit(body, motion, work, dt, percussion, record):
     copy(motion.new.local, motion.old.local)
     copy(motion.new.deformation, motion.old.deformation)
     copy(motion.new.rate, motion.old.rate)
+    motion.lasted[0] = dt
     motion.force[0] = max(motion.force[0], largest(work.internal))
     before = motion.striker[1]
     motion.striker[1] = before - percussion / body.striker
