@@ -54,7 +54,9 @@ def follow_impact(
         SuperelementState(*(values.copy() for values in old)),
         SuperelementState(*(values.copy() for values in new)),
         np.array([striker.position, striker.velocity]),
-        *np.zeros((3, x.size)),
+        np.zeros_like(x),
+        np.zeros_like(x),
+        np.zeros_like(x),
         np.zeros(1),
         np.array([assembly.largest_force]),
     )
