@@ -1,6 +1,7 @@
 """Shear of members: elastic stiffness, plastic demand, and from where on yielding weakens them."""
 
 from collections.abc import Collection
+from functools import lru_cache
 from math import sqrt
 
 from workbench.frames.chains import chains, eventful, named
@@ -19,6 +20,7 @@ def shear_stiffness(section: Section, steel: Steel) -> float:
     return share * steel.shear_modulus * section.shear_area
 
 
+@lru_cache(maxsize=256)
 def shear_bound(section: Section) -> float:
     """V/Vpl from which shear yielding takes more than 5 % of a member's resistance.
 

@@ -4,7 +4,7 @@ import dataclasses
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
@@ -108,10 +108,15 @@ def signature(model: Model, scenario: Scenario) -> dict[str, Any]:
     return {
         "model": model.name,
         "model_version": model.version,
-        "options": json.dumps(options_of(model), sort_keys=True),
+        "options": _options(model),  # type: ignore[arg-type]
         "scenario": toml,
         "scenario_hash": digest,
     }
+
+
+@lru_cache(maxsize=256)
+def _options(model: Any) -> str:
+    return json.dumps(options_of(model), sort_keys=True)
 
 
 def options_of(model: Model) -> dict[str, Any]:

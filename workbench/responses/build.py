@@ -2,17 +2,15 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from math import isfinite
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
-from xarray.indexes import PandasIndex
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
+from workbench.responses.axes import axis_of, names_axis
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
@@ -59,9 +57,9 @@ def build_response(
         variable = VARIABLES[name]
         dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
         array = np.asarray(value, dtype=float)
-        if array.ndim != len(dims) or any(
-            sizes.setdefault(dim, size) != size for dim, size in zip(dims, array.shape, strict=True)
-        ):
+        for dim, size in zip(dims, array.shape, strict=False):
+            sizes.setdefault(dim, size)
+        if array.shape != tuple([sizes.get(dim) for dim in dims]):
             raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
         data[name] = xr.Variable(dims, array, variable.attributes, fastpath=True)
     if "point" in sizes:
@@ -71,10 +69,10 @@ def build_response(
     indexes: dict[Any, Any] = {}
     coordinates: dict[Any, xr.Variable] = {}
     for name in filter(along.__contains__, COORDINATES):
-        index, axis = _named(name, along[name]) if name in named else _axis(name, along[name])
+        index, axis = (names_axis if name in named else axis_of)(name, along[name])
         if sizes.setdefault(name, axis.size) != axis.size:
             raise ValueError(f"{name}: {axis.size} coordinates of {sizes[name]} values")
-        indexes[name], coordinates[name] = index, axis.copy(deep=False)
+        indexes[name], coordinates[name] = index, axis
     # What it is made of is known not to conflict: looking for that takes xarray half a millisecond.
     response = xr.Dataset._construct_direct(
         {**data, **coordinates}, set(coordinates), sizes, {}, indexes
@@ -83,19 +81,6 @@ def build_response(
     response.attrs["message"] = ""
     set_findings(response, [*findings, *warnings])
     return response
-
-
-def _axis(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
-    """A coordinate of a response: its index and its variable."""
-    index = PandasIndex(values, name)
-    axis = xr.Variable(name, index.index, COORDINATES[name].attributes)
-    return index, index.create_variables({name: axis})[name]
-
-
-@lru_cache(maxsize=256)
-def _named(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
-    """`_axis` of the names of parts, which many responses share."""
-    return _axis(name, values)
 
 
 def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] = ()) -> Response:
@@ -177,12 +162,18 @@ def check_response(response: Response) -> None:
         own = "." in str(name)
         if name not in VARIABLES and not own:
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
-        if not {"units", "long_name"} <= set(array.attrs):
+        if "units" not in array.attrs or "long_name" not in array.attrs:
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-        if not own and not (np.isfinite(array.values).all() if array.ndim else isfinite(array)):
+        if not own and not _finite(array.values):
             raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
-    if "time" in coordinates and np.any(np.diff(response.variables["time"].values) <= 0.0):
-        raise WorkbenchError("response time does not increase")
+    if "time" in coordinates:
+        time = response.variables["time"].values
+        if (time[1:] <= time[:-1]).any():
+            raise WorkbenchError("response time does not increase")
+
+
+def _finite(values: Array) -> bool:
+    return bool(np.count_nonzero(np.isfinite(values)) == values.size)  # twice as fast as all()
 
 
 def scalars_of(response: Response) -> dict[str, float]:

@@ -122,7 +122,7 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     """
     top = int(np.argmax(displacement))
     after = displacement[top:]
-    rising = np.flatnonzero(np.diff(after) > 0.0)
+    rising = np.flatnonzero(after[1:] > after[:-1])
     if len(rising) == 0:
         return None
     start = top + int(rising[0])
@@ -138,7 +138,8 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     inside = slice(int(crossings[0]) + 1, int(crossings[-1]) + 1)
     times = np.concatenate([[first], t[inside], [last]])
     heights = np.concatenate([[level], d[inside], [level]])
-    return float(np.trapezoid(heights, times) / (last - first))
+    area = 0.5 * (times[1:] - times[:-1]) @ (heights[1:] + heights[:-1])
+    return float(area / (last - first))
 
 
 def peak_contact_force(time: Array, percussion: Array) -> float:
@@ -146,9 +147,11 @@ def peak_contact_force(time: Array, percussion: Array) -> float:
 
     Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
     """
-    impulse = np.concatenate([[0.0], np.cumsum(percussion)])
+    pushes = np.flatnonzero(percussion)
+    last = 1 + int(pushes[-1]) if len(pushes) else 1  # a window that ends later has no more
+    impulse = np.concatenate([[0.0], percussion[:last].cumsum()])
     first = 2.0 * time[0] - time[1] if len(time) > 1 else time[0] - FORCE_WINDOW
-    at = np.concatenate([[first], time])
+    at = np.concatenate([[first], time[:last]])
     # the impulse rises linearly within a step: the best window starts or ends on a step
     ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
     starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse

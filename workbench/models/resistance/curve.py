@@ -25,6 +25,11 @@ _NAMES = (
 _YIELDS = {"base": "base yields", "hit": "hit point yields", "head": "head yields"}
 
 
+def _first(values: Array) -> Array:
+    """The last axis first: rows of each component."""
+    return values.T if values.ndim < 3 else np.moveaxis(values, -1, 0)
+
+
 class Event(NamedTuple):
     """Something that happens along a curve: its name, displacement (m) and force (N)."""
 
@@ -84,7 +89,7 @@ class ResistanceCurve:
         """Pieces at displacements, distances from their starts, and coefficients of the force."""
         v = np.abs(np.asarray(displacement, dtype=float))
         piece = self.pieces[np.searchsorted(self.starts, v, side="right") - 1]
-        return piece, v - piece["start"], np.moveaxis(piece["c"], -1, 0)
+        return piece, v - piece["start"], _first(piece["c"])
 
     def force(self, displacement: ArrayLike) -> Array:
         """Force (N) at displacements (m), any shape."""
@@ -142,7 +147,7 @@ class ResistanceCurve:
         if self.shape == "cubic":
             raise ValueError("the cubic resistance does not know the axial force")
         piece, x, _ = self._local(displacement)
-        c = np.moveaxis(piece["axial"], -1, 0)
+        c = _first(piece["axial"])
         return np.asarray(c[0] + x * (c[1] + x * c[2]))
 
     def moments(self, displacement: ArrayLike) -> Array:
@@ -156,7 +161,7 @@ class ResistanceCurve:
         v = np.asarray(displacement, dtype=float)
         capacity = mechanism.capacity(self.axial_force(v))
         elastic = np.multiply.outer(mechanism.moments_per_displacement, v)
-        plastic = np.moveaxis(piece["plastic"], -1, 0)[: len(mechanism.groups)] > 0
+        plastic = _first(piece["plastic"])[: len(mechanism.groups)] > 0
         return np.where(plastic, capacity, elastic)
 
     def plastic_rotations(self, displacement: ArrayLike) -> Array:
@@ -172,11 +177,22 @@ class ResistanceCurve:
         V = (sum of the moments at both ends) / length; piecewise quadratic, so its extremes lie
         at the breakpoints or at extremes of the axial force. Raises ValueError as `moments`.
         """
+        places, largest = self._shear_so_far
+        before = largest[np.searchsorted(places, displacement, side="right") - 1]
+        return np.asarray(np.maximum(before, self._shear(displacement)))
+
+    @cached_property
+    def _shear_so_far(self) -> tuple[Array, Array]:
+        """Places (m) at which shear forces may turn, and the largest ones up to each."""
         curved = self.pieces[self.pieces["axial"][:, 2] > 0.0]
         extremes = curved["start"] - 0.5 * curved["axial"][:, 1] / curved["axial"][:, 2]
-        places = np.concatenate([self.starts, extremes, [displacement]])
         # a breakpoint belongs to the piece after it; moments are continuous there
-        moments = self.moments(places[(places >= 0.0) & (places <= displacement)])
-        at = dict(zip(self.mechanism.groups, moments, strict=True))
-        both = (at["hit"] + at.get(end, 0.0) for end in ("base", "head"))
-        return np.array([m.max() for m in both]) / self.mechanism.lengths
+        places = np.concatenate([self.starts, extremes[extremes > 0.0]])
+        places.sort()
+        return places, np.maximum.accumulate(self._shear(places))
+
+    def _shear(self, displacement: ArrayLike) -> Array:
+        """Shear forces (N) of the bars below and above, (..., 2), as `moments`."""
+        at = dict(zip(self.mechanism.groups, self.moments(displacement), strict=True))
+        both = [at["hit"] + at.get(end, 0.0) for end in ("base", "head")]
+        return np.asarray(np.array(both).T / self.mechanism.lengths)

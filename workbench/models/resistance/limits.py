@@ -1,5 +1,7 @@
 """Where the rigid-bar mechanism and its simplified curves stop being trustworthy."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
@@ -70,6 +72,7 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     return findings
 
 
+@lru_cache(maxsize=256)
 def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
     """The analytic curve of the same mechanism (None where its derivation does not hold).
 

@@ -1,0 +1,34 @@
+"""Coordinates of responses: their indexes and variables, by the short way.
+
+Going through `xarray.Dataset(coords=...)` takes several times as long as solving the SDOF column.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+from xarray.indexes import PandasIndex
+
+from workbench.arrays import Array
+from workbench.responses.variables import COORDINATES
+
+
+def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
+    """A coordinate of a response: its index and its variable."""
+    index = PandasIndex(pd.Index(values, name=name), name)
+    axis = index.create_variables()[name]
+    axis.attrs = COORDINATES[name].attributes
+    return index, axis
+
+
+def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
+    """`axis_of` the names of parts, whose index many responses share."""
+    index, axis = _kept(name, values)
+    return index, axis.copy(deep=False)
+
+
+@lru_cache(maxsize=256)
+def _kept(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
+    return axis_of(name, values)
