@@ -142,7 +142,7 @@ def _response(
         {**values, **record.states()},
         time=time,
         steps=None if time is not None else len(values["displacement"]),
-        hinges=hinge_names(frame),
+        hinges=record.structure.hinges or hinge_names(frame),
         segments=member_names(frame),
         members=member_names(frame),
         uprights=upright_names(frame),

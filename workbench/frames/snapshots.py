@@ -24,11 +24,11 @@ class Snapshots:
     def __init__(self, structure: FrameStructure, end: float | None) -> None:
         self._structure = structure
         self._turns = None if end is None else np.linspace(0.0, end, EVENLY) * (1.0 - 1e-9)
-        self._even: dict[float, Picture] = {}
-        self._peak: dict[float, Picture] = {}
+        self._even: list[float] = []
+        self._peak: float | None = None
+        self._pictures: dict[float, Picture] = {}
         self._seen, self._stride, self._next = 0, 1, 0
         self._last: float | None = None
-        self._drawn: Picture | None = None  # of all records that are looked at
         self._largest = 0.0
         self._rising = False
 
@@ -37,24 +37,27 @@ class Snapshots:
 
         Or at several of them. `turns`, whether a static path ends or turns back here.
         """
-        self._drawn = None
-        records = zip(np.atleast_1d(at), np.atleast_1d(displacement), strict=True)
-        for row, (when, moved) in enumerate(records):
-            self._see(float(when), float(moved), row, turns)
+        times = np.atleast_1d(at).tolist()
+        for when, moved in zip(times, np.atleast_1d(displacement).tolist(), strict=True):
+            self._see(when, moved, turns)
+        kept = {*self._even, self._peak}
+        rows = {when: row for row, when in enumerate(times) if when in kept}
+        if rows.keys() - self._pictures.keys():
+            self._draw(rows)
+            self._pictures = {when: p for when, p in self._pictures.items() if when in kept}
 
-    def _see(self, at: float, displacement: float, row: int, turns: bool) -> None:
+    def _see(self, at: float, displacement: float, turns: bool) -> None:
         if self._turns is None:
             if turns and abs(displacement) > self._largest * FARTHER:
-                self._largest = abs(displacement)
-                self._peak = {at: self._picture(row)}
+                self._largest, self._peak = abs(displacement), at
         else:
             falling = abs(displacement) < self._largest
             if falling and self._rising:
-                self._peak = {at: self._picture(row)}
+                self._peak = at
             self._rising = not falling
             self._largest = max(self._largest, abs(displacement))
         if self._has_turn(at):
-            self._even[at] = self._peak.get(at) or self._picture(row)
+            self._even.append(at)
         self._seen += 1
         self._last = at
 
@@ -65,32 +68,30 @@ class Snapshots:
             self._next = int(np.searchsorted(self._turns, at, side="right"))
             return True
         if len(self._even) == 2 * EVENLY:
-            self._even = dict(list(self._even.items())[::2])
+            self._even = self._even[::2]
             self._stride *= 2
         return self._seen % self._stride == 0
 
     def values(self) -> dict[str, Any]:
         """Variables of the response; the state seen last must still be the committed one."""
-        even = list(self._even)
+        even = self._even
         if self._last is not None and even[-1] != self._last:
-            even.append(self._last)
-            self._even[self._last] = self._picture(-1)
+            even = [*even, self._last]
+            self._draw({self._last: -1})
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
-        pictures = dict(sorted({**self._peak, **{at: self._even[at] for at in even}}.items()))
-        shapes = np.stack([shape for shape, _ in pictures.values()], axis=-1)
+        shown = sorted({*even, *(() if self._peak is None else (self._peak,))})
+        shapes, used = zip(*(self._pictures[at] for at in shown), strict=True)
+        stacked = np.stack(shapes, axis=-1)
         return {
-            "snapshot_at": list(pictures),
-            "shape_x": shapes[:, :, 0],
-            "shape_y": shapes[:, :, 1],
-            "utilisation": np.stack([used for _, used in pictures.values()], axis=-1),
+            "snapshot_at": shown,
+            "shape_x": stacked[:, :, 0],
+            "shape_y": stacked[:, :, 1],
+            "utilisation": np.stack(used, axis=-1),
         }
 
-    def _picture(self, row: int) -> Picture:
-        """The picture of one of the records that are looked at; all are drawn at once."""
-        if self._drawn is None:
-            members = self._structure.members
-            shapes, used = members.shapes(self._structure.assembly), members.utilisation()
-            self._drawn = shapes.reshape(-1, *shapes.shape[-3:]), np.atleast_2d(used)
-        shapes, used = self._drawn
-        return shapes[row], used[row]
+    def _draw(self, rows: dict[float, int]) -> None:
+        """Draw the pictures of some of the records that are looked at, by their rows."""
+        structure = self._structure
+        drawn = structure.members.pictures(structure.assembly, list(rows.values()))
+        self._pictures |= dict(zip(rows, zip(*drawn, strict=True), strict=True))

@@ -84,6 +84,11 @@ class MemberReader(ABC):
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
 
+    def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
+        """`shapes` and `utilisation` of some of the states shown at once, rows first."""
+        shapes, used = self.shapes(assembly), self.utilisation()
+        return shapes.reshape(-1, *shapes.shape[-3:])[rows], np.atleast_2d(used)[rows]
+
 
 @dataclass(frozen=True)
 class FrameStructure:
@@ -91,7 +96,8 @@ class FrameStructure:
 
     `assembly`, whose first nodes are those of the `frame`; `members` read their states;
     `start`, the displacements (dofs,) from which those of the response count; `watched`, further
-    histories of the response by name: dof and sign of a displacement since the unloaded state.
+    histories of the response by name: dof and sign of a displacement since the unloaded state;
+    names of its `hinges`, where they are not those of the members' ends.
     """
 
     frame: Frame
@@ -99,6 +105,7 @@ class FrameStructure:
     members: MemberReader
     start: Array
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
+    hinges: Sequence[str] = ()
 
     def dof(self, node: str, direction: str) -> tuple[int, float]:
         """Dof and sign of a node's motion along `direction` (x, y or rotation, with a sign)."""

@@ -17,7 +17,7 @@ from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
-from workbench.structures.superelements import HingeEnd
+from workbench.structures.superelements import HingeEnd, Superelements
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
@@ -264,3 +264,16 @@ class SuperelementMembers(MemberReader):
                 drawn = self._group.shapes(moved, along[here] - k)[..., of_piece, :, :]
                 shapes[..., members[:, None], here, :] = self._origin[of_piece, None] + drawn
         return shapes
+
+    def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
+        """As that of all members; nothing but these rows is drawn."""
+        moved, group = assembly.displacement, self._group
+        if moved.ndim == 1 or not isinstance(group, Superelements):
+            return super().pictures(assembly, rows)
+        states = group.states[0]
+        assembly.show(moved[rows], assembly.velocity, assembly.stored)
+        group.show(type(states)(*(values[rows] for values in states)))
+        pictures = super().pictures(assembly, range(len(rows)))
+        assembly.show(moved, assembly.velocity, assembly.stored)
+        group.show(states)
+        return pictures

@@ -149,10 +149,11 @@ class FrameModel(ABC, Declared, table="option"):
             if not isinstance(scenario, COLUMNS):
                 return self._run(told, structure)
             watched = {"shortening": structure.dof("head", "-y")}
-            response = self._run(told, replace(structure, watched=watched))
+            structure = replace(structure, watched=watched, hinges=COLUMN_HINGES)
+            response = self._run(told, structure)
         for name in ("moment", "plastic_rotation"):
-            response[name].values *= -1.0
-        return response.assign_coords(hinge=response["hinge"].copy(data=list(COLUMN_HINGES)))
+            response.variables[name].values *= -1.0
+        return response
 
     def _run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         least, clock = self.least_yield_ratio, _Clock()

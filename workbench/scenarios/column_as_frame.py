@@ -1,6 +1,7 @@
 """A column seen as a frame of two members, the only way in which models of frames see one."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 from workbench.scenarios.column import Column, ColumnImpact, ColumnPushover
 from workbench.scenarios.frame import Frame
@@ -31,6 +32,7 @@ def frame_of(column: Column) -> Frame:
     return Frame((base, hit, head), members, loads, steel=column.steel, fillets=column.fillets)
 
 
+@lru_cache(maxsize=64)
 def frame_scenario(
     scenario: ColumnPushover | ColumnImpact | MemberPulse,
 ) -> FrameStatic | FrameImpact | FramePulse:
