@@ -83,8 +83,8 @@ figures = (
         "records",
         "place",
         "What the finest runs answer",
-        "Place of the last unknown (of columns: their striker) in the finest runs, and the exact "
-        "one. What leaves the axes is cut.",
+        "Place of the last unknown (of column and frame: the striker) in the finest runs, and the "
+        "exact one. What leaves the axes is cut.",
         (*CLASSICAL, "moreau-jean", "midpoint", "event-driven"),
         {"cases": ("ball", "table", "bar", "column", "frame"), "summary": True},
     ),

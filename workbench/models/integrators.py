@@ -66,7 +66,7 @@ class ImpactIntegrator(Declared, table="option"):
     runs: int = checked(Number(2, 10, integer=True), 6)
 
     name: ClassVar[str] = "impact-integrator"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     answers: ClassVar[tuple[str, ...]] = (ImpactProblem.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Unilateral contact without friction; restitution by the law of the problem, which schemes "
@@ -119,9 +119,13 @@ class ImpactIntegrator(Declared, table="option"):
 
 
 def _order(errors: Array) -> float | None:
-    """Order over the ladder, None where the answer is exact but for round-off."""
-    known = np.isfinite(errors)
-    if errors[known].max() < _ROUNDING or known.sum() < 2:
+    """Order over the ladder behind its last run that is off by the largest place, or unstable.
+
+    None where the answer is exact but for round-off, or where a single run is left.
+    """
+    off = np.flatnonzero(~(errors < 1.0))
+    known = np.arange(errors.size) > (off[-1] if off.size else -1)
+    if known.sum() < 2 or errors[known].max() < _ROUNDING:
         return None
     level = np.flatnonzero(known)
     slope = np.polyfit(level, np.log2(np.maximum(errors[known], _ROUNDING)), 1)[0]

@@ -13,14 +13,16 @@ from workbench.responses import Response
 from workbench.study.definition import Study
 
 GOOD = 0.01  # error of the places over the largest place
-_POOR, _BLOWN = 0.1, 10.0
+_EXACT, _POOR, _BLOWN = 1e-10, 0.1, 10.0
 _CALM, _CHATTER = 0.1, 0.3  # of a lasting contact; a single blow has 1
+_LESS = "≤\u202f"
 _CAPTION = (
     "Evaluations of the forces that an error of 1 % takes (largest error of the places over the "
     "largest place, kept by all finer steps too; ≤: the coarsest step has it); below, the order p "
-    "over the ladder, or exact for errors of round-off, and the error of the finest step (it alone "
-    "beyond 10 %). Good: reached; doubtful: the finest step is below 10 %; bad: beyond, or no "
-    "answer. Hatched: impacts missed (−) or invented (+) by the finest step."
+    "where errors are below 100 %, or exact for errors of round-off, and the error of the finest "
+    "step (beyond 10 % it alone, in % or times). Good: reached; doubtful: the finest step is below "
+    "10 %; bad: beyond, or no answer. Hatched: impacts missed (−) or invented (+) by the finest "
+    "step."
 )
 
 
@@ -92,12 +94,13 @@ def _cell(problem: str, item: tuple[str, dict[str, _Entry | None]]) -> Cell:
     if entry is None:
         return Cell("no answer", None, "bad")
     lines = [_words(entry)]
-    if entry.order is None:
-        lines.append("exact")
-    elif entry.error < _POOR:
-        lines += [f"p {entry.order:.1f}", f"{entry.error:.0e}".replace("e-0", "e-")]
+    if entry.error < _POOR:
+        if entry.order is not None:
+            lines.append(f"p {entry.order:.1f}")
+        error = f"{entry.error:.0e}".replace("e-0", "e-")
+        lines.append("exact" if entry.order is None and entry.error < _EXACT else error)
     else:
-        lines.append(f"{entry.error:.1g}" if entry.error < _BLOWN else "blows up")
+        lines.append(_times(entry.error) if entry.error < _BLOWN else "blows up")
     if entry.missed or entry.spurious:
         lines.append(f"−{entry.missed} +{entry.spurious}")
     tone = "good" if entry.work is not None else "doubt" if entry.error <= _POOR else "bad"
@@ -107,7 +110,12 @@ def _cell(problem: str, item: tuple[str, dict[str, _Entry | None]]) -> Cell:
 def _words(entry: _Entry) -> str:
     if entry.work is None:
         return "never"
-    return f"{'≤ ' if entry.at_once else ''}{number(entry.work, 2)}"
+    return f"{_LESS if entry.at_once else ''}{number(entry.work, 2)}"
+
+
+def _times(error: float) -> str:
+    """An error over the largest place, in percent of it or in times."""
+    return f"{100.0 * error:.0f}\u202f%" if error < 0.995 else f"{error:.2g} times"
 
 
 def _best(problem: str, found: dict[str, dict[str, _Entry | None]]) -> str:
@@ -121,13 +129,16 @@ def _best(problem: str, found: dict[str, dict[str, _Entry | None]]) -> str:
 
 def _told(found: dict[str, dict[str, _Entry | None]]) -> Iterator[str]:
     """Who never converges, and who lets the force of a lasting contact chatter."""
+    lost: dict[tuple[str, ...], list[str]] = {}  # schemes by the problems that they get wrong
     for label, row in found.items():
-        known = [entry for entry in row.values() if entry is not None]
-        lost = [n for n, e in row.items() if e is None or (e.work is None and e.error > _POOR)]
-        if lost:
-            worst = number(max((entry.error for entry in known), default=np.inf), 2)
-            places = ", ".join(lost)
-            yield f"{label} is over 10 % off on {places}: at worst {worst} times the place."
+        wrong = [n for n, e in row.items() if e is None or (e.work is None and e.error > _POOR)]
+        lost.setdefault(tuple(wrong), []).append(label)
+    for places, labels in lost.items():
+        errors = [e.error for n in labels for p in places if (e := found[n][p]) is not None]
+        if places:
+            who, where = ", ".join(labels), ", ".join(places)
+            worst = f"at worst by {_times(max(errors))}" if errors else "no answer"
+            yield f"More than 10 % of the largest place off on {where}: {who}, {worst}."
     for name in dict.fromkeys(name for row in found.values() for name in row):
         chatter = {n: e.chatter for n, row in found.items() if (e := row.get(name))}
         least = min(chatter.values(), default=0.0)

@@ -39,7 +39,8 @@ def draw(request: Request) -> Drawing:
         logarithmic(panel.yaxis, lambda value: f"{value:.0e}".replace("e-0", "e-"))
         sheet.name(panel, case.name, what, "relative error")
     sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
-    sheet.said.append(f"Errors below {_FLOOR:g} are drawn there: they are round-off.")
+    text = f"Errors below {_FLOOR:g} are drawn there: they are round-off; so are those above"
+    sheet.said.append(f"{text} {_CEILING:g}, of steps that are not stable.")
     return sheet.finish(
         f"error against {what}, a panel per problem",
         empty="No integrator has answered a problem.",
