@@ -259,10 +259,10 @@ class SuperelementMembers(MemberReader):
             along = POINTS * parts
             piece = np.minimum(along.astype(int), parts - 1)
             members = np.flatnonzero(self._parts == parts)
-            for k in range(parts):
-                here, of_piece = np.flatnonzero(piece == k), self._first[members] + k
-                drawn = self._group.shapes(moved, along[here] - k)[..., of_piece, :, :]
-                shapes[..., members[:, None], here, :] = self._origin[of_piece, None] + drawn
+            elements = self._first[members, None] + piece
+            drawn = self._group.shapes(moved, along - piece)
+            drawn = drawn[..., elements, np.arange(len(POINTS)), :]
+            shapes[..., members, :, :] = self._origin[elements] + drawn
         return shapes
 
     def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
