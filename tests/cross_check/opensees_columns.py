@@ -19,7 +19,7 @@ ops = pytest.importorskip(
 )
 STRIKE, AXIS, TURN = 1, 2, 3
 SPRING, PUSH, STRIKER = 9001, 2, 9002
-CONTACT = 1e10  # N/m: 0.1 mm under the largest forces, 0.1 % of the energy
+CONTACT = 1e12  # N/m: the striker bounces on 1e10, peaks are 0.5 % larger; 1e14 is within 0.1 %
 BEFORE_PEAK = 0.01  # s, within which a wave may turn the struck node back
 
 
@@ -75,7 +75,10 @@ def _analysis(kind: str, integrator: tuple[object, ...]) -> None:
     ops.constraints("Plain")
     ops.numberer("RCM")
     ops.system("BandGeneral")
-    ops.test("NormUnbalance", 1e-2, 60)
+    if kind == "Static":
+        ops.test("NormUnbalance", 1e-2, 60)
+    else:  # in J: forces of elements of millimetres round off at up to 100 N
+        ops.test("EnergyIncr", 1e-8, 25)
     ops.algorithm("Newton")
     ops.integrator(*integrator)
     ops.analysis(kind)
