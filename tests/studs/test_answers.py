@@ -242,7 +242,7 @@ def test_one_test_per_campaign_is_no_crash() -> None:
         rel=4.5e-8,  # measured 2.3e-8
     )
     single = judge(frame.iloc[:1], ratio[:1], np.ones(1))
-    assert (single.interval, single.half_width) == (None, None)
+    assert (single.interval, single.told["test_over_prediction"].width) == (None, None)
     with pytest.raises(InputError, match="holds no test"):
         judge(frame.iloc[:0], ratio[:0], np.ones(0))
 

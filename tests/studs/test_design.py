@@ -15,7 +15,7 @@ from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import fit_residual, fit_strength
 from workbench.studs.few import evaluate_few
-from workbench.studs.interaction_fit import fit_interaction, log_reach
+from workbench.studs.interaction import fit_interaction, log_reach
 from workbench.studs.quantities import specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.schema import TESTS

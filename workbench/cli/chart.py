@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated
@@ -43,7 +43,7 @@ def ductility(
     found = ductility_chart(shape, _LENGTHS, _STRENGTHS)
     columns = [Column("t_d / T", True, 1.0, lambda row: _cell(row[0]))]
     for i, strength in enumerate(_STRENGTHS):
-        own = partial(_entry, number=i)
+        own = partial(lambda i, row: _cell(row[1][i]), i)
         columns.append(Column(f"R_m / F = {strength:g}", True, 1.0, own))
     table = [[value if isfinite(value) else None for value in row] for row in found.tolist()]
     rows = list(zip(_LENGTHS, table, strict=True))
@@ -173,10 +173,6 @@ def _shape(shape: str) -> None:
     from workbench.scenarios.pulse import PULSES, TABLE
 
     Choice(tuple(each for each in PULSES if each != TABLE)).check("--shape", shape)
-
-
-def _entry(row: tuple[float, Sequence[float | None]], number: int) -> Cell | None:
-    return _cell(row[1][number])
 
 
 def _cell(value: float | None) -> Cell | None:

@@ -187,7 +187,7 @@ def interaction(options: InteractionOptions) -> Answer:
     """
     from workbench.report.chapters import stud_answer
     from workbench.studs import TESTS
-    from workbench.studs.interaction_fit import fit_interaction
+    from workbench.studs.interaction import fit_interaction
 
     fitted, held, head = _tables(options, "interaction", TESTS, "stud-push-out")
     fit = fit_interaction(fitted, loss=options.loss, confidence=options.confidence)

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.budget import budget_blocks, budget_from, budgeted, plain
 from workbench.cli.output import Answer, verb, writable
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
+    from workbench.assessment.variations import Budget
+    from workbench.models.base import Model
     from workbench.responses import Response
     from workbench.scenarios import Scenario
+
+    Budgeted = dict[str, list[dict[str, Any]]]  # rows of terms and sums by quantity
 
 _KIND = "numerical"  # what stands after ±
 
@@ -54,6 +58,7 @@ def simulate(
     Exit status 0 if the model answered (collapse is an answer), 1 if it did not (it says why), 2
     for bad input.
     """
+    from workbench.assessment.variations import Budget
     from workbench.registry import make_model
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
@@ -61,7 +66,8 @@ def simulate(
     target = None if out is None else writable("--out", out)
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
-    asked = budget_from(spread or []) if budget else None
+    spreads = _pairs("--spread", spread or [], "velocity=0.1")
+    asked = Budget("", (), spreads) if budget else None
     given = load_scenario(scenario, settings or [])
     if asked is not None:
         asked.variations(given)
@@ -77,9 +83,9 @@ def simulate(
     found = as_object(response, given)
     shown = list(_blocks(given.name, found, target))
     if asked is not None:
-        terms = budgeted(asked, chosen, given, response)
-        found["budget"] = plain(terms)
-        shown += budget_blocks(response, terms)
+        terms = _budgeted(asked, chosen, given, response)
+        found["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
+        shown += _budget_blocks(response, terms)
     return Answer(found, shown, int(not outcome.is_answer))
 
 
@@ -224,14 +230,48 @@ def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "wall time", duration(found["wall_time"])
 
 
+def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response) -> Budgeted:
+    """The error budget of an answer; the model answers the varied scenarios.
+
+    Raises `InputError` if the scenario is no impact on a column.
+    """
+    from workbench.models.base import on_one_mesh
+
+    runs, alone = budget.variations(scenario), on_one_mesh(model)
+    varied = {name: alone.simulate(each) for name, each in runs.items()}
+    found = budget.terms(model, scenario, answer, varied)  # type: ignore[arg-type]
+    return {quantity: [term.as_dict() for term in terms] for quantity, terms in found.items()}
+
+
+def _plain(row: dict[str, Any]) -> dict[str, Any]:
+    """A term as JSON holds it: an end that is a collapse is null, and `collapses` says so."""
+    fallen = row["high"] is not None and not isfinite(row["high"])
+    return {**row, "high": None if fallen else row["high"], "collapses": fallen}
+
+
+def _budget_blocks(answer: Response, found: Budgeted) -> Iterator[Block]:
+    """The tables of a budget with bars, and why there is none."""
+    from workbench.content.budgets import budget_table
+
+    if not found:
+        yield Callout("doubt", "No error budget: the model gives no displacement.")
+    for quantity, rows in found.items():
+        yield budget_table(quantity, quantity, float(answer[quantity]), rows, bars=True)
+
+
 def options_from(texts: list[str]) -> dict[str, Any]:
     """Options of a model from texts like ``beta=1.3``. Raises `InputError`."""
+    return _pairs("--option", texts, "beta=1.3")
+
+
+def _pairs(flag: str, texts: list[str], like: str) -> dict[str, Any]:
+    """Values by name from texts of a flag that look `like` this. Raises `InputError`."""
     from workbench.scenarios import parse_value
 
-    options = {}
+    found = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
-            raise InputError("--option", text, "must look like beta=1.3")
-        options[name.strip()] = parse_value(value.strip())
-    return options
+            raise InputError(flag, text, f"must look like {like}")
+        found[name.strip()] = parse_value(value.strip())
+    return found

@@ -58,24 +58,25 @@ def plain(value: Any) -> Any:
     return str(value) if isinstance(value, str) else value
 
 
-class Judged(Protocol):
-    """How a fit meets tests that it has not used, row by row (`rows`).
+class Told(NamedTuple):
+    """A scalar that models are compared by, with its interval over tests (None: not known).
 
-    `scalars`, what models are compared by; `widths`, half-widths of their intervals over tests, and
-    `intervals`, their ends where they are known.
+    `width`, its half-width; `ends`, skewed as those of a logarithm are.
     """
+
+    value: float | None
+    width: float | None = None
+    ends: Ends | None = None
+
+
+class Judged(Protocol):
+    """How a fit meets tests that it has not used: row by row (`rows`), and what they tell."""
 
     @property
     def rows(self) -> pd.DataFrame: ...  # noqa: D102
 
     @property
-    def scalars(self) -> dict[str, float | None]: ...  # noqa: D102
-
-    @property
-    def widths(self) -> dict[str, float | None]: ...  # noqa: D102
-
-    @property
-    def intervals(self) -> dict[str, Ends]: ...  # noqa: D102
+    def told(self) -> dict[str, Told]: ...  # noqa: D102
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -232,27 +233,13 @@ class Judgement:
     known_campaigns: tuple[str, ...] = ()
 
     @property
-    def half_width(self) -> float | None:
-        """Distance of the bias from the farther end of its interval (None: not known)."""
-        if self.interval is None or self.interval.low is None or self.interval.high is None:
-            return None
-        return max(self.bias - self.interval.low, self.interval.high - self.bias)
-
-    @property
-    def scalars(self) -> dict[str, float | None]:
-        """What a model is compared by."""
-        return {"test_over_prediction": self.bias, "least_test_over_prediction": self.least}
-
-    @property
-    def widths(self) -> dict[str, float | None]:
-        """Half-widths of the intervals of the scalars, over tests."""
-        return {"test_over_prediction": self.half_width}
-
-    @property
-    def intervals(self) -> dict[str, Ends]:
-        """The interval of the bias, skewed as that of a logarithm is; nothing without one."""
+    def told(self) -> dict[str, Told]:
+        """What a model is compared by; the width of the bias reaches to its farther end."""
         low, high = (None, None) if self.interval is None else self.interval[:2]
-        return {} if low is None or high is None else {"test_over_prediction": (low, high)}
+        bias = Told(self.bias)
+        if low is not None and high is not None:
+            bias = Told(self.bias, max(self.bias - low, high - self.bias), (low, high))
+        return {"test_over_prediction": bias, "least_test_over_prediction": Told(self.least)}
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -260,7 +247,7 @@ class Judgement:
         return {
             "tests": len(self.rows),
             "campaigns": sorted(set(self.rows["campaign"])),
-            **self.scalars,
+            **{name: each.value for name, each in self.told.items()},
             **{name: getattr(self, name) for name in told},
         }
 

@@ -1,16 +1,41 @@
-"""Tension with shear: laws of what is left of one under the other, and tests of both.
+"""Tension with shear: laws of what is left of one under the other, tests of both, and their fit.
 
-Tension and shear are over the resistances of equal studs under one of them alone.
+Tension and shear are over the resistances of equal studs under one of them alone. Fitted is the
+exponent of t^p + v^p = 1: of a test in the direction (t, v) the law says how far out it lies; the
+logarithm of that distance is regressed, with an effect per campaign.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
+from workbench.responses import Finding
+from workbench.studs.fit_protocol import (
+    Content,
+    Fit,
+    Fitted,
+    Judgement,
+    fitted,
+    judge,
+    outlier_findings,
+)
 from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS
+from workbench.studs.statistics.problem import problem
+from workbench.studs.suspicion import suspicions
+from workbench.studs.tables import identity_of
+from workbench.studs.trust import grade_of, influence_of
+
+EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts
+SHARES = np.linspace(0.0, 1.0, 41)  # of the tension resistance, at which the law is given
+LEAST_ANGLE = 0.05  # rad, from pure tension or shear: nearer a test tells nothing of both
+_SEARCHED = (-12.0, 12.0)  # logarithms of exponents; beyond, profiles run into overflow
 
 
 def _power(exponent: float) -> Callable[[Array], Array]:
@@ -25,6 +50,12 @@ INTERACTIONS: dict[str, Callable[[Array], Array]] = {
     # t + v <= 1.2, of ACI 318 and the PCI handbook (recalled, not read again)
     "trilinear": lambda t: np.where(t > 1.0, 0.0, np.clip(1.2 - t, 0.0, 1.0)),
 }
+
+
+def curve_of(law: str, points: int) -> tuple[Array, Array]:
+    """Tension and shear (points + 1,) of a law in `INTERACTIONS`, down to no shear at the end."""
+    tension = np.linspace(0.0, 1.0, points)
+    return np.append(tension, 1.0), np.append(INTERACTIONS[law](tension), 0.0)
 
 
 def combined_tests(table: pd.DataFrame) -> pd.DataFrame:
@@ -61,3 +92,136 @@ def borne(tests: pd.DataFrame, tension: Array, shear: Array) -> Array:
     if wanted.min() < angle.min() - 1e-9 or wanted.max() > angle.max() + 1e-9:
         raise InputError("tests", float(wanted.min()), "lie outside the curve of the law")
     return np.asarray(np.interp(wanted, angle[order], radius))
+
+
+def log_reach(angle: Array, exponent: float) -> Array:
+    """Logarithm (n,) of the distance of the law from the origin in directions `angle` (n,).
+
+    That is atan(v / t), inside the quadrant; the distance itself is zero for small exponents.
+    """
+    t, v = exponent * np.log(np.cos(angle)), exponent * np.log(np.sin(angle))
+    return np.asarray(-np.logaddexp(t, v) / exponent)
+
+
+@dataclass(frozen=True)
+class InteractionFit(Fit):
+    """An exponent fitted to combined tests; `laws`, known laws held against the same tests.
+
+    `rows`: tension and shear over the resistances under one of them alone, `companions`, how many
+    tests made these resistances.
+    """
+
+    fitted: Fitted
+    laws: tuple[tuple[str, Judgement], ...]
+    grade: str
+
+    @property
+    def exponent(self) -> float:
+        """The exponent p."""
+        return self.fitted.estimates["exponent"]
+
+    def shear_left(self, tension: Array) -> Array:
+        """Shear (n,) that is left at tensions (n,), both over the resistances alone."""
+        return _power(self.exponent)(tension)
+
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
+        """Hold the law against combined tests that the fit has not used. Raises `InputError`."""
+        rows = combined_tests(table)
+        if rows.empty:
+            raise InputError("validation", 0, "holds no combined test with its companions")
+        self.identity.refuse_overlap(rows)
+        angle, distance = _polar(rows)
+        return judge(
+            rows, distance, np.exp(log_reach(angle, self.exponent)), confidence, "tension", "shear"
+        )
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        parameter = self.fitted.parameters["exponent"]
+        scatters = {name: getattr(self.fitted, name) for name in ("sigma", "tau")}
+        laws = [{"law": name, **judged.to_dict()} for name, judged in self.laws]
+        told = {"law": "power", "exponent": parameter, "laws": laws, "grade": self.grade}
+        return {**told, **scatters, **self.used()}
+
+    def parts(self, confidence: float) -> Content:
+        """Its tests, and the law."""
+        return {
+            "tests": self.rows,
+            "curve": {"tension": SHARES, "shear": self.shear_left(SHARES)},
+        }
+
+    def influence(self) -> pd.DataFrame:
+        """How every test moves the exponent."""
+        without = np.exp([theta[0] for theta in without_each(self.fitted.estimate)])
+        estimate = self.fitted.estimate
+        return influence_of(self.rows, estimate, "exponent", self.exponent, without)
+
+
+def _polar(rows: pd.DataFrame) -> tuple[Array, Array]:
+    """Direction (n,) and distance (n,) of tests."""
+    t, v = (rows[name].to_numpy(float) for name in ("tension", "shear"))
+    return np.arctan2(v, t), np.hypot(t, v)
+
+
+def fit_interaction(
+    table: pd.DataFrame, *, loss: str = "linear", confidence: float = 0.9
+) -> InteractionFit:
+    """Fit the exponent of t^p + v^p = 1 to the combined tests of a table (schema `TESTS`).
+
+    Tension and shear are over the mean resistances of pull-outs and push-outs of the same campaign
+    and diameter. Arguments as in `fit_strength`. Raises `InputError` for fewer than two combined
+    tests that tell of both.
+    """
+    rows = combined_tests(table)
+    angle, distance = _polar(rows)
+    both = (angle > LEAST_ANGLE) & (angle < 0.5 * np.pi - LEAST_ANGLE)
+    if both.sum() < 2:
+        reason = "combined tests of tension and shear: two or more are needed"
+        advice = "each needs pull-outs and push-outs of its campaign and diameter in the table"
+        raise InputError("table", f"{int(both.sum())} usable", reason, advice)
+    rows = rows[both].reset_index(drop=True)
+    angle, distance = angle[both], distance[both]
+    given = problem(
+        np.log(distance),
+        rows["campaign"],
+        lambda theta: log_reach(angle, float(np.exp(np.clip(theta[0], *_SEARCHED)))),
+        ("exponent",),
+        [np.log(5.0 / 3.0)],
+        lower=np.log(EXPONENTS[0]),
+        upper=np.log(EXPONENTS[1]),
+    )
+    estimate = fit_robust(given, loss)
+    found = fitted(estimate, ("exponent",), confidence=confidence)
+    laws = tuple(
+        (name, judge(rows, distance, borne(rows, *curve_of(name, 1001)), confidence))
+        for name in INTERACTIONS
+    )
+    findings = (
+        *suspicions(table),
+        *outlier_findings(estimate, rows, lambda value: float(np.exp(value))),
+        *_findings(rows, found),
+    )
+    return InteractionFit(
+        fitted=found,
+        laws=laws,
+        grade=grade_of(rows, "combined tests"),
+        rows=rows,
+        findings=findings,
+        identity=identity_of(rows),
+    )
+
+
+def _findings(rows: pd.DataFrame, found: Fitted) -> Iterator[Finding]:
+    least = int(rows["companions"].min())
+    if least < 3:
+        few = "single tests" if least == 1 else f"as few as {least} tests"
+        text = f"resistances under tension or shear alone rest on {few}"
+        yield Finding("tests", f"{text}: their scatter is in no interval of the exponent")
+    campaigns = rows["campaign"].nunique()
+    if campaigns < LEAST_CAMPAIGNS:
+        text = f"{campaigns} campaigns: intervals lack most of the scatter between campaigns"
+        yield Finding("campaigns", "one campaign" + text[11:] if campaigns == 1 else text)
+    if found.at_bound:
+        low, high = EXPONENTS
+        text = f"the exponent rests on a bound ({low:g} to {high:g}): these tests do not tell it"
+        yield Finding("bounds", text)

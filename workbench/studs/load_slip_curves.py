@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.studs.fit_protocol import Content, Ends, Judgement, judge
+from workbench.studs.fit_protocol import Content, Judgement, Told, judge
 from workbench.studs.load_slip import Law, chord_stiffness, law_stiffness, misfit
 from workbench.studs.quantities import Array
 
@@ -77,28 +77,15 @@ class CurveJudgement:
         return max(width, 1.0 / count)
 
     @property
-    def scalars(self) -> dict[str, float | None]:
-        """What a model is compared by."""
-        stiffness = None if self.stiffness is None else self.stiffness.bias
-        return {"coverage": self.coverage, "stiffness_test_over_prediction": stiffness}
-
-    @property
-    def widths(self) -> dict[str, float | None]:
-        """Half-widths of the intervals of the scalars, over curves."""
-        stiffness = None if self.stiffness is None else self.stiffness.half_width
-        return {"coverage": self.coverage_half_width, "stiffness_test_over_prediction": stiffness}
-
-    @property
-    def intervals(self) -> dict[str, Ends]:
-        """Their intervals, where they are known; a coverage stays between none and all."""
-        found: dict[str, Ends] = {}
-        width = self.coverage_half_width
+    def told(self) -> dict[str, Told]:
+        """What a model is compared by; a coverage stays between none and all."""
+        coverage, width, stiffness = Told(self.coverage), self.coverage_half_width, Told(None)
         if self.coverage is not None and width is not None:
-            found["coverage"] = max(self.coverage - width, 0.0), min(self.coverage + width, 1.0)
+            ends = max(self.coverage - width, 0.0), min(self.coverage + width, 1.0)
+            coverage = Told(self.coverage, width, ends)
         if self.stiffness is not None:
-            for ends in self.stiffness.intervals.values():
-                found["stiffness_test_over_prediction"] = ends
-        return found
+            stiffness = self.stiffness.told["test_over_prediction"]
+        return {"coverage": coverage, "stiffness_test_over_prediction": stiffness}
 
     def to_dict(self) -> Content:
         """Everything but the rows."""

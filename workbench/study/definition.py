@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from numbers import Real
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from workbench.assessment import METRICS, Gate, Scope
 from workbench.assessment.variations import Budget
 from workbench.errors import InputError
+from workbench.fields import did_you_mean
+from workbench.responses import VARIABLES
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
-from workbench.study.mistakes import refuse_mistakes
 
 if TYPE_CHECKING:
     from workbench.models.base import Model
@@ -27,6 +30,8 @@ def holds_data(model: Model) -> bool:
 
 
 _NAMED = 8  # cases that the note on the quick form names
+LONGEST = 120  # characters of a name that stands in tables, legends and file names
+_KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 
 
 @dataclass(frozen=True)
@@ -69,6 +74,9 @@ class Figure:
     options: Mapping[str, Any] = field(default_factory=dict)
 
 
+T = TypeVar("T", Case, Figure, Budget)
+
+
 @dataclass(frozen=True)
 class Study:
     """Everything that `workbench run`, `report` and `validate` need; defined in a Python file.
@@ -105,8 +113,46 @@ class Study:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        self._check_parts()
+        self._check_references()
+
+    def _check_parts(self) -> None:
+        """Refuse names, types, quantities and bounds that cannot be meant."""
         kinds = {"cases": Case, "gates": Gate, "figures": Figure, "budgets": Budget}
-        refuse_mistakes(self, kinds)
+        for name, kind in kinds.items():
+            for value in getattr(self, name):
+                if not isinstance(value, kind):
+                    text = f"must hold nothing but {kind.__name__}"
+                    raise InputError(f"study.{name}", value, text)
+        _file_safe("study.name", self.name)
+        for case in self.cases:
+            _named("case.name", case.name)
+            for axis, value in case.parameters.items():
+                _named("case.parameters", axis)
+                if isinstance(value, Real) and not isfinite(value):
+                    raise InputError(f"case.parameters[{axis!r}]", value, "must be finite")
+        for label in self.models:
+            _named("study.models", label)
+        keys = [figure.key for figure in self.figures]
+        for key in keys:
+            _file_safe("figure.key", key)
+            if keys.count(key) > 1:
+                text = "must be unique: figures are files of that name"
+                raise InputError("figure.key", key, text)
+        for quantity in self.quantities:
+            _known("study.quantities", quantity)
+        for gate in self.gates:
+            metric = METRICS.get(gate.metric)
+            if (
+                metric is None or metric.scope is not Scope.RUN
+            ):  # these have quantities of their own
+                _known("gate.quantity", gate.quantity)
+            bound: Any = gate.bound
+            if not isinstance(bound, Real) or not isfinite(bound) or bound <= 0.0:
+                raise InputError("gate.bound", bound, "must be a finite number above 0")
+
+    def _check_references(self) -> None:
+        """Refuse cases, labels and metrics that the study does not have."""
         names = [case.name for case in self.cases]
         for name in names:
             if names.count(name) > 1:
@@ -193,36 +239,26 @@ class Study:
         models = {label: model for label, model in self.models.items() if label in keep}
         ladder = tuple(label for label in self.ladder if label in keep)
         if self.reference not in keep and not ladder:
-            raise InputError(
-                "study.quick_models", self.quick_models, "must keep a level of the reference"
-            )
+            text = "must keep a level of the reference"
+            raise InputError("study.quick_models", self.quick_models, text)
 
         def kept(labels: tuple[str, ...]) -> tuple[str, ...]:
             return tuple(label for label in labels if label in keep)
 
-        cases = tuple(
-            dataclasses.replace(case, models=kept(case.models))
-            for case in self.cases
-            if case.quick and (not case.models or kept(case.models))
-        )
+        def shown(parts: Iterable[T]) -> tuple[T, ...]:
+            """Parts with the labels that are kept; those that lose all of theirs go."""
+            found = ((part, kept(part.models)) for part in parts)
+            return tuple(replace(p, models=own) for p, own in found if own or not p.models)
+
+        cases = shown(case for case in self.cases if case.quick)
         names = {case.name for case in cases}
         gates = tuple(
-            dataclasses.replace(gate, cases=tuple(n for n in gate.cases if n in names))
+            replace(gate, cases=tuple(n for n in gate.cases if n in names))
             for gate in self.gates
-            if gate.model in keep
-            and gate.against in keep
-            and (not gate.cases or names & set(gate.cases))
+            if {gate.model, gate.against} <= keep and (not gate.cases or names & set(gate.cases))
         )
-        figures = tuple(
-            dataclasses.replace(figure, models=kept(figure.models))
-            for figure in self.figures
-            if not figure.models or kept(figure.models)
-        )
-        budgets = tuple(
-            dataclasses.replace(budget, models=kept(budget.models))
-            for budget in self.budgets
-            if budget.case in names and kept(budget.models)
-        )
+        figures = shown(self.figures)
+        budgets = shown(b for b in self.budgets if b.models and b.case in names)
         groups = {
             group: tuple(name for name in of if name in names) for group, of in self.groups.items()
         }
@@ -235,7 +271,7 @@ class Study:
         told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out.items() if which)
         count = f"{len(gates)} of {len(self.gates)} gates"
         note = f"Quick form, {count}. Left out: {told or 'nothing'}."
-        return dataclasses.replace(
+        return replace(
             self,
             name=f"{self.name}-quick",
             notes=(*self.notes, note),
@@ -251,3 +287,22 @@ class Study:
             budgets=budgets,
             quick_models=(),
         )
+
+
+def _named(where: str, name: Any) -> None:
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(where, name, "must be a text that is not empty")
+    if len(name) > LONGEST:
+        raise InputError(where, f"{name[:40]}...", f"has {len(name)} characters, at most {LONGEST}")
+
+
+def _file_safe(where: str, name: Any) -> None:
+    if not isinstance(name, str) or not _KEY.fullmatch(name):
+        text = "must be at most 80 letters, digits, dots, dashes and underscores: files have it"
+        raise InputError(where, str(name)[:80], text)
+
+
+def _known(where: str, quantity: Any) -> None:
+    if quantity not in VARIABLES and "." not in str(quantity):
+        advice = did_you_mean(str(quantity), list(VARIABLES), "see docs/user-guide.md")
+        raise InputError(where, str(quantity)[:80], "is not a variable of responses", advice)

@@ -135,15 +135,15 @@ class StudModel(Declared, table="option"):
             found = self.find(scenario, split)
         except InputError as error:
             raise OutOfDomainError(str(error)) from error
-        scalars = {**found.scalars, **(found.judged.scalars if found.judged else {})}
+        told = found.judged.told if found.judged else {}
+        scalars = {**found.scalars, **{name: each.value for name, each in told.items()}}
         response = build_response(scalars, warnings=found.findings)
         widths: dict[str, Any] = {str(name): 0.0 for name in response.data_vars}
         if not found.exact:
-            own = found.judged.widths if found.judged else {}
-            widths = {name: width for name, width in own.items() if width is not None}
+            widths = {name: each.width for name, each in told.items() if each.width is not None}
         kind = "data_uncertainty" if found.exact else "sampling_uncertainty"  # over tests
         response.attrs[kind] = json.dumps(plain(widths), sort_keys=True)
         if found.judged is not None:
-            ends = json.dumps(plain(found.judged.intervals), sort_keys=True)
-            response.attrs[SAMPLED] = ends
+            ends = {name: each.ends for name, each in told.items() if each.ends is not None}
+            response.attrs[SAMPLED] = json.dumps(plain(ends), sort_keys=True)
         return with_content(response, found.content, found.units)

@@ -14,7 +14,7 @@ from workbench.scenarios.stud import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
-from workbench.studs.interaction import INTERACTIONS, borne, combined_tests
+from workbench.studs.interaction import INTERACTIONS, borne, combined_tests, curve_of
 from workbench.studs.load_slip_curves import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted, stud_of
@@ -236,9 +236,7 @@ class StudInteraction(StudModel):
             content["stud"] = stud.title
             findings = (Finding("evidence", fit.basis),)
         else:
-            tension = np.linspace(0.0, 1.0, 101)
-            shear = np.append(INTERACTIONS[self.law](tension), 0.0)
-            tension = np.append(tension, 1.0)
+            tension, shear = curve_of(self.law, 101)
         held = not split.validation.empty
         tests = combined_tests(split.validation if held else split.calibration)
         content |= {"tension": tension, "shear": shear, "tests": tests}
