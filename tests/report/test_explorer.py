@@ -24,7 +24,7 @@ from toy_models import Troubled
 
 from workbench.models.base import respond
 from workbench.references.refine import refined
-from workbench.report.explorer.packing import FINE, packed, unpacked
+from workbench.report.explorer.cells import FINE, packed
 from workbench.report.explorer.page import LARGEST, explorer
 from workbench.report.stored import Stored
 from workbench.responses import Finding
@@ -34,6 +34,14 @@ from workbench.sections import find
 from workbench.study import Case, Study
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+
+
+def unpacked(kept, width=1):
+    """The values (n, width) that `packed` kept, as a page sees them."""
+    rows = np.array(kept["n"], dtype=float).reshape(-1, width)
+    return np.cumsum(rows, axis=0) * kept["step"]
+
+
 WICKED = "</script><script>noted.push('run')</script> <b>&quot;model"
 ENDS = ("hard", "soft & <i>slow</i>")
 

@@ -12,10 +12,10 @@ import pandas as pd
 from workbench.errors import Collapse, InputError, Mechanism
 from workbench.evidence import Dataset, dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, SYNTHETIC
-from workbench.impact_tests.schema import IMPACTS, MEASURED, STANDS, known, scenario_of
+from workbench.impact_tests.schema import IMPACTS, MEASURED, STANDS, scenario_of
 from workbench.scenarios import ColumnImpact, scenario_hash
 from workbench.studs.reading import examine
-from workbench.studs.schema import Row
+from workbench.studs.schema import Row, known
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,12 @@ empty cell means that the quantity was not reported.
 """
 
 from collections.abc import Iterator
-from math import isnan
 from pathlib import Path
 from typing import Any
 
 from workbench.errors import InputError
 from workbench.scenarios import ColumnImpact, scenario_from
-from workbench.studs.schema import Row, RowFinding, Table, declared
+from workbench.studs.schema import Row, RowFinding, Table, declared, known
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
@@ -44,12 +43,6 @@ _NAMED = {
     **{f"column.{key}": column for key, column in _COLUMN.items()},
     **{f"{part}.{key}": name for part, of in _OTHER.items() for key, name in of.items()},
 }
-
-
-def known(row: Row, column: str) -> float | None:
-    """The number in a cell, None where it was not reported."""
-    value = row.get(column)
-    return None if not isinstance(value, float) or isnan(value) else value
 
 
 def scenario_of(row: Row) -> ColumnImpact:

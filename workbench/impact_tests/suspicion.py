@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 
 from workbench.impact_tests.rows import records
-from workbench.impact_tests.schema import STANDS, known, scenario_of
+from workbench.impact_tests.schema import STANDS, scenario_of
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.responses import Finding, Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
-from workbench.studs.schema import Row
+from workbench.studs.schema import Row, known
+from workbench.studs.tables import copies
 
 USUAL = 4.0  # factor by which the estimate may miss the median of a campaign
 # what the numbers may have been in: unit, and factors on velocity and mass that put it right
@@ -55,15 +56,11 @@ def _loads(rows: pd.DataFrame) -> Iterator[str]:
 
 def same_contents(rows: pd.DataFrame) -> list[tuple[str, str]]:
     """Names of rows that hold the same numbers, a measured peak among them."""
-    found = []
-    seen: dict[tuple[float, ...], str] = {}
-    for row in records(rows):
-        numbers = tuple(known(row, name) or 0.0 for name in _NUMBERS)
-        own = f"{row['campaign']} {row['specimen']}"
-        first = seen.setdefault(numbers, own)
-        if first != own and known(row, "peak_m") is not None:
-            found.append((first, own))
-    return found
+    return copies(
+        (f"{row['campaign']} {row['specimen']}", tuple(known(row, n) or 0.0 for n in _NUMBERS))
+        for row in records(rows)
+        if known(row, "peak_m") is not None
+    )
 
 
 def _energies(campaign: str, rows: list[Row]) -> Iterator[str]:

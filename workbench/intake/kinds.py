@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from workbench import impact_tests
 from workbench.errors import InputError
 from workbench.evidence import Dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, STUD_TESTS
 from workbench.fields import did_you_mean
+from workbench.impact_tests import IMPACTS
 from workbench.impact_tests import suspicion as of_impacts
 from workbench.intake.conversion import convert, find, names_in
 from workbench.intake.mapping import Mapping
 from workbench.responses import Finding
 from workbench.studs import suspicion as of_studs
 from workbench.studs.reading import examine, read_text
-from workbench.studs.schema import TESTS, Table
+from workbench.studs.schema import POINTS, TESTS, Table
 from workbench.studs.tables import SHIPPED, same_contents
 
 
@@ -39,7 +39,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     IMPACT_TESTS: Kind(
-        impact_tests.IMPACTS,
+        IMPACTS,
         "source",
         of_impacts.suspicions,
         of_impacts.same_contents,
@@ -79,19 +79,25 @@ def kind_of(names: list[str], asked: str | None, known: Callable[[str, Table], b
 
 
 def check_file(path: Path) -> tuple[list[str], list[str]]:
-    """Problems and suspicions of a CSV file of tests or of points, one sentence each.
+    """Problems and suspicions of a CSV file of your own, one sentence each.
 
+    Its columns tell whether it holds impact tests, points of load-slip curves or tests on studs.
     Raises `InputError` for a file that cannot be read at all.
     """
-    impacts = KINDS[IMPACT_TESTS]
-    names = names_in(path)
-    found = {each.column.name for n in names if (each := find(n, impacts.table)) and each.column}
-    if not {"span_m", "velocity_m_per_s"} <= found:
-        return of_studs.check_file(path)
-    text = convert(path, impacts.table, Mapping(), {}).text
-    examined = read_text(text, impacts.table, path.name)
-    problems = [str(problem.error()) for problem in examined.problems]
-    return problems, [each.text for each in impacts.suspicions(examined.rows)]
+    names = set(names_in(path))
+    told = {each.column.name for n in names if (each := find(n, IMPACTS)) and each.column}
+    if {"span_m", "velocity_m_per_s"} <= told:
+        text = convert(path, IMPACTS, Mapping(), {}).text
+        found = read_text(text, IMPACTS, path.name)
+        doubts = of_impacts.suspicions(found.rows)
+    elif {"slip_mm", "load_kN"} <= names:
+        found = examine(path, POINTS)
+        doubts = of_studs.suspicions_of_points(found.rows)
+    else:
+        found = examine(path, TESTS)
+        doubts = of_studs.suspicions(found.rows)
+    problems = [str(problem.error()) for problem in found.problems]
+    return problems, [each.text for each in doubts]
 
 
 def rows_of(entry: Dataset) -> pd.DataFrame:

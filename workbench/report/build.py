@@ -82,7 +82,6 @@ def build_report(
 def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
     """The content tree of a study, from stored results and drawn figures with their kinds."""
     own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
-    shear = limits.shear_demand(study, stored)
     first = answer.decisive(study)
     pictures = (
         Section(f"figure-{p.key}", p.title, (p,))
@@ -100,7 +99,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         verdicts.verdicts(stored),
         limits.collapses(stored),
         limits.missing(study, stored),
-        limits.domain(stored, shear),
+        limits.domain(study, stored),
         limits.notes(study),
         Section("results", "Results", tuple(pictures)),
         budgets.budget_tables(stored),
@@ -156,8 +155,7 @@ def _short(study: Study, stored: Stored) -> Iterator[Block]:
     """The question, the table of verdicts, and what must not be overlooked."""
     yield tree.Paragraph(study.question)
     yield from answer.in_brief(study, stored)
-    shear = limits.shear_demand(study, stored)
-    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(stored, shear)
+    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(study, stored)
     told = tree.walk(tuple(part for part in parts if part is not None))
     yield from (block for block in told if isinstance(block, tree.Callout))
 

@@ -125,25 +125,26 @@ def _contradictions(row: Row) -> Iterator[RowFinding]:
     yield from _predamage(row)
 
 
-def _value(row: Row, column: str) -> float | None:
+def known(row: Row, column: str) -> float | None:
+    """The number in a cell, None where it was not reported."""
     value = row.get(column)
     return None if not isinstance(value, float) or isnan(value) else value
 
 
 def _results(row: Row) -> Iterator[RowFinding]:
-    if _value(row, "strength_over_nominal") is None:
+    if known(row, "strength_over_nominal") is None:
         for column in _MEASURED.get(str(row["test"]), _LOADS):
-            if _value(row, column) is None:
+            if known(row, column) is None:
                 yield column, "", f"must be given for a {row['test']} test", ""
     elif not row.get("nominal_model"):
         yield "nominal_model", "", "must name the formula of strength_over_nominal", ""
-    shear, studs, total = (_value(row, c) for c in ("shear_kN", "n_studs", "total_load_kN"))
+    shear, studs, total = (known(row, c) for c in ("shear_kN", "n_studs", "total_load_kN"))
     if shear and studs and total and abs(shear * studs / total - 1.0) > TOTAL_TOLERANCE:
         advice = f"{studs:g} studs of {shear:g} kN make {shear * studs:.4g} kN"
         yield "total_load_kN", total, "does not fit shear_kN and n_studs", advice
-    diameter = _value(row, "diameter_mm")
+    diameter = known(row, "diameter_mm")
     for column in _LOADS:
-        load = _value(row, column)
+        load = known(row, column)
         if load and diameter:
             stress = 1e3 * load / (0.25 * pi * diameter**2)
             if not LEAST_STRESS <= stress <= LARGEST_STRESS:
@@ -154,7 +155,7 @@ def _results(row: Row) -> Iterator[RowFinding]:
 
 def _plausible(row: Row) -> Iterator[RowFinding]:
     """Results that no test can have: another unit, another column, the whole specimen."""
-    diameter, ultimate, shear = (_value(row, c) for c in ("diameter_mm", "fu_MPa", "shear_kN"))
+    diameter, ultimate, shear = (known(row, c) for c in ("diameter_mm", "fu_MPa", "shear_kN"))
     if shear and diameter and ultimate:
         share = 1e3 * shear / (0.25 * pi * diameter**2 * ultimate)
         if share > LARGEST_OVER_SHANK:
@@ -165,39 +166,39 @@ def _plausible(row: Row) -> Iterator[RowFinding]:
         ("shear_kN", "undamaged_shear_kN"),
         ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
     ):
-        value, whole = _value(row, column), _value(row, reference)
+        value, whole = known(row, column), known(row, reference)
         if value and whole and value / whole > LARGEST_GAIN:
             reason = f"is {value / whole:.3g} times {reference}"
             yield column, value, reason, "are columns swapped, or the units different?"
-    slip = _value(row, "slip_at_max_mm")
+    slip = known(row, "slip_at_max_mm")
     if slip is not None and slip < LEAST_SLIP:
         yield "slip_at_max_mm", slip, "is no slip at a largest load", "is it in metres?"
 
 
 def _sizes(row: Row) -> Iterator[RowFinding]:
-    diameter, height = _value(row, "diameter_mm"), _value(row, "height_mm")
+    diameter, height = known(row, "diameter_mm"), known(row, "height_mm")
     if diameter and height:
         slenderness = height / diameter
         if not LEAST_SLENDERNESS <= slenderness <= LARGEST_SLENDERNESS:
             yield "height_mm", height, f"is {slenderness:.3g} times the diameter", "both are in mm"
-    strength, ultimate = _value(row, "fy_MPa"), _value(row, "fu_MPa")
+    strength, ultimate = known(row, "fy_MPa"), known(row, "fu_MPa")
     if strength and ultimate and strength > ultimate:
         yield "fy_MPa", strength, f"exceeds the tensile strength {ultimate:g} MPa", ""
-    concrete = _value(row, "fcm_MPa")
+    concrete = known(row, "fcm_MPa")
     if concrete and concrete == ultimate:
         yield "fcm_MPa", concrete, "equals fu_MPa", "is one column copied?"
-    head = _value(row, "head_diameter_mm")
+    head = known(row, "head_diameter_mm")
     if head and diameter and head <= diameter:
         yield "head_diameter_mm", head, f"must exceed the shank, {diameter:g} mm", ""
 
 
 def _predamage(row: Row) -> Iterator[RowFinding]:
-    kind, level = row.get("predamage", NO_PREDAMAGE), _value(row, "predamage_level")
+    kind, level = row.get("predamage", NO_PREDAMAGE), known(row, "predamage_level")
     if kind == NO_PREDAMAGE:
         if level:
             yield "predamage_level", level, "needs a predamage other than none", ""
         return
-    peak, span, cycles, life, diameter = (_value(row, name) for name in _CYCLES)
+    peak, span, cycles, life, diameter = (known(row, name) for name in _CYCLES)
     if peak and span and span > 2.0 * peak:
         reason = f"is more than from {-peak:g} to {peak:g} kN"
         yield "predamage_range_kN", span, reason, "it is the largest load of a cycle less the least"

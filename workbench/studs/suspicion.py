@@ -4,18 +4,15 @@ Each suspicion is a finding, named by `workbench data check` and by every fit to
 """
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from workbench.datafiles import open_input
 from workbench.responses import Finding
 from workbench.studs.damage import damage_of
 from workbench.studs.damaged import QUANTITIES, ratios
 from workbench.studs.quantities import specimens
-from workbench.studs.reading import COMMENT, examine
-from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, POINTS, TESTS
+from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE
 from workbench.studs.shear import SHEAR_MODELS
 from workbench.studs.tables import same_contents
 
@@ -26,24 +23,6 @@ UNITS = {"kip instead of kN": 4.448, "tonnes instead of kN": 9.807}
 METRES, INCHES = 0.1, 0.5  # mm, below which slips of a campaign look like another unit
 HIGHER = 1.05  # median of damaged over undamaged, above which columns look swapped
 LEAST_ROWS = 3  # that show a pattern
-
-
-def check_file(path: str | Path) -> tuple[list[str], list[str]]:
-    """Problems and suspicions of a CSV file of your own, one sentence each.
-
-    A file with the columns slip_mm and load_kN holds points of curves, any other one tests. Raises
-    `InputError` for a file that cannot be read at all.
-    """
-    path = Path(path)
-    with open_input(path, path.name) as stream:
-        lines = (line.decode("utf-8-sig", "replace") for line in stream)
-        told = (line.lstrip('" ') for line in lines if line.strip())
-        header = next((line for line in told if not line.startswith(COMMENT)), "")
-    names = {name.strip() for name in header.split(",")}
-    table = POINTS if {"slip_mm", "load_kN"} <= names else TESTS
-    found = examine(path, table)
-    doubts = (suspicions if table is TESTS else suspicions_of_points)(found.rows)
-    return [str(problem.error()) for problem in found.problems], [each.text for each in doubts]
 
 
 def suspicions(table: pd.DataFrame) -> list[Finding]:

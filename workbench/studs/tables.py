@@ -1,6 +1,6 @@
 """Tables of tests in use: shipped, joined, split by campaign, not validated by their own rows."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -147,17 +147,19 @@ class RowIdentity:
 
 def same_contents(table: pd.DataFrame) -> list[tuple[str, str]]:
     """Names of rows that hold the same load and other numbers, enough of them to be one test."""
+    names = table[["campaign", "specimen"]].to_numpy(str)
+    return copies(
+        (" ".join(told), content)
+        for (_, content), told in zip(_rows(table), names, strict=True)
+        if sum(value != _MISSING for value in content) >= _ENOUGH
+    )
+
+
+def copies(named: Iterable[tuple[str, tuple[float, ...]]]) -> list[tuple[str, str]]:
+    """Names of equal contents, each with the first name of its content."""
     seen: dict[tuple[float, ...], str] = {}
-    found = []
-    for (_, content), told in zip(
-        _rows(table), table[["campaign", "specimen"]].to_numpy(str), strict=True
-    ):
-        if sum(value != _MISSING for value in content) < _ENOUGH:
-            continue
-        own = " ".join(told)
-        if (first := seen.setdefault(content, own)) != own:
-            found.append((first, own))
-    return found
+    pairs = ((seen.setdefault(content, own), own) for own, content in named)
+    return [(first, own) for first, own in pairs if first != own]
 
 
 def identity_of(table: pd.DataFrame) -> RowIdentity:

@@ -120,25 +120,14 @@ def _unasked(study: Study) -> tuple[Block, ...]:
     return (Paragraph("Not asked, and no cells:"), Bullets(sentences)) if sentences else ()
 
 
-class ShearDemand(NamedTuple):
-    """A `table` of V/Vpl (None: no model states it), and what to say of demand above one."""
-
-    table: Table | None
-    headline: str
-
-
-def domain(stored: Stored, shear: ShearDemand) -> Section:
+def domain(study: Study, stored: Stored) -> Section:
     """Warnings of the models, and the shear demand of every case."""
-    blocks: list[Block] = []
-    if shear.headline:
-        blocks.append(Callout("doubt", shear.headline))
-    blocks.extend(_warnings(stored))
-    if shear.table is not None:
-        blocks.append(shear.table)
+    headline, table = _shear_demand(study, stored)
+    blocks = (*headline, *_warnings(stored), *table)
     if not blocks:
         text = "No model reports that a case lies outside its assumptions."
-        blocks.append(Callout("good", text))
-    return Section("domain", "Where models leave their assumptions", tuple(blocks))
+        blocks = (Callout("good", text),)
+    return Section("domain", "Where models leave their assumptions", blocks)
 
 
 def _warnings(stored: Stored) -> Iterator[Table]:
@@ -162,15 +151,15 @@ def _warnings(stored: Stored) -> Iterator[Table]:
         yield Table.of("warnings", caption, columns, groups, 30)
 
 
-def shear_demand(study: Study, stored: Stored) -> ShearDemand:
-    """Largest shear force over the plastic resistance, by case and label."""
+def _shear_demand(study: Study, stored: Stored) -> tuple[tuple[Block, ...], tuple[Block, ...]]:
+    """What to say of V/Vpl above one, and its table by case and label, where models state it."""
     known: dict[str, dict[str, float]] = {}
     for (case, label), value in stored.values("shear_utilisation").items():
         known.setdefault(case, {})[label] = value
     entries = list(known.items())
     labels = [label for label in study.models if any(values.get(label) for _, values in entries)]
     if not labels:
-        return ShearDemand(None, "")
+        return (), ()
     if len(entries) > _PRINTED:
         entries.sort(key=lambda entry: -max(entry[1].values()))
     columns = (
@@ -184,7 +173,7 @@ def shear_demand(study: Study, stored: Stored) -> ShearDemand:
     table = Table.of("shear", caption, columns, entries, _PRINTED)
     over = {name: top for name, values in entries if (top := max(values.values())) > 1.0}
     if not over:
-        return ShearDemand(table, "")
+        return (), (table,)
     worst = max(over, key=over.__getitem__)
     outside = any(values.get(study.reference, 0.0) > 1.0 for _, values in entries)
     also = ", the reference included," if outside else ""
@@ -194,7 +183,7 @@ def shear_demand(study: Study, stored: Stored) -> ShearDemand:
         f"model without shear yielding{also} is outside its domain: agreement between such "
         "models says nothing about a real structure."
     )
-    return ShearDemand(table, headline)
+    return (Callout("doubt", headline),), (table,)
 
 
 def _demand(label: str, entry: tuple[str, dict[str, float]]) -> Cell:

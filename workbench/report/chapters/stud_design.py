@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 
-from workbench.content.formatting import number, percent, share, valued
+from workbench.content.formatting import percent, share, valued
 from workbench.content.tree import Block, Cell, Column, Table
-from workbench.report.chapters.stud_tables import KILO, Content, span
+from workbench.report.chapters.stud_tables import KILO, Content, span, span_of, table, value_of
 
-_KINDS = {"shear": "shear (kN)"}
 _NONE = Cell("none: fewer than three campaigns, and no prior of tau", tone="doubt")
 
 
@@ -19,18 +18,16 @@ def residual_design(contents: Iterable[Content]) -> Iterator[Block]:
     ]
 
     def bounds(row: Content) -> Cell:
-        if row["low"] is None:
-            return _NONE
-        return Cell(f"{number(row['low'], 3)} to {number(row['high'], 3)}")
+        return _NONE if row["low"] is None else Cell(span(row))
 
     columns = (
         Column("left of", of="what"),
-        Column("damage", True, 0.7, lambda r: valued(r["level"], 3)),
-        Column("median", True, 0.7, lambda r: valued(r["median"], 3)),
+        Column("damage", True, 0.7, value_of("level")),
+        Column("median", True, 0.7, value_of("median")),
         Column("its interval", True, 1.3, bounds),
-        Column("5 % of new tests", True, 1.0, lambda r: valued(r["fractile"], 3)),
-        Column("characteristic", True, 1.0, lambda r: valued(r["characteristic"], 3)),
-        Column("design", True, 0.8, lambda r: valued(r["design"], 3)),
+        Column("5 % of new tests", True, 1.0, value_of("fractile")),
+        Column("characteristic", True, 1.0, value_of("characteristic")),
+        Column("design", True, 0.8, value_of("design")),
     )
     caption = (
         "From damage to design: median share that is left with what is known of it, the share that "
@@ -38,8 +35,7 @@ def residual_design(contents: Iterable[Content]) -> Iterator[Block]:
         "1990 D.8 [@en1990], which takes all tests as independent and is unsafe where campaigns "
         "differ: the smaller of fractile and characteristic value counts."
     )
-    if rows:
-        yield Table.of("residual-design", caption, columns, rows)
+    return table("residual-design", caption, columns, rows)
 
 
 def posterior(contents: Iterable[Content], key: str) -> Iterator[Block]:
@@ -52,10 +48,9 @@ def posterior(contents: Iterable[Content], key: str) -> Iterator[Block]:
     columns = (
         Column("of", of="of"),
         Column("parameter", of="name"),
-        Column("interval", True, of=lambda r: span(r["interval"])),
+        Column("interval", True, of=span_of("interval")),
     )
-    if rows:
-        yield Table.of("posterior", "What tests and priors tell together:", columns, rows)
+    return table("posterior", "What tests and priors tell together:", columns, rows)
 
 
 def few(groups: Iterable[Content]) -> Iterator[Block]:
@@ -75,7 +70,7 @@ def few(groups: Iterable[Content]) -> Iterator[Block]:
         Column("number", True, 0.7, "tests"),
         value("mean"),
         Column("farthest", True, 0.8, lambda r: share(r["deviation"])),
-        Column("η_k", True, 0.7, lambda r: valued(r["factor"], 3)),
+        Column("η_k", True, 0.7, value_of("factor")),
         value("characteristic"),
         Column("why none", width=2.4, of="refusal"),
     )
@@ -92,8 +87,8 @@ def interaction(content: Content) -> Iterator[Block]:
     own = {"name": "t^p + v^p = 1, fitted", "exponent": fit["exponent"]}
     columns = (
         Column("law", width=2.2, of="name"),
-        Column("p", True, 0.7, lambda r: valued(r["exponent"]["value"], 3)),
-        Column("interval", True, 1.2, lambda r: span(r["exponent"]["profile"])),
+        Column("p", True, 0.7, value_of("exponent.value")),
+        Column("interval", True, 1.2, span_of("exponent.profile")),
         Column("within", True, 0.8, lambda r: percent(fit["sigma"]["value"], signed=False)),
         Column("between", True, 0.8, lambda r: percent(fit["tau"]["value"], signed=False)),
     )
@@ -101,9 +96,9 @@ def interaction(content: Content) -> Iterator[Block]:
     yield Table.of("interaction", caption, columns, [own])
     columns = (
         Column("law", width=1.6, of="law"),
-        Column("median", True, of=lambda r: valued(r["test_over_prediction"], 3)),
-        Column("interval", True, 1.2, lambda r: span(r["interval"])),
-        Column("least", True, of=lambda r: valued(r["least_test_over_prediction"], 3)),
+        Column("median", True, of=value_of("test_over_prediction")),
+        Column("interval", True, 1.2, span_of("interval")),
+        Column("least", True, of=value_of("least_test_over_prediction")),
         Column("which", width=1.6, of="worst"),
     )
     caption = "Laws of the codes on the same tests, test over law (below 1: unsafe):"

@@ -38,11 +38,13 @@ def span(interval: Content | None, factor: float = 1.0) -> str:
     return f"{low} to {high}"
 
 
-def _value(path: str, digits: int = 3, factor: float = 1.0) -> Finder:
+def value_of(path: str, digits: int = 3, factor: float = 1.0) -> Finder:
+    """A cell with the number at a dotted path of a record, times a factor."""
     return lambda record: valued(found(record, path), digits, factor=factor)
 
 
-def _span(path: str) -> Finder:
+def span_of(path: str) -> Finder:
+    """The interval at a dotted path of a record in words."""
     return lambda record: span(found(record, path), record.get("factor", 1.0))
 
 
@@ -53,7 +55,7 @@ def _covered(value: float | None) -> Cell:
 _NAME = Column("formula", width=2.2, of="name")
 
 
-def _table(
+def table(
     key: str,
     caption: str,
     columns: Iterable[Column],
@@ -73,11 +75,11 @@ def fitted(named: Named) -> Iterator[Block]:
     """Test over prediction of every formula, with its scatters."""
     columns = (
         _NAME,
-        Column("median", True, of=_value("parameters.bias.value")),
-        Column("interval", True, of=_span("parameters.bias.profile")),
-        Column("within", True, of=_value("sigma.value")),
-        Column("between", True, of=_value("tau.value")),
-        Column("5 % of a new campaign", True, of=_value("new_campaign_factor")),
+        Column("median", True, of=value_of("parameters.bias.value")),
+        Column("interval", True, of=span_of("parameters.bias.profile")),
+        Column("within", True, of=value_of("sigma.value")),
+        Column("between", True, of=value_of("tau.value")),
+        Column("5 % of a new campaign", True, of=value_of("new_campaign_factor")),
     )
     yield Table.of("fitted", "Test over prediction:", columns, _rows(named, lambda c: [c["fit"]]))
 
@@ -96,13 +98,13 @@ def exponents(named: Named) -> Iterator[Block]:
             yield {"variable": name, "value": value, "profile": own["profile"][name]}
 
     variable = Column("variable", of="variable")
-    interval = Column("interval", True, of=_span("profile"))
+    interval = Column("interval", True, of=span_of("profile"))
     for of, title, caption in (
         (trends, "exponent", "Exponents that the formulas miss:"),
         (factors, "factor", "Fitted factors of the formulas:"),
     ):
-        columns = (_NAME, variable, Column(title, True, of=_value("value")), interval)
-        yield from _table(f"{title}s", caption, columns, _rows(named, of))
+        columns = (_NAME, variable, Column(title, True, of=value_of("value")), interval)
+        yield from table(f"{title}s", caption, columns, _rows(named, of))
 
 
 def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Block]:
@@ -115,12 +117,12 @@ def unseen(named: Named, kinds: Mapping[str, str], caption: str) -> Iterator[Blo
         _NAME,
         Column("prediction", of="kind"),
         Column("tests", True, of="tests"),
-        Column("median", True, of=_value("test_over_prediction")),
-        Column("interval", True, of=_span("interval")),
-        Column("least", True, of=_value("least_test_over_prediction")),
+        Column("median", True, of=value_of("test_over_prediction")),
+        Column("interval", True, of=span_of("interval")),
+        Column("least", True, of=value_of("least_test_over_prediction")),
         Column("which", of="worst"),
     )
-    return _table("unseen", caption, columns, _rows(named, judged))
+    return table("unseen", caption, columns, _rows(named, judged))
 
 
 def design_values(named: Named) -> Iterator[Block]:
@@ -137,10 +139,10 @@ def design_values(named: Named) -> Iterator[Block]:
     loads = {"g_rt(X_m)": "r_m", "r_k": "r_k", "r_d": "r_d"}
     columns = (
         _NAME,
-        *(Column(title, True, 0.75, _value(name)) for title, name in plain.items()),
-        *(Column(f"{t} (kN)", True, 0.95, _value(name, 4, KILO)) for t, name in loads.items()),
-        Column("γ_M", True, 0.75, _value("gamma_m", 4)),
-        Column("γ_M*", True, 0.75, _value("gamma_m_star", 4)),
+        *(Column(title, True, 0.75, value_of(name)) for title, name in plain.items()),
+        *(Column(f"{t} (kN)", True, 0.95, value_of(name, 4, KILO)) for t, name in loads.items()),
+        Column("γ_M", True, 0.75, value_of("gamma_m", 4)),
+        Column("γ_M*", True, 0.75, value_of("gamma_m_star", 4)),
     )
     caption = (
         "EN 1990 D.8, all tests independent, for the stud in the middle of the tests: correction "
@@ -166,7 +168,7 @@ def left_out(named: Named) -> Iterator[Block]:
         "bore less than predicted."
     )
     rows = _rows(named, lambda c: c["fit"]["left_out"])
-    return _table("design-left-out", caption, columns, rows)
+    return table("design-left-out", caption, columns, rows)
 
 
 def series(groups: list[Content]) -> Iterator[Block]:
@@ -191,14 +193,14 @@ def series(groups: list[Content]) -> Iterator[Block]:
     columns = (
         Column("series", width=3.2, of="name"),
         Column("tests", True, 0.7, "tests"),
-        Column("P_Rk (kN)", True, 1.0, _value("result.P_Rk", 4, KILO)),
-        Column("P_Rd (kN)", True, 1.0, _value("result.P_Rd", 4, KILO)),
-        Column("δ_uk (mm)", True, 1.0, _value("result.slip_capacity", 3, MILLI)),
+        Column("P_Rk (kN)", True, 1.0, value_of("result.P_Rk", 4, KILO)),
+        Column("P_Rd (kN)", True, 1.0, value_of("result.P_Rd", 4, KILO)),
+        Column("δ_uk (mm)", True, 1.0, value_of("result.slip_capacity", 3, MILLI)),
         Column("class, or why there is none", width=3.2, of=class_of),
     )
     rows = [group for group in groups if group["tests"] >= LEAST_IN_SERIES]
     caption = "EN 1994-1-1, Annex B.2: every series of three tests or more."
-    yield from _table("design-series", caption, columns, rows, 12)
+    yield from table("design-series", caption, columns, rows, 12)
 
 
 def load_slip(named: Named) -> Iterator[Block]:
@@ -214,17 +216,17 @@ def load_slip(named: Named) -> Iterator[Block]:
         Column("law", width=3.0, of="name"),
         Column("parameter", width=1.7, of="parameter"),
         Column("median", True, 0.9, lambda r: valued(r["median"], 3, factor=r["factor"])),
-        Column("profile interval", True, 1.5, _span("profile")),
-        Column("σ", True, 0.6, _value("sigma.value")),
-        Column("τ", True, 0.6, _value("tau.value")),
-        Column("misfit", True, 0.7, _value("rms")),
+        Column("profile interval", True, 1.5, span_of("profile")),
+        Column("σ", True, 0.6, value_of("sigma.value")),
+        Column("τ", True, 0.6, value_of("tau.value")),
+        Column("misfit", True, 0.7, value_of("rms")),
     )
     caption = (
         "Load-slip laws: median of each parameter over the curves with its intervals, scatter of "
         "its logarithm within (σ, the error of each curve's fit included) and between (τ) "
         "campaigns, median misfit of the load over the largest load."
     )
-    return _table("design-load-slip", caption, columns, _rows(named, parameters))
+    return table("design-load-slip", caption, columns, _rows(named, parameters))
 
 
 def band_coverage(named: Named, confidence: float) -> Iterator[Block]:
@@ -236,7 +238,7 @@ def band_coverage(named: Named, confidence: float) -> Iterator[Block]:
     )
     rows = _rows(named, lambda c: [c["fit"]["coverage"]])
     caption = f"Share of the points inside the {100 * confidence:.3g} % band of the other curves:"
-    return _table("band-coverage", caption, columns, rows)
+    return table("band-coverage", caption, columns, rows)
 
 
 def unseen_curves(named: Named) -> Iterator[Block]:
@@ -244,13 +246,13 @@ def unseen_curves(named: Named) -> Iterator[Block]:
     columns = (
         Column("law", of="name"),
         Column("curves", True, of="curves"),
-        Column("misfit", True, of=_value("median_rms")),
+        Column("misfit", True, of=value_of("median_rms")),
         Column("inside the band", True, of=lambda r: share(r["coverage"])),
-        Column("stiffness, test over law", True, of=_value("stiffness.test_over_prediction")),
-        Column("interval", True, of=_span("stiffness.interval")),
+        Column("stiffness, test over law", True, of=value_of("stiffness.test_over_prediction")),
+        Column("interval", True, of=span_of("stiffness.interval")),
     )
     rows = _rows(named, lambda c: [c["judgement"]] if c["judgement"] else [])
-    return _table("unseen-curves", "Unseen curves:", columns, rows)
+    return table("unseen-curves", "Unseen curves:", columns, rows)
 
 
 def residual(contents: Iterable[Content]) -> Iterator[Block]:
@@ -294,7 +296,7 @@ def residual(contents: Iterable[Content]) -> Iterator[Block]:
         "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
         "bears. Beyond the tested damage no test tells which relation goes on: no band is given."
     )
-    return _table("design-residual", caption, columns, contents)
+    return table("design-residual", caption, columns, contents)
 
 
 def relations(contents: Iterable[Content]) -> Iterator[Block]:
@@ -305,8 +307,8 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             continue
         columns = (
             Column("parameter", of="name"),
-            Column("value", True, of=_value("value")),
-            Column("interval", True, of=_span("profile")),
+            Column("value", True, of=value_of("value")),
+            Column("interval", True, of=span_of("profile")),
         )
         rows = [
             {"name": name, "value": value, "profile": fit["profile"][name]}

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from workbench.content.formatting import percent
 from workbench.report.drawing.sheet import Drawing, Sheet, grid_shape, nothing
-from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Style, entry, new_figure
+from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Style, entry
 
 _ROW, _EDGES = 0.17, 0.8  # inches: of a test, and of titles and axes
 _HIGHEST = 7.2  # inches: with its caption the figure fits on a page
@@ -29,11 +29,8 @@ def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
     rows, columns = grid_shape(len(found), 2 if len(found) < 5 else 3)
     most = int((_HIGHEST / rows - _EDGES) / _ROW)
     shown = list(size.nlargest(most).index) if len(size) > most else list(size.index)
-    canvas = new_figure(rows * (_ROW * len(shown) + _EDGES))
-    axes = canvas.subplots(rows, columns, sharey=True, squeeze=False)
-    for spare in axes.flat[len(found) :]:
-        spare.remove()
-    sheet = Sheet(canvas, axes.flat[: len(found)], columns=columns)
+    height = rows * (_ROW * len(shown) + _EDGES)
+    sheet = Sheet.table(rows, columns, height, count=len(found), sharey=True)
     if len(shown) < len(size):
         sheet.said.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
     for panel, title in zip(sheet.panels, found, strict=True):

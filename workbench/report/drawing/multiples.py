@@ -6,7 +6,7 @@ A hinge state is a circle at a member's end, its colour the N-M utilisation.
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -14,7 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, to_hex
-from matplotlib.figure import Figure as Canvas
 
 from workbench.content.formatting import TIMES
 from workbench.report.drawing.shapes import (
@@ -26,7 +25,7 @@ from workbench.report.drawing.shapes import (
     magnification,
 )
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first
-from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry, new_figure
+from workbench.report.drawing.style import INK, MUTED, PALETTE, TEXT_WIDTH, Style, entry
 from workbench.study.definition import Case
 
 _MOST_ROWS = 5
@@ -100,11 +99,11 @@ def colour_of(utilisation: float) -> str:
     return to_hex(colours()(max(utilisation, 0.0) / YIELDS))
 
 
-def colour_bar(canvas: Canvas, axes: Any, share: float) -> None:
+def colour_bar(sheet: Sheet, share: float) -> None:
     """The bar that explains the circles, right of all panels, over a `share` of their height."""
     mappable = ScalarMappable(Normalize(0.0, YIELDS), colours())
     place: Style = {"shrink": share, "aspect": 24, "pad": 0.02, "extendfrac": 0.07}
-    bar = canvas.colorbar(mappable, ax=axes, extend="max", **place)
+    bar = sheet.canvas.colorbar(mappable, ax=sheet.panels, extend="max", **place)
     bar.set_ticks([0.0, 0.25, 0.5, 0.75, YIELDS], labels=["0", "0.25", "0.5", "0.75", "yields"])
     bar.set_label("N-M utilisation")
     bar.outline.set_linewidth(0.4)
@@ -171,13 +170,12 @@ def multiples(
     instants = instants_of(request.option("instants", instants))
     rows, several = _rows(found, instants, said), len(found) > 1
     heights = [row.window.tall for row in rows]
-    canvas = new_figure(sum(heights) + 0.25 * len(rows) + 0.8)
-    size = len(rows), len(instants)
-    axes = canvas.subplots(*size, squeeze=False, height_ratios=heights)
-    sheet = Sheet(canvas, axes.flat, [*_scales(rows, several), *said], len(instants))
+    size, height = (len(rows), len(instants)), sum(heights) + 0.25 * len(rows) + 0.8
+    sheet = Sheet.table(*size, height, [*_scales(rows, several), *said], height_ratios=heights)
     between = "\n" if len(instants) > 3 else " "
     last = [*(a.case is not b.case for a, b in pairwise(rows)), True]
-    for row, panels, lowest in zip(rows, axes, last, strict=True):
+    panels_of = np.array(sheet.panels, dtype=object).reshape(size)
+    for row, panels, lowest in zip(rows, panels_of, last, strict=True):
         for instant, panel in zip(instants, panels, strict=True):
             snapshot = row.shapes.index(instant)
             _panel(panel, row, snapshot)
@@ -195,7 +193,7 @@ def multiples(
     sheet.legend(entry("at rest", color=REST, linewidth=0.9))
     sheet.legend(entry("deformed", color=INK, linewidth=1.2))
     if any(row.shapes.hinges for row in rows):
-        colour_bar(canvas, axes, min(0.9, 2.3 / canvas.get_figheight()))
+        colour_bar(sheet, min(0.9, 2.3 / sheet.canvas.get_figheight()))
         dot: Style = {"markerfacecolor": YIELDING, "markeredgecolor": INK, "markersize": 4.6}
         sheet.legend(entry(WORDS, linestyle="none", marker="o", **dot))
     silent = dict.fromkeys(row.label for row in rows if not row.shapes.hinges)

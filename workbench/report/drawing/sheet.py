@@ -185,8 +185,7 @@ class Sheet:
     @classmethod
     def single(cls, height: float) -> Sheet:
         """A sheet with one panel as wide as the text."""
-        canvas = new_figure(height)
-        return cls(canvas, [canvas.subplots()])
+        return cls.table(1, 1, height)
 
     @classmethod
     def grid(
@@ -199,9 +198,28 @@ class Sheet:
         rows, columns = grid_shape(count)
         if count == 1:
             height *= 1.25
-        canvas = new_figure(height * rows + 0.55, options.pop("width", TEXT_WIDTH))
-        axes = canvas.subplots(rows, columns, squeeze=False, **{"sharey": True, **options})
-        for spare in axes.flat[count:]:
+        whole = height * rows + 0.55
+        return cls.table(rows, columns, whole, said, count=count, **{"sharey": True, **options})
+
+    @classmethod
+    def table(
+        cls,
+        rows: int,
+        columns: int,
+        height: float,
+        said: Sequence[str] = (),
+        *,
+        count: int | None = None,
+        width: float = TEXT_WIDTH,
+        **options: Any,
+    ) -> Sheet:
+        """A sheet `height` inches high with rows and columns of panels, the first `count`.
+
+        `options`, those of `subplots` of matplotlib.
+        """
+        canvas = new_figure(height, width)
+        axes = canvas.subplots(rows, columns, squeeze=False, **options)
+        for spare in axes.flat[axes.size if count is None else count :]:
             spare.remove()
         return cls(canvas, axes.flat[:count], said, columns)
 

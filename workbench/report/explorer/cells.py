@@ -1,11 +1,16 @@
-"""What the page holds of one answer: its histories, its shapes, its numbers, what it says."""
+"""What the page holds of one answer: its histories, its shapes, its numbers, what it says.
+
+Curves are few whole numbers: thinned, rounded to a step, each as its difference from the last. The
+page's script decodes them by sums.
+"""
 
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.assessment.budget import PEAK, RESIDUAL
@@ -14,7 +19,6 @@ from workbench.report.chapters.answer import FAIR, GOOD
 from workbench.report.drawing.multiples import YIELDS
 from workbench.report.drawing.shapes import Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
-from workbench.report.explorer.packing import DETAILS, ROUGH, Detail, packed
 from workbench.report.figures.energy import ledger
 from workbench.report.stored import CellState
 from workbench.responses import Outcome, Response
@@ -24,6 +28,39 @@ from workbench.study.definition import DATA, Case
 
 _BOW = 0.002  # of the size of the structure: a member that bends less is sent by its ends
 SHOWN = (PEAK, RESIDUAL, "time_of_peak")
+
+
+class Detail(NamedTuple):
+    """How much a page keeps: most points of a history, snapshots, points of bands and energies."""
+
+    points: int
+    snapshots: int
+    coarse: int
+
+
+# from fine to rough; the first that fits counts
+DETAILS = (
+    Detail(500, 61, 80),
+    Detail(300, 61, 50),
+    Detail(200, 31, 40),
+    Detail(120, 21, 25),
+    Detail(60, 11, 15),
+    Detail(24, 5, 8),
+)
+FINE, ROUGH = 10_000, 2_000  # steps of the largest magnitude of a curve; of a shape
+
+
+def packed(values: ArrayLike, fine: int = FINE) -> dict[str, Any]:
+    """Values (..., n) as whole multiples of a step, along the first axis each less the last one.
+
+    The step is the largest magnitude over `fine`, rounded to three digits.
+    """
+    table = np.asarray(values, dtype=float)
+    largest = float(np.abs(table).max(initial=0.0))
+    step = float(f"{largest / fine:.3g}") or 1.0  # nothing to tell apart, or too small for that
+    whole = np.round(table / step).astype(np.int64)
+    first = np.zeros_like(whole[:1])
+    return {"step": step, "n": np.diff(whole, axis=0, prepend=first).ravel().tolist()}
 
 
 @dataclass(frozen=True)

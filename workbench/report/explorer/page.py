@@ -17,8 +17,15 @@ from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
 from workbench.report.drawing.style import INTERVAL, Look, looks
-from workbench.report.explorer.cells import Record, numbers_of, record_of
-from workbench.report.explorer.packing import DETAILS, FINE, ROUGH, Detail
+from workbench.report.explorer.cells import (
+    DETAILS,
+    FINE,
+    ROUGH,
+    Detail,
+    Record,
+    numbers_of,
+    record_of,
+)
 from workbench.report.figures.energy import PARTS
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact

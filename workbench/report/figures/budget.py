@@ -11,7 +11,7 @@ from workbench.assessment.budget import COVERAGE, PEAK, SUMS
 from workbench.content.budgets import change, scale
 from workbench.content.formatting import in_unit, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, MUTED, PALETTE, new_figure
+from workbench.report.drawing.style import INK, MUTED, PALETTE
 
 _KEPT = ("case", "label", "quantity", "term", "shift", "low", "high")
 _ROOM = 0.45  # of the axis, to the right of all bars, for the numbers
@@ -27,9 +27,8 @@ def draw(request: Request) -> Drawing:
             panels.setdefault(row["label"], []).append(row)
     if not panels:
         return nothing("No answer whose errors are budgeted has been run.")
-    canvas = new_figure(sum(0.2 * len(rows) + 0.35 for rows in panels.values()) + 0.35)
-    axes = canvas.subplots(len(panels), 1, sharex=True, squeeze=False).flat
-    sheet = Sheet(canvas, axes)
+    height = sum(0.2 * len(rows) + 0.35 for rows in panels.values()) + 0.35
+    sheet = Sheet.table(len(panels), 1, height, sharex=True)
     low, high = scale([row for rows in panels.values() for row in rows])
     for (label, rows), panel in zip(panels.items(), sheet.panels, strict=True):
         _bars(panel, rows, high)

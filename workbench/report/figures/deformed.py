@@ -13,7 +13,7 @@ from workbench.fields import Choice
 from workbench.report.drawing.multiples import mark_supports, multiples, scale_words, window_of
 from workbench.report.drawing.shapes import Found, Points, Shapes, collected, magnification
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, grid_shape, nothing
-from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry, new_figure
+from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry
 from workbench.study.definition import Case
 
 _LAYOUT = Choice(("instants", "overlaid"))
@@ -50,11 +50,9 @@ def _overlaid(request: Request, found: Found, said: list[str], *, lying: bool) -
     ]
     wide = (TEXT_WIDTH - 0.75 * columns) / columns
     window = window_of(curves, 0.04 * size, wide, _LEAST, _MOST)
-    canvas = new_figure((window.tall + 0.35) * count + 0.75)
-    axes = canvas.subplots(count, columns, sharex=True, sharey=True, squeeze=False)
-    sheet = Sheet(canvas, axes.flat[: len(found)], [scale_words(times), *said], columns)
-    for spare in axes.flat[len(found) :]:
-        spare.remove()
+    height, said = (window.tall + 0.35) * count + 0.75, [scale_words(times), *said]
+    shared = {"sharex": True, "sharey": True}
+    sheet = Sheet.table(count, columns, height, said, count=len(found), **shared)
     factor = f" {TIMES} {times:g}" if times != 1.0 else ""
     across = "height above the base (m)" if lying else "x (m)"
     up = f"displacement{factor}\n(m)" if lying else "y (m)"

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, framed, new_figure
+from workbench.report.drawing.style import INK, framed
 
 # validated by tests of several campaigns or not
 _COLORS = {True: "#009e73", False: "#d55e00"}
@@ -38,13 +38,12 @@ def plot(found: Sequence[tuple[str, str, studs.Content]]) -> Drawing:
     """A row for each case and a column for each label, of which the contents are given."""
     cases = list(dict.fromkeys(case for case, _, _ in found))
     labels = list(dict.fromkeys(label for _, label, _ in found))
-    canvas = new_figure(2.55 * len(cases) + 0.6)
-    axes = canvas.subplots(len(cases), len(labels), sharey="row", squeeze=False)
-    sheet = Sheet(canvas, axes.flat)
+    sheet = Sheet.table(len(cases), len(labels), 2.55 * len(cases) + 0.6, sharey="row")
     tests = [test for _, _, content in found for test in content["tests"]]
     looks = studs.campaign_looks((test["campaign"] for test in tests), filled=True)
     for case, label, content in found:
-        panel, fit = axes[cases.index(case), labels.index(label)], content["fit"]
+        place = cases.index(case) * len(labels) + labels.index(label)
+        panel, fit = sheet.panels[place], content["fit"]
         sheet.record(case=case, label=label, **_panel(panel, content))
         studs.draw_tests(panel, studs.table_of(content["tests"]), "level", "ratio", looks)
         panel.set_xlabel(AXES.get(fit["measure"], f"damage ({fit['measure']})"))
@@ -54,7 +53,7 @@ def plot(found: Sequence[tuple[str, str, studs.Content]]) -> Drawing:
             panel.set_ylabel(f"{fit['quantity']} left")
         sentence = _sentence(content)
         sheet.said += [] if sentence in sheet.said else [sentence]
-    for panel in axes.flat:
+    for panel in sheet.panels:
         if not panel.lines:
             panel.remove()
     for _, _, content in sorted(found, key=lambda each: not each[2]["validated"]):

@@ -19,7 +19,7 @@ from matplotlib.ticker import PercentFormatter
 
 from workbench.content.formatting import MINUS, metric_title, title_of
 from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, first, nothing
-from workbench.report.drawing.style import INK, TEXT_WIDTH, Look, Style, entry, new_figure
+from workbench.report.drawing.style import INK, TEXT_WIDTH, Look, Style, entry
 from workbench.report.stored import BEST
 from workbench.study.definition import Case, holds_data
 
@@ -69,16 +69,14 @@ def draw(request: Request) -> Drawing:
     grid = (x, _values(cases, x)), (y, _values(cases, y))
     height = min(_HIGHEST, 0.95 + len(rows) * max(1.35, 0.3 * len(grid[1][1]) + 0.5))
     room = int(14.0 * (height - 0.95) / len(rows))  # characters along a panel's height
-    canvas = new_figure(height)
-    axes = canvas.subplots(len(rows), len(columns), squeeze=False, sharex=True, sharey=True)
-    sheet = Sheet(canvas, axes.flat, said, len(columns))
+    sheet = Sheet.table(len(rows), len(columns), height, said, sharex=True, sharey=True)
     limit = float(request.option("limit", 0.2))
     wide = (TEXT_WIDTH - 1.3) / len(columns) / len(grid[0][1])
     tall = 0.8 * (height - 0.95) / len(rows) / len(grid[1][1])
     legible = wide >= _LEAST[0] and tall >= _LEAST[1]
     for i, row in enumerate(rows):
         for j, value in enumerate(columns):
-            panel = axes[i, j]
+            panel = sheet.panels[i * len(columns) + j]
             here = table[(table[by or "model"] == row) & (not facet or table[facet] == value)]
             field = _field(here, grid)
             image = _map(panel, here, field, grid, limit)
@@ -87,7 +85,8 @@ def draw(request: Request) -> Drawing:
             sheet.record(here)
             head = "" if i or not facet else _shown(value) if j else f"{facet}: {_shown(value)}"
             sheet.name(panel, head, x, "\n".join([_shown(row), *textwrap.wrap(y, room)]))
-    bar = canvas.colorbar(image, ax=axes, extend="both", shrink=0.85, aspect=30, pad=0.015)
+    place: Style = {"extend": "both", "shrink": 0.85, "aspect": 30, "pad": 0.015}
+    bar = sheet.canvas.colorbar(image, ax=sheet.panels, **place)
     bar.set_label(metric_title(metric))
     bar.ax.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     bar.outline.set_linewidth(0.4)
