@@ -1,6 +1,7 @@
 """`workbench fit`: strength, load-slip and residual capacity of studs from tables of tests.
 
-The options of a verb are the fields of a class; `_verb` makes the command of it.
+The options of a verb are the fields of a class; `_verb` makes the command of it, which reads the
+tables and prints or writes what the verb finds.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from workbench.studs.fit_protocol import Fit
-    from workbench.studs.schema import Table
+
+    # what a verb finds, and the fitted and unseen rows that it rests on
+    Found = tuple[dict[str, Any], pd.DataFrame, pd.DataFrame]
 
 Content = dict[str, Any]
 USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
@@ -42,19 +45,22 @@ app = typer.Typer(
 )
 
 
-def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
-    """Make a verb of a function of one argument: its options, declared as fields of a class."""
+def _verb(name: str, kind: type[Common]) -> Callable[[Callable[..., Found]], None]:
+    """Make a verb of a function of its options, a `kind`, and of the rows to fit and to judge."""
 
-    def made(answer: Callable[[Any], Answer]) -> None:
-        kind = get_type_hints(answer)["options"]
+    def made(find: Callable[..., Found]) -> None:
         hints = get_type_hints(kind)
 
         def command(**given: Any) -> Answer:
+            from workbench.report.chapters.stud_answer import shown
+
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
             asked = getattr(options, "report", None)
             targets = _report_files(asked) if asked else {}
-            found = answer(options)
+            *rows, head = _tables(options, name)
+            content, *rows = find(options, *rows)
+            found = Answer({**head, **content}, shown({**head, **content}), rows=rows)
             return _reported(found, targets) if targets else found
 
         only = inspect.Parameter.KEYWORD_ONLY
@@ -64,26 +70,24 @@ def _verb(name: str) -> Callable[[Callable[[Any], Answer]], None]:
             default = declared.default
             parameters.append(inspect.Parameter(own, only, default=default, annotation=hint))
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        command.__doc__ = answer.__doc__
+        command.__doc__ = find.__doc__
         app.command(name)(verb(command))
 
     return made
 
 
-@_verb("stud-strength")
-def stud_strength(options: StrengthOptions) -> Answer:
+@_verb("stud-strength", StrengthOptions)
+def stud_strength(options: StrengthOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
     """Judge and fit formulas of shear strength.
 
     Undamaged headed studs in solid slabs with use_for_fit = 1; with EN 1990 D.8 and EN 1994-1-1
     Annex B.2. Campaigns that validate are kept out of the fit.
     """
-    from workbench.report.chapters import stud_answer
     from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
     from workbench.studs.fit_protocol import plain
 
     specified = USUAL_SPECIFIED if options.specified is None else options.specified
     TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
-    fitted, held, head = _tables(options, "stud-strength", TESTS, "stud-push-out")
     contents: list[Content] = []
     left_out: dict[str, Exception] = {}
     for name in options.model or list(SHEAR_MODELS):
@@ -97,40 +101,31 @@ def stud_strength(options: StrengthOptions) -> Answer:
         raise next(iter(left_out.values()))
     curves = None if options.points is None else examine(options.points, POINTS).accept()
     series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
-    result = {
-        **head,
-        "models": contents,
-        "not_fitted": {name: str(why) for name, why in left_out.items()},
-        "series": plain(series),
-    }
-    return Answer(result, stud_answer.strength(result), rows=(fitted, held))
+    not_fitted = {name: str(why) for name, why in left_out.items()}
+    return {"models": contents, "not_fitted": not_fitted, "series": plain(series)}, fitted, held
 
 
-@_verb("load-slip")
-def load_slip(options: LoadSlipOptions) -> Answer:
+@_verb("load-slip", LoadSlipOptions)
+def load_slip(options: LoadSlipOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
     """Fit load-slip laws to push-out curves.
 
     Curves are the observations, not points: a curve of many points counts once.
     """
-    from workbench.report.chapters import stud_answer
-    from workbench.studs import LAWS, POINTS, fit_load_slip
+    from workbench.studs import LAWS, fit_load_slip
 
     Number(2, 10_000, integer=True).check("--least-points", options.least_points)
-    fitted, held, head = _tables(options, "load-slip", POINTS, "stud-load-slip")
     how = {name: getattr(options, name) for name in ("loss", "least_points", "confidence")}
     fits = (fit_load_slip(fitted, name, **how) for name in options.law or LAWS)
-    result = {**head, "laws": [_judged(fit, held, options.confidence) for fit in fits]}
-    return Answer(result, stud_answer.load_slip(result), rows=(fitted, held))
+    return {"laws": [_judged(fit, held, options.confidence) for fit in fits]}, fitted, held
 
 
-@_verb("residual")
-def residual(options: ResidualOptions) -> Answer:
+@_verb("residual", ResidualOptions)
+def residual(options: ResidualOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
     """Fit what is left after pre-damage.
 
     The answer carries the grade of its evidence. Without tests after pre-damage the mechanical
     model predicts, and nothing validates it.
     """
-    from workbench.report.chapters import stud_answer
     from workbench.scenarios import StudTests
     from workbench.studs import TESTS
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
@@ -139,7 +134,6 @@ def residual(options: ResidualOptions) -> Answer:
     from workbench.studs.mechanical.calibration import USUAL
 
     Choice((*QUANTITIES, "both")).check("--quantity", options.quantity)
-    fitted, held, head = _tables(options, "residual", TESTS, "stud-push-out")
     if options.predicted_reference:
         fitted = predicted_references(fitted)
     given = {column: getattr(options, column.lower()) for column in USUAL}
@@ -174,36 +168,30 @@ def residual(options: ResidualOptions) -> Answer:
     if not contents:
         raise why
     grades = dict.fromkeys(content["fit"]["grade"] for content in contents)
-    result = {**head, "grade": "; ".join(grades), "quantities": contents, "not_fitted": left_out}
-    return Answer(result, stud_answer.residual(result), rows=(fitted, held))
+    found = {"grade": "; ".join(grades), "quantities": contents, "not_fitted": left_out}
+    return found, fitted, held
 
 
-@_verb("interaction")
-def interaction(options: InteractionOptions) -> Answer:
+@_verb("interaction", InteractionOptions)
+def interaction(options: InteractionOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
     """Fit the exponent of tension with shear.
 
     Combined tests (test = combined) over the pull-outs and push-outs of their campaign and
     diameter; t^p + v^p = 1, with the laws of the codes on the same tests.
     """
-    from workbench.report.chapters import stud_answer
-    from workbench.studs import TESTS
     from workbench.studs.interaction import fit_interaction
 
-    fitted, held, head = _tables(options, "interaction", TESTS, "stud-push-out")
     fit = fit_interaction(fitted, loss=options.loss, confidence=options.confidence)
-    result = {**head, "laws": [_judged(fit, held, options.confidence)]}
-    return Answer(result, stud_answer.interaction(result), rows=(fitted, held))
+    return {"laws": [_judged(fit, held, options.confidence)]}, fitted, held
 
 
-@_verb("few-tests")
-def few_tests(options: FewOptions) -> Answer:
+@_verb("few-tests", FewOptions)
+def few_tests(options: FewOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
     """Characteristic value of one to three tests, EN 1990 D.8.4.
 
     Strength of undamaged studs, and share of strength and stiffness left after damage, for a
     scatter that earlier tests with the same resistance have shown (--known-variation).
     """
-    from workbench.report.chapters import stud_answer
-    from workbench.studs import TESTS
     from workbench.studs.few import evaluate_few
     from workbench.studs.fit_protocol import plain
 
@@ -212,10 +200,8 @@ def few_tests(options: FewOptions) -> Answer:
         advice = "--known-variation 0.11 for example"
         raise InputError("--known-variation", "", "must be given: few tests do not tell it", advice)
     Number(0.01, 0.5).check("--known-variation", known)
-    fitted, _, head = _tables(options, "few-tests", TESTS, "stud-push-out")
     groups = plain(evaluate_few(fitted, known))
-    result = {**head, "known_variation": known, "groups": groups}
-    return Answer(result, stud_answer.few_tests(result), rows=(fitted, fitted.iloc[:0]))
+    return {"known_variation": known, "groups": groups}, fitted, held.iloc[:0]
 
 
 def _report_files(names: list[str]) -> dict[str, Path]:
@@ -242,14 +228,14 @@ def _reported(found: Answer, targets: dict[str, Path]) -> Answer:
     return found._replace(blocks=(*found.blocks, *told))
 
 
-def _tables(
-    options: Common, fit: str, schema: Table, name: str
-) -> tuple[pd.DataFrame, pd.DataFrame, Content]:
+def _tables(options: Common, fit: str) -> tuple[pd.DataFrame, pd.DataFrame, Content]:
     """The rows to fit, those that judge, and what every answer begins with."""
     from workbench.datafiles import digest
-    from workbench.studs import examine, shipped
+    from workbench.studs import POINTS, TESTS, examine, shipped
     from workbench.studs.tables import campaigns_of, check_campaigns, joined, split_table
 
+    curves = fit == "load-slip"
+    schema, name = (POINTS, "stud-load-slip") if curves else (TESTS, "stud-push-out")
     own = options.with_shipped or options.file is None
     parts, bad = [shipped(name)] if own else [], []
     if options.file is not None:

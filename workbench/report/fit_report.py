@@ -50,12 +50,6 @@ _TITLES = {
     "interaction": "Tension and shear of headed studs together",
     "few-tests": "Characteristic values of few tests on headed studs",
 }
-_TABLES = {
-    "stud-strength": stud_answer.strength_tables,
-    "load-slip": stud_answer.load_slip_tables,
-    "residual": stud_answer.residual_tables,
-    "interaction": stud_answer.unseen_tables,
-}
 _TESTS = "tests"  # name of the file with the rows
 _SOFTWARE = ("workbench", "commit", "requirements_lock", "python", "numpy", "scipy")
 Drawn = tuple[str, str, str, Drawing]  # key, title, caption
@@ -94,7 +88,7 @@ def document(
     result: Content, rows: Sequence[pd.DataFrame], figures: Sequence[Drawn], folder: str
 ) -> Document:
     """The content tree of a fit; `folder`, where the numbers of its figures are."""
-    kind, warnings = result["fit"], stud_answer.warnings_of(result)
+    warnings = stud_answer.warnings_of(result)
     answer = [*fit_answer.grade(result), *fit_answer.answer(result)]
     if warnings:
         answer.insert(1, Callout("doubt", f"Decisive: {warnings[0]}"))
@@ -108,7 +102,7 @@ def document(
         Section("basis", "What it rests on", tuple(_basis(result))),
         Section("warnings", "Warnings, the decisive ones first", tuple(_warnings(result))),
         Section("figures", "Figures", pictures),
-        Section("numbers", "Numbers", tuple(_TABLES[kind](result)) if kind in _TABLES else ()),
+        Section("numbers", "Numbers", tuple(stud_answer.tables_of(result))),
         Section("method", "Formulas and method", tuple(fit_answer.method(result))),
         Section("tests", "The tests", tuple(rows_of)),
         Section("software", "Software", (_software(),)),
@@ -117,7 +111,7 @@ def document(
     record = provenance()
     made = [f"{name} {record[name]}" for name in ("workbench", "commit") if name in record]
     facts = (fit_answer.size(result), f"table: {stud_answer.sources_of(result)}", ", ".join(made))
-    return Document(_TITLES[kind], "Evaluation of tests", facts, sections)
+    return Document(_TITLES[result["fit"]], "Evaluation of tests", facts, sections)
 
 
 def _picture(key: str, title: str, caption: str, drawing: Drawing, folder: str) -> Picture:

@@ -83,95 +83,62 @@ def left_out(result: Content) -> Iterator[str]:
         yield f"not fitted: {name}: {why}"
 
 
-def _shown(result: Content, what: str, *blocks: Block) -> Iterator[Block]:
-    """What was fitted and what was left out, the blocks, every warning once."""
+def shown(result: Content) -> Iterator[Block]:
+    """What was fitted and what was left out, the answer, every warning once."""
+    known, contents, blocks = named_of(result), contents_of(result), tuple[Block, ...]()
+    fit: Content = contents[0]["fit"] if contents else {}
+    campaigns = ", ".join(fit.get("campaigns", ()))
+    match result["fit"]:
+        case "stud-strength":
+            what = f"{fit['tests']} tests of {campaigns}"
+        case "load-slip":
+            what, blocks = f"{fit['curves']} curves of {campaigns}", (*tables.load_slip(known),)
+        case "interaction":
+            what = f"{fit['tests']} combined tests of {campaigns}: {fit['grade']}"
+            blocks = (*stud_design.interaction(contents[0]),)
+        case "residual":
+            what = f"{max(each['fit']['tests'] for each in contents)} tests after pre-damage"
+            holds = "; ".join(dict.fromkeys(each["fit"]["holds"] for each in contents))
+            grade = Callout("bad", f"GRADE: {result['grade']}")
+            blocks = (grade, Paragraph(f"The grade holds {holds}"), *tables.residual(contents))
+        case _:
+            what = f"V_r = {number(result['known_variation'], 3)} is known from earlier tests"
+            blocks = (*stud_design.few(result["groups"]),)
     yield Paragraph(f"{what} ({sources_of(result)})")
     yield from map(Paragraph, left_out(result))
     yield from blocks
+    yield from tables_of(result)
     callouts = tuple(Callout("doubt", f"warning: {each}") for each in warnings_of(result))
     if callouts:
         yield Section("warnings", "", callouts)
 
 
-def strength(result: Content) -> Iterator[Block]:
-    """Formulas of shear strength against tests, EN 1990 D.8, Annex B."""
-    fit = contents_of(result)[0]["fit"]
-    what = f"{fit['tests']} tests of {', '.join(fit['campaigns'])}"
-    yield from _shown(result, what, *strength_tables(result))
-
-
-def strength_tables(result: Content) -> Iterator[Block]:
-    """All tables of the fitted formulas."""
-    named, kinds = named_of(result), {"judgement": "as it is", "corrected": "as fitted"}
-    caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
-    yield from tables.fitted(named)
-    yield from tables.exponents(named)
-    yield from stud_design.posterior(contents_of(result), "model")
-    yield from tables.unseen(named, kinds, caption)
-    yield from tables.design_values(named)
-    yield from tables.left_out(named)
-    yield from tables.series(result["series"])
-
-
-def load_slip(result: Content) -> Iterator[Block]:
-    """Load-slip laws over curves, and on unseen ones."""
-    fit = contents_of(result)[0]["fit"]
-    what = f"{fit['curves']} curves of {', '.join(fit['campaigns'])}"
-    yield from _shown(result, what, *tables.load_slip(named_of(result)), *load_slip_tables(result))
-
-
-def load_slip_tables(result: Content) -> Iterator[Block]:
-    """What stands below the parameters of the laws."""
-    fit = contents_of(result)[0]["fit"]
-    names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
-    rms, bias = (number(fit[name], 3) for name in names)
-    published = f"Ollgaard's published law on these curves: misfit {rms}, bias {bias} of the load."
-    yield Paragraph(published)
-    yield from tables.band_coverage(named_of(result), result["confidence"])
-    yield from tables.unseen_curves(named_of(result))
-
-
-def interaction(result: Content) -> Iterator[Block]:
-    """The exponent of tension with shear, and the laws of the codes on the same tests."""
-    (content,) = contents_of(result)
-    fit = content["fit"]
-    what = f"{fit['tests']} combined tests of {', '.join(fit['campaigns'])}: {fit['grade']}"
-    yield from _shown(result, what, *stud_design.interaction(content), *unseen_tables(result))
-
-
-def unseen_tables(result: Content) -> Iterator[Block]:
-    """Unseen tests under what was fitted."""
-    caption = "Unseen tests, test over prediction:"
-    yield from tables.unseen(named_of(result), {"judgement": "as fitted"}, caption)
-
-
-def few_tests(result: Content) -> Iterator[Block]:
-    """Characteristic values of one to three tests."""
-    known = f"V_r = {number(result['known_variation'], 3)} is known from earlier tests"
-    yield Paragraph(f"{known} ({sources_of(result)})")
-    yield from (Paragraph(f"left out: {text}") for text in result["rows_left_out"])
-    yield from stud_design.few(result["groups"])
-
-
-def residual(result: Content) -> Iterator[Block]:
-    """The grade first, then what is left after pre-damage."""
-    contents = contents_of(result)
-    most = max(content["fit"]["tests"] for content in contents)
-    yield from _shown(
-        result,
-        f"{most} tests after pre-damage",
-        Callout("bad", f"GRADE: {result['grade']}"),
-        Paragraph(
-            "The grade holds " + "; ".join(dict.fromkeys(c["fit"]["holds"] for c in contents))
-        ),
-        *tables.residual(contents),
-        *residual_tables(result),
-    )
-
-
-def residual_tables(result: Content) -> Iterator[Block]:
-    """What stands below the shares that are left."""
-    yield from tables.relations(contents_of(result))
-    yield from stud_design.residual_design(contents_of(result))
-    yield from stud_design.posterior(contents_of(result), "relation")
-    yield from unseen_tables(result)
+def tables_of(result: Content) -> Iterator[Block]:
+    """All tables of a fit, but those that are its answer in a report."""
+    named, contents = named_of(result), contents_of(result)
+    kinds, caption = {"judgement": "as fitted"}, "Unseen tests, test over prediction:"
+    match result["fit"]:
+        case "stud-strength":
+            kinds = {"judgement": "as it is", "corrected": "as fitted"}
+            caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
+            yield from tables.fitted(named)
+            yield from tables.exponents(named)
+            yield from stud_design.posterior(contents, "model")
+            yield from tables.unseen(named, kinds, caption)
+            yield from tables.design_values(named)
+            yield from tables.left_out(named)
+            yield from tables.series(result["series"])
+        case "load-slip":
+            names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
+            rms, bias = (number(contents[0]["fit"][name], 3) for name in names)
+            published = f"misfit {rms}, bias {bias} of the load."
+            yield Paragraph(f"Ollgaard's published law on these curves: {published}")
+            yield from tables.band_coverage(named, result["confidence"])
+            yield from tables.unseen_curves(named)
+        case "residual":
+            yield from tables.relations(contents)
+            yield from stud_design.residual_design(contents)
+            yield from stud_design.posterior(contents, "relation")
+            yield from tables.unseen(named, kinds, caption)
+        case "interaction":
+            yield from tables.unseen(named, kinds, caption)
