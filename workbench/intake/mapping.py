@@ -15,6 +15,7 @@ PROVENANCE = ("title", "source", "licence", "year", "role")
 NONE_STATED = ("unknown", "none", "n/a", "?", "-", "todo", "tbd", "not stated", "...")
 LARGEST_FILE = 1_000_000  # bytes
 _LINE = Text(2000)
+TEMPLATE = Path(__file__).with_name("mapping.toml")  # of a mapping file, commented
 
 
 def _words(value: Any, path: str) -> dict[str, str]:
