@@ -2,8 +2,7 @@
 
 import pytest
 
-from workbench.studs.shear import SHEAR_MODELS
-from workbench.studs.usual import usual_stud
+from workbench.studs.shear import SHEAR_MODELS, usual_stud
 
 
 @pytest.mark.parametrize(

@@ -123,13 +123,16 @@ def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | N
         return meant._replace(name=name, unit=unit or meant.unit)
     if (given or bare).startswith(EXTRA):
         return Place(name, None)
-    known = table.names
-    near = difflib.get_close_matches(given or bare, known, 1, 0.65)
-    guess = f"did you mean {near[0]}? " if near else ""
+    guess = _guess(given or bare, table)
     if given:
         raise InputError(f"mapping, columns.{name}", given, "is no column of the workbench", guess)
     advice = f"{guess}name it in [columns] or in `ignore` of a mapping file"
     raise InputError(field, name, "is no column of the workbench", advice)
+
+
+def _guess(name: str, table: Table) -> str:
+    near = difflib.get_close_matches(name, table.names, 1, 0.65)
+    return f"did you mean {near[0]}? " if near else ""
 
 
 def _check_mapping(mapping: Mapping, names: list[str]) -> None:
@@ -207,8 +210,7 @@ def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> di
         field = f"mapping, constants.{name}"
         place = find(name, table)
         if place is None or place.column is None:
-            near = difflib.get_close_matches(name, table.names, 1, 0.65)
-            advice = f"did you mean {near[0]}?" if near else ""
+            advice = _guess(name, table).strip()
             raise InputError(field, cell, "is no column of the workbench", advice)
         column = place.column
         if column.name in taken:

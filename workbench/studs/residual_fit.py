@@ -43,7 +43,7 @@ from workbench.studs.residual_grade import Grade, grade_of, residual_findings
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
 from workbench.studs.statistics.influence import without_each
-from workbench.studs.statistics.intervals import Interval
+from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (
     NOTHING,
     TAU,
@@ -59,11 +59,6 @@ from workbench.studs.trust import influence_of
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
 FRACTILE = 0.05
-
-
-def tails_of(share: float) -> tuple[float, float]:
-    """The shares below and above which equal parts of the rest lie."""
-    return 0.5 - 0.5 * share, 0.5 + 0.5 * share
 
 
 @dataclass(frozen=True)

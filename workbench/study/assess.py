@@ -280,15 +280,13 @@ def _fallen(gate: Gate, answers: Answers, fallen: tuple[str, ...]) -> CaseVerdic
 
 def verdict_row(found: GateVerdict) -> Row:
     """The row of a gate in the table of verdicts."""
-    top = found.critical
+    top = {} if found.critical is None else asdict(found.critical)
     return {
         **_columns(found),
         "verdict": found.verdict.value,
         **found.counts,
-        "case": None if top is None else top.case,
-        "value": None if top is None else top.value,
-        **{n: None if top is None else getattr(top, n) for n in ("uncertainty", "low", "high")},
-        "collapsed": [] if top is None else list(top.collapsed),
+        **{name: top.get(name) for name in ("case", "value", "uncertainty", "low", "high")},
+        "collapsed": list(top.get("collapsed", ())),
         "reasons": list(found.reasons),
     }
 

@@ -27,12 +27,11 @@ from workbench.studs.mechanical.residual import MEASURES
 from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import TESTS
-from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.shear import SHEAR_MODELS, usual_stud
 from workbench.studs.statistics.mixed import LOSSES
 from workbench.studs.statistics.mixture import NOTHING, Priors
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows
-from workbench.studs.usual import usual_stud
 
 SOURCES = {
     "en1994": ("en1994-1-1",),

@@ -41,6 +41,11 @@ class Interval(NamedTuple):
         return self._replace(low=low, high=high)
 
 
+def tails_of(share: float) -> tuple[float, float]:
+    """The shares below and above which equal parts of the rest lie."""
+    return 0.5 - 0.5 * share, 0.5 + 0.5 * share
+
+
 def freedom_of(estimate: Estimate, name: str) -> float:
     """Satterthwaite's degrees of freedom behind the variance g(sigma^2, tau^2) of a parameter.
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.intervals import Interval
+from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, criterion_at
 from workbench.studs.statistics.problem import Indices, Problem, jacobian
 
@@ -204,7 +204,7 @@ def posterior_intervals(
     Flat densities where no prior is given, of the logarithm of sigma too. Exact for linear
     predictions, otherwise with the prediction linear around each best fit.
     """
-    tails = (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
+    tails = tails_of(confidence)
     free, nu = np.flatnonzero(~estimate.at_bound), np.full(len(mixture.weight), mixture.nu)
     ends: dict[str, tuple[float, float]] = {}
     for k, column in enumerate(free):

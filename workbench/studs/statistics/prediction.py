@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
+from workbench.studs.statistics.intervals import tails_of
 from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, predictive_quantile
 from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset
@@ -65,8 +66,7 @@ def coverage(estimate: Estimate, held: Problem, confidence: float) -> float | No
     """Share of the tests of `held` inside their prediction interval (None: too few campaigns)."""
     if estimate.problem.campaigns < LEAST_CAMPAIGNS:
         return None
-    shares = (0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence)
-    low, high = (predictive_quantile(estimate, held, share) for share in shares)
+    low, high = (predictive_quantile(estimate, held, share) for share in tails_of(confidence))
     return float(np.mean((held.y >= low) & (held.y <= high)))
 
 
