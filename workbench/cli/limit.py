@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 
 COLUMNS, FRAMES, PULSES = "four-dof", "rigid-superelement", "single-dof"  # models by default
 VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
-_ENDINGS = {True: "survives", False: "collapses", None: "not known"}
-_TONES = {True: "good", False: "bad", None: "doubt"}
+_ENDINGS = {
+    True: Cell("survives", tone="good"),
+    False: Cell("collapses", tone="bad"),
+    None: Cell("not known", tone="doubt"),
+}
 
 
 @verb
@@ -114,7 +117,7 @@ def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterat
     tried = (
         Column("model", width=1.5, of=lambda row: row[0]),
         Column(over, True, 1.0, lambda row: _value(row[1].value)),
-        Column("outcome", width=1.0, of=lambda row: _ending(row[1])),
+        Column("outcome", width=1.0, of=lambda row: _ENDINGS[row[1].survives]),
         Column("how", width=3.5, of=lambda row: _how(row[1])),
     )
     rows = [(each.model, t) for each in found for t in sorted(each.trials, key=lambda t: t.value)]
@@ -123,10 +126,6 @@ def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterat
 
 def _value(value: float | None) -> Cell | None:
     return None if value is None else Cell(f"{value:.6g}", value)
-
-
-def _ending(trial: Trial) -> Cell:
-    return Cell(_ENDINGS[trial.survives], tone=_TONES[trial.survives])
 
 
 def _how(trial: Trial) -> str:

@@ -20,10 +20,18 @@ def budget_table(
 ) -> Table:
     """Terms and sums of a quantity whose answer is `value` (SI), with `bars` or without."""
     columns = [
-        Column("term", width=1.8, of=_name),
+        Column(
+            "term",
+            width=1.8,
+            of=lambda row: Cell(row["term"], tone="" if row["term"] in SUMS else "muted"),
+        ),
         Column("from", True, 0.8, partial(_end, "low")),
         Column("to", True, 0.8, partial(_end, "high")),
-        Column("what it is", width=4.4, of=_reason),
+        Column(
+            "what it is",
+            width=4.4,
+            of=lambda row: "; ".join(filter(None, (row["reason"], row["source"]))),
+        ),
     ]
     if bars:
         columns.insert(3, Column("change", True, of=partial(_bar, *scale(rows))))
@@ -75,19 +83,11 @@ def _unstated(row: Row) -> bool:
     return bool(row["term"] == NUMERICAL and row["low"] == row["high"])
 
 
-def _name(row: Row) -> Cell:
-    return Cell(row["term"], tone="" if row["term"] in SUMS else "muted")
-
-
 def _end(end: str, row: Row) -> Cell | None:
     value = row[end]
     if value is None or _unstated(row):
         return None
     return Cell(percent(value, rough=True) if isfinite(value) else "collapse", value)
-
-
-def _reason(row: Row) -> str:
-    return "; ".join(text for text in (row["reason"], row["source"]) if text)
 
 
 def _bar(low: float, high: float, row: Row) -> str:

@@ -1,8 +1,8 @@
 """Numbers as the reader sees them: units of the trade, significant digits, typographic signs."""
 
 import math
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from workbench.assessment import METRICS, Scope
 from workbench.content.tree import ABSENT, Cell
@@ -204,6 +204,12 @@ def valued(
         return ABSENT
     shown = text(value) if callable(text) else number(factor * value, text)
     return Cell(shown, value, tone)
+
+
+def span_cell(row: Mapping[str, Any]) -> Cell:
+    """An interval, the entries `low` and `high` of a row, that sorts by its low end."""
+    low, high = row["low"], row["high"]
+    return ABSENT if None in (low, high) else Cell(f"{number(low, 3)} to {number(high, 3)}", low)
 
 
 def share(value: float | None, tone: str = "") -> Cell:

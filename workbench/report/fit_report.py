@@ -127,7 +127,9 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
     match result["fit"]:
         case "stud-strength":
             caption = "Measured over predicted strength; below the line a prediction is unsafe."
-            yield "prediction", "Prediction", caption, drawn(stud_scatter.plot, _with_unseen(named))
+            # the figure draws unseen tests of contents with a basis
+            told = {name: {**c, "basis": ""} if c["judged"] else c for name, c in named.items()}
+            yield "prediction", "Prediction", caption, drawn(stud_scatter.plot, told)
             name, content = fit_answer.formula(result)
             caption = f"What {name} misses: a trend in a variable is one that it lacks."
             tests = table_of(content["tests"])
@@ -150,26 +152,22 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
             caption = "Tension and shear over the resistances under one of them alone."
             (content,) = contents
             yield "interaction", "Law", caption, drawn(stud_interaction.plot, content)
-    told = {
+    moved = {
         (title if len(set(rows["answer"])) == 1 else f"{title}, {answer}"): own
         for title, content in zip(titles, contents, strict=True)
         if content["influence"]
         for rows in [pd.DataFrame(content["influence"])]
         for answer, own in rows.groupby("answer", sort=False)
     }
-    if told:
+    if moved:
         caption = "Change of the answer when one test is left out, all else kept."
-        yield "influence", "Influence of single tests", caption, drawn(influence.plot, told)
-
-
-def _with_unseen(named: Mapping[str, Content]) -> dict[str, Content]:
-    """Contents whose unseen tests are drawn with the fitted ones."""
-    return {name: {**c, "basis": ""} if c["judged"] else c for name, c in named.items()}
+        yield "influence", "Influence of single tests", caption, drawn(influence.plot, moved)
 
 
 def _basis(result: Content) -> Iterator[Block]:
     campaigns = {name for c in stud_answer.contents_of(result) for name in c["fit"]["campaigns"]}
-    options = ", ".join(f"{name} = {_words(v)}" for name, v in result["options"].items())
+    given = {k: v if isinstance(v, list) else [v] for k, v in result["options"].items()}
+    options = ", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in given.items())
     pairs = [
         ("tests", fit_answer.size(result)),
         *([("campaigns", ", ".join(sorted(campaigns)))] if campaigns else []),
@@ -183,10 +181,6 @@ def _basis(result: Content) -> Iterator[Block]:
     yield Definitions(tuple(pairs))
     if out := list(stud_answer.left_out(result)):
         yield Bullets(tuple(out))
-
-
-def _words(value: Any) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _warnings(result: Content) -> Iterator[Block]:

@@ -24,23 +24,9 @@ _ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
 # the domain of the model; `against_outside`: comparisons with a reference outside its own;
 # `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
-    *(
-        "group",
-        "label",
-        "against",
-        "asked",
-        *_ENDS,
-        "falls",
-        "stands",
-        "outside",
-        "reference",
-        "known",
-    ),
-    *(
-        "against_outside",
-        "synthetic",
-        *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
-    ),
+    *("group", "label", "against", "asked", *_ENDS, "falls", "stands", "outside", "reference"),
+    *("known", "against_outside", "synthetic"),
+    *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
 )
 COST_COLUMNS = ("label", "against", "count", "ratio", "seconds")
 
@@ -214,9 +200,8 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
             ratios = [_ratio(own, other) for own, other in pairs if own and other]
             if ratios and not holds_data(model):
                 row = {"label": label, "against": base, "count": len(ratios)}
-                seconds = median(
-                    _spent(timed[case, label]) for case in moving if (case, label) in timed
-                )
+                own = [timed[case, label] for case in moving if (case, label) in timed]
+                seconds = median(float(r.get("solve_time") or r["wall_time"]) for r in own)
                 yield {**row, "ratio": median(ratios), "seconds": seconds}
 
 
@@ -231,10 +216,6 @@ def _whole(timed: Mapping[tuple[str, str], Row], label: str) -> float:
     return median(
         [float(row["wall_time"]) for (_, own), row in timed.items() if own == label] or [0.0]
     )
-
-
-def _spent(row: Row) -> float:
-    return float(row.get("solve_time") or row["wall_time"])
 
 
 def _ratio(own: Row, other: Row) -> float:

@@ -107,6 +107,8 @@ def _cell(value: Any) -> Cell:
 def _curves(result: Content) -> Iterator[Block]:
     """One row per curve, with the misfit of every law."""
     laws = contents_of(result)
+    # misfits by curve: a law may not have been fitted to all of them
+    misfits = [{tuple(row[n] for n in _NAMES): row["rms"] for row in law["curves"]} for law in laws]
     titles = {key: title for key, (title, _) in _CURVES.items()}
     titles |= {f"rms{k}": f"misfit, {law['fit']['law']}" for k, law in enumerate(laws)}
     columns = [Column("specimen", width=1.6, of="name"), Column("points", True, 0.7, "points")]
@@ -116,18 +118,15 @@ def _curves(result: Content) -> Iterator[Block]:
             "name": " ".join(row[name] for name in _NAMES),
             "points": int(row["points"]),
             **{key: _number(row[key], factor) for key, (_, factor) in _CURVES.items()},
-            **{f"rms{k}": _number(_same(law, row), 1.0) for k, law in enumerate(laws)},
+            **{
+                f"rms{k}": _number(own.get(tuple(row[n] for n in _NAMES)), 1.0)
+                for k, own in enumerate(misfits)
+            },
         }
         for row in laws[0]["curves"]
     ]
     caption = "The curves that were fitted; misfit of the load over its largest value."
     yield Table.of("curves", caption, columns, records, _PRINTED)
-
-
-def _same(law: Content, row: Content) -> float | None:
-    """Misfit of a law on the same curve, None where it was not fitted."""
-    own = (each for each in law["curves"] if all(each[n] == row[n] for n in _NAMES))
-    return next((each["rms"] for each in own), None)
 
 
 def _number(value: float | None, factor: float) -> Cell:

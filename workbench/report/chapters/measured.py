@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from workbench.content.formatting import number, share, title_of, valued
+from workbench.content.formatting import share, span_cell, title_of, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
@@ -54,7 +54,7 @@ def validation(study: Study, stored: Stored) -> Section | None:
         Column("quantity", width=1.5, of=lambda row: title_of(row["quantity"])),
         Column("tests", True, 0.6, lambda row: int(row["tests"])),
         Column("median", True, 0.8, lambda row: valued(row["bias"], 3)),
-        Column("95 % interval", True, 1.3, _interval),
+        Column("95 % interval", True, 1.3, span_cell),
         Column("scatter", True, 0.8, lambda row: share(row["scatter"])),
         Column("measurement", True, 0.9, lambda row: share(row["measurement"])),
         Column("inside", True, 0.9, lambda row: f"{row['covered']:.0f} of {row['counted']:.0f}"),
@@ -63,12 +63,6 @@ def validation(study: Study, stored: Stored) -> Section | None:
     )
     tables = (Table.of("validation", _CAPTION, columns, rows), _sources(study, stored))
     return Section("validation", "Models over tests", tables)
-
-
-def _interval(row: Mapping[str, Any]) -> Cell | None:
-    if row["low"] is None or row["high"] is None:
-        return None
-    return Cell(f"{number(row['low'], 3)} to {number(row['high'], 3)}", row["low"])
 
 
 def _coverage(row: Mapping[str, Any]) -> Cell | None:

@@ -13,8 +13,8 @@ from workbench.content.formatting import (
     in_unit,
     interval,
     metric_title,
-    number,
     share,
+    span_cell,
     title_of,
     unit_of,
     valued,
@@ -133,7 +133,7 @@ def _bias(stored: Stored) -> Iterator[Table]:
         Column("quantity", width=1.8, of=lambda row: title_of(row["quantity"])),
         Column("cases", True, 0.7, "count"),
         Column("bias", True, 0.9, lambda row: valued(row["bias"])),
-        Column("95 % interval", True, 1.5, _span),
+        Column("95 % interval", True, 1.5, span_cell),
         Column("scatter", True, 0.9, lambda row: share(row["model_scatter"])),
     )
     caption = (
@@ -142,10 +142,6 @@ def _bias(stored: Stored) -> Iterator[Table]:
     )
     if rows:
         yield Table.of("bias", caption, columns, rows, _PRINTED)
-
-
-def _span(row: dict[str, Any]) -> Cell:
-    return Cell(f"{number(row['low'], 3)} to {number(row['high'], 3)}", row["low"])
 
 
 class _Times(NamedTuple):

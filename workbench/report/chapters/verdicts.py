@@ -141,10 +141,6 @@ def _interval(row: dict[str, Any]) -> str:
     return interval(row["metric"], row["quantity"], row["value"], row["uncertainty"], *ends)
 
 
-def _judged(row: dict[str, Any]) -> Cell:
-    return Cell(_interval(row), row["value"])
-
-
 def _bound(row: dict[str, Any]) -> Cell:
     bound = metric_value(row["metric"], row["quantity"], row["bound"], bound=True)
     return Cell(f"±{bound}", row["bound"])
@@ -154,21 +150,23 @@ def _passed(row: dict[str, Any]) -> Cell:
     return Cell(f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1))
 
 
-def _note(row: dict[str, Any]) -> Cell:
-    doubt = f"{row['doubt']}; " if row["doubt"] else ""
-    return Cell(doubt + row["note"], tone="muted")
-
-
 def _every_case(rows: list[dict[str, Any]]) -> Table:
     if len(rows) > _PRINTED:
         # paper shows the first rows only: what did not pass comes first, then the largest values
         order = [verdict.value for verdict in Verdict]
         rows = sorted(rows, key=lambda r: (order.index(r["verdict"]), -abs(r["value"] or 0.0)))
+
+    def note(row: dict[str, Any]) -> Cell:
+        return Cell("; ".join(filter(None, (row["doubt"], row["note"]))), tone="muted")
+
     columns = (
         _VERDICT,
         Column("what is judged", width=2.8, of=question_of),
         Column("case", width=1.6, of="case"),
-        Column("value ± numerical or data uncertainty", True, 1.8, _judged),
-        Column("where the uncertainty comes from", width=3.0, of=_note),
+        Column(
+            *("value ± numerical or data uncertainty", True, 1.8),
+            lambda row: Cell(_interval(row), row["value"]),
+        ),
+        Column("where the uncertainty comes from", width=3.0, of=note),
     )
     return Table.of("gate-cases", "Every case of every gate.", columns, rows, _PRINTED)

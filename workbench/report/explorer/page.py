@@ -16,7 +16,7 @@ from workbench.report.chapters import answer, measured
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
-from workbench.report.drawing.style import INTERVAL, Look, looks
+from workbench.report.drawing.style import INTERVAL, looks
 from workbench.report.explorer.cells import (
     DETAILS,
     FINE,
@@ -169,17 +169,13 @@ def _models(study: Study) -> list[dict[str, Any]]:
         {
             "label": label,
             "color": look.color,
-            "dash": _dash(look),
+            "dash": _DASHES.get(str(look.line), _DOTTED),
             "width": look.width,
             "rank": study.ranked.index(label) + 1 if label in study.ranked else 0,
             "shown": label in first,
         }
         for label, look in looks(study).items()
     ]
-
-
-def _dash(look: Look) -> str:
-    return _DASHES.get(look.line, _DOTTED) if isinstance(look.line, str) else _DOTTED
 
 
 def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:

@@ -1,6 +1,6 @@
 """Prediction of what is left out: campaigns predicted from all others, relations weighed by it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from workbench.errors import InputError, SolverError
 from workbench.studs.statistics.intervals import tails_of
 from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, predictive_quantile
-from workbench.studs.statistics.problem import Indices, Problem, jacobian, subset
+from workbench.studs.statistics.problem import Problem, jacobian, subset
 
 DRAWS = 2000  # of the weights of the left-out parts
 MOST_LEFT_OUT = 50  # campaigns; with more of them, as many evenly through the table tell the same
@@ -49,12 +49,6 @@ def leave_one_campaign_out(given: Problem, confidence: float = 0.9) -> list[Left
         covered = coverage(estimate, held, confidence)
         result.append(LeftOut(label, held.count, float(np.mean(error)), rms, covered))
     return result
-
-
-def _left_out(given: Problem, parts: Indices) -> Iterator[tuple[Problem, Problem]]:
-    """The tests of each part (n,), and all others."""
-    for part in np.unique(parts):
-        yield _parted(given, parts == part)
 
 
 def _parted(given: Problem, inside: Flags) -> tuple[Problem, Problem]:
@@ -129,7 +123,9 @@ def score_relations(estimates: Mapping[str, Estimate]) -> list[Score]:
     by_campaign = given.campaigns > 1 and rest > most + 1
     parts = given.groups if by_campaign else np.arange(given.count)
     found = {
-        name: np.array([_log_density(each, *both) for both in _left_out(each.problem, parts)])
+        name: np.array(
+            [_log_density(each, *_parted(each.problem, parts == k)) for k in np.unique(parts)]
+        )
         for name, each in estimates.items()
     }
     known = {name: each for name, each in found.items() if np.all(np.isfinite(each))}
