@@ -56,8 +56,7 @@ def _verb(name: str, kind: type[Common]) -> Callable[[Callable[..., Found]], Non
 
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
-            asked = getattr(options, "report", None)
-            targets = _report_files(asked) if asked else {}
+            targets = _report_files(options.report or [])
             *rows, head = _tables(options, name)
             content, *rows = find(options, *rows)
             found = Answer({**head, **content}, shown({**head, **content}), rows=rows)

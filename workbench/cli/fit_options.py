@@ -25,7 +25,7 @@ def _file(metavar: str, rows: str) -> Any:
 
 @dataclass(frozen=True)
 class Common:
-    """What every fit is asked: the tables, the campaigns, the confidence."""
+    """What every fit is asked: the tables, the campaigns, the confidence, a report."""
 
     file: str | None = _file("[FILE.csv]", "tests")
     calibrate: Names = _option("A campaign to fit.  [default: all not validating]", None, _CAMPAIGN)
@@ -33,17 +33,11 @@ class Common:
     with_shipped: bool = _option("Add the shipped tables to FILE.", False, None, "--with-shipped")
     keep_good: bool = _option("Leave bad rows of FILE out.", False, None, "--keep-good")
     confidence: float = _option("Confidence of intervals and bands.", 0.9)
-
-
-@dataclass(frozen=True)
-class Reported(Common):
-    """A fit that can be written as a report."""
-
     report: Names = _option("Write a report, its curves as CSV beside it.", None, "FILE.html|pdf")
 
 
 @dataclass(frozen=True)
-class StrengthOptions(Reported):
+class StrengthOptions(Common):
     """Options of `workbench fit stud-strength`."""
 
     model: Names = _option("A formula.  [default: all]", None, "NAME")
@@ -65,7 +59,7 @@ class StrengthOptions(Reported):
 
 
 @dataclass(frozen=True)
-class LoadSlipOptions(Reported):
+class LoadSlipOptions(Common):
     """Options of `workbench fit load-slip`."""
 
     file: str | None = _file("[POINTS.csv]", "points")
@@ -75,7 +69,7 @@ class LoadSlipOptions(Reported):
 
 
 @dataclass(frozen=True)
-class ResidualOptions(Reported):
+class ResidualOptions(Common):
     """Options of `workbench fit residual`."""
 
     quantity: str = _option("strength, stiffness or both.", "both", "NAME")
@@ -96,14 +90,14 @@ class ResidualOptions(Reported):
 
 
 @dataclass(frozen=True)
-class InteractionOptions(Reported):
+class InteractionOptions(Common):
     """Options of `workbench fit interaction`."""
 
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")
 
 
 @dataclass(frozen=True)
-class FewOptions(Reported):
+class FewOptions(Common):
     """Options of `workbench fit few-tests`."""
 
     known_variation: float | None = _option("V_r that earlier tests have shown; needed.", None, "V")

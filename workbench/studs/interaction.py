@@ -120,10 +120,6 @@ class InteractionFit(Fit):
         """The exponent p."""
         return self.fitted.estimates["exponent"]
 
-    def shear_left(self, tension: Array) -> Array:
-        """Shear (n,) that is left at tensions (n,), both over the resistances alone."""
-        return _power(self.exponent)(tension)
-
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold the law against combined tests that the fit has not used. Raises `InputError`."""
         rows = combined_tests(table)
@@ -147,7 +143,7 @@ class InteractionFit(Fit):
         """Its tests, and the law."""
         return {
             "tests": self.rows,
-            "curve": {"tension": SHARES, "shear": self.shear_left(SHARES)},
+            "curve": {"tension": SHARES, "shear": _power(self.exponent)(SHARES)},
         }
 
     def influence(self) -> pd.DataFrame:

@@ -122,7 +122,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     ]
     ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
     rows["ladder"] = [row for row in ladders if row]
-    rows["gates"] = [row for found in verdicts for row in case_rows(found)]
+    rows["gates"] = [{**_columns(v), **asdict(case)} for v in verdicts for case in v.cases]
     rows["verdicts"] = [verdict_row(found) for found in verdicts]
     rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
     rows["validation"] = list(validation_rows(study, given))
@@ -289,12 +289,6 @@ def verdict_row(found: GateVerdict) -> Row:
         "collapsed": list(top.get("collapsed", ())),
         "reasons": list(found.reasons),
     }
-
-
-def case_rows(found: GateVerdict) -> Iterator[Row]:
-    """The rows of a gate in the table of all its cases."""
-    for case in found.cases:
-        yield {**_columns(found), **asdict(case)}
 
 
 def _columns(found: GateVerdict) -> dict[str, object]:
