@@ -21,21 +21,22 @@ ATTEMPTS = (
 )
 
 
-def peak_of(hit: int, duration: float, steps: int) -> float:
+def peak_of(hit: int, duration: float, steps: float, tolerance: float = 1e-7) -> float:
     """Largest displacement of the node `hit` along x; equal steps, cut where they fail.
 
-    Raises `RuntimeError` where no cut helps.
+    Each is solved until displacements change by no more than a `tolerance` (m). Raises
+    `RuntimeError` where no cut helps.
     """
     import openseespy.opensees as ops
 
     ops.constraints("Plain")
     ops.numberer("RCM")
     ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-7, 25)
+    ops.test("NormDispIncr", tolerance, 25)
     ops.integrator("Newmark", 0.5, 0.25)
     ops.analysis("Transient")
     begin, peak = ops.getTime(), 0.0
-    for step in range(1, steps + 1):
+    for step in range(1, int(steps) + 1):
         for parts, algorithm in ATTEMPTS:  # from where the last attempt has stopped
             ops.algorithm(algorithm)
             rest = begin + step * duration / steps - ops.getTime()
@@ -47,7 +48,9 @@ def peak_of(hit: int, duration: float, steps: int) -> float:
     return peak
 
 
-def column(scenario: ColumnImpact, kind: str, steps: int, layers: int = 16) -> tuple[float, float]:
+def column(
+    scenario: ColumnImpact, kind: str, steps: float, layers: int = 16
+) -> tuple[float, float]:
     """Peak displacement (m) of the hit point, and the seconds that its steps took.
 
     `kind` is "hinges" or "fibers". The model is built and loaded before the clock starts.

@@ -103,3 +103,20 @@ def test_elastic_columns_do_not_ring_with_the_number_of_elements() -> None:
     ]
     assert max(peaks) / min(peaks) < 1.03
     assert not {"energy-balance"} & {f.subject for f in warnings_of(MODELS[0].simulate(impact))}
+
+
+def test_accuracy_is_what_it_costs() -> None:
+    """Peaks of steps by error within what was asked for, with fewer evaluations the less it is."""
+    own = {"axial_load": 5e5, "restraint_stiffness": 1e7}
+    column = Column(find("HEB 220"), 0.8, 3.2, fillets=False, **own)
+    impact = ColumnImpact("hit", column, Striker(1500.0, 15.0), 0.06)
+    found = {}
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-5):
+        answer = RigidSuperelement(elements=1, accuracy=accuracy).simulate(impact)
+        found[accuracy] = float(answer["peak_displacement"]), answer.attrs["newton_iterations"]
+    peak, _ = found[1e-5]
+    for accuracy in (1e-2, 1e-3, 1e-4):
+        assert found[accuracy][0] == pytest.approx(peak, rel=accuracy)
+    spent = [evaluations for _, evaluations in found.values()]
+    assert spent == sorted(spent)
+    assert 2 * spent[0] < spent[1] * 1.3 < spent[2]

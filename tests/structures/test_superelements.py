@@ -146,7 +146,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             np.zeros((1, 2), bool),
             np.zeros(1),
             0.0,
-            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(5)),
+            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(3), np.empty(5)),
         )
         for _ in range(40 if kind == "flexible" else 20):  # Newton's method is slow for rigid bars
             plastic = rng.normal(size=4) * [3e-3, 0.02, 3e-3, 0.02]
@@ -157,7 +157,7 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             empty = (np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 3)))
             state = SuperelementState(*empty, total[None].copy(), np.zeros(1))
             old = SuperelementState(plastic[None], *empty[1:], np.zeros((1, 3)), np.zeros(1))
-            scratch = np.zeros(3), np.zeros(5)
+            scratch = np.zeros(3), np.zeros(3), np.zeros(5)
             kernels.hinge_bar_law(0, tables, 1.0, old, state, k, *scratch)
             local, carried = state.local[0], state.carried[0]
             pair = plastic.reshape(2, 2)
@@ -188,7 +188,7 @@ def on_a_circle(rate: np.ndarray, start: np.ndarray, steps: int, weight: float) 
     unit, at = np.array([NP, MP]), [0, 2]
     old.carried[0, at] = start * unit
     old.deformation[0, at] = start * work / unit
-    scratch = [tables.scratch[i] for i in (0, 2, 3)]
+    scratch = [tables.scratch[i] for i in (0, 2, 3, 4)]
     for _ in range(steps):
         new.deformation[0, at] = old.deformation[0, at] + rate / steps * work / unit
         kernels.hinge_bar_law(0, tables, weight, old, new, *scratch)

@@ -15,7 +15,7 @@ keeps full relative accuracy at both ends of its curve.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -36,13 +36,13 @@ class Pair(NamedTuple):
     `flexibility` (4,): f_N, f_11, f_14, f_44 (those of a pinned end are not used); `bounds`
     (2, 4) of each hinge: N in tension and in compression, M_h positive and negative, all as
     positive numbers; `exponents` (2, 2): alpha, beta >= 1 of each; `pinned` (2,): ends that
-    carry no moment.
+    carry no moment. All may be tuples, of which kernels need no reference counts.
     """
 
-    flexibility: Vector
-    bounds: Matrix
-    exponents: Matrix
-    pinned: NDArray[np.bool_]
+    flexibility: Any
+    bounds: Any
+    exponents: Any
+    pinned: Any
 
 
 class End(NamedTuple):
@@ -61,8 +61,8 @@ class End(NamedTuple):
 @njit(cache=True, error_model="numpy")
 def _end(pair, h, e):
     """Hinge 1 (h = 0) or hinge 4 (h = 1) of the pair."""
-    Np, low, high = pair.bounds[h, 0 if e[0] >= 0.0 else 1], -pair.bounds[h, 3], pair.bounds[h, 2]
-    alpha, beta = pair.exponents[h]
+    bounds, (alpha, beta) = pair.bounds[h], pair.exponents[h]
+    Np, low, high = bounds[0 if e[0] >= 0.0 else 1], -bounds[3], bounds[2]
     return End(Np, low, high, alpha, beta, pair.pinned[h], pair.flexibility[1 + 2 * h], e[1 + h])
 
 
@@ -246,17 +246,18 @@ def project_pair(pair, e, forces, tangent, flow):
     eN = abs(e[0])
     T = eN / f_n
     if not max(T / one.Np, T / four.Np) > 1.0:
-        c1, c4 = (
-            capacity(T / one.Np, one.alpha, one.beta),
-            capacity(T / four.Np, four.alpha, four.beta),
-        )
-        m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, c1, c4)
-        if not (at1 or at4):
-            forces[0], forces[1], forces[2] = e[0] / f_n, m1, m4
-            tangent[0, 0] = 1.0 / f_n
-            _moment_block(f11, f14, f44, one.pinned, four.pinned, tangent)
-            flow[0], flow[1], flow[2], flow[3] = 0.0, r1, 0.0, r4
-            return ELASTIC
+        c1, c4 = 1.0 - T / one.Np, 1.0 - T / four.Np  # what a straight surface has, without powers
+        for exact in (False, True):
+            if exact:
+                c1 = capacity(T / one.Np, one.alpha, one.beta)
+                c4 = capacity(T / four.Np, four.alpha, four.beta)
+            m1, m4, r1, r4, at1, at4 = moments_in_box(one, four, f14, c1, c4)
+            if not (at1 or at4):
+                forces[0], forces[1], forces[2] = e[0] / f_n, m1, m4
+                tangent[0, 0] = 1.0 / f_n
+                _moment_block(f11, f14, f44, one.pinned, four.pinned, tangent)
+                flow[0], flow[1], flow[2], flow[3] = 0.0, r1, 0.0, r4
+                return ELASTIC
     if _at_axis(pair, one, four, e, forces, tangent, flow):
         return AXIS
     if f_n * min(one.Np, four.Np) < eN and _at_apex(pair, one, four, e, forces, tangent, flow):

@@ -46,11 +46,11 @@ class Panel(NamedTuple):
     """Elasticity and strength of a panel.
 
     `flexibility` (4,): f_N, f_11, f_14, f_44 of bending and stretching; `pinned` (2,): ends that
-    carry no moment; `length` (m); `web`, a record of WEB.
+    carry no moment; `length` (m); `web`, a record of WEB. The first two may be tuples.
     """
 
-    flexibility: Vector
-    pinned: NDArray[np.bool_]
+    flexibility: Any
+    pinned: Any
     length: float
     web: Any
 

@@ -53,6 +53,7 @@ from workbench.structures.superelements import Superelement, Superelements, sway
 from workbench.structures.superelements.march import follow_impact
 from workbench.structures.time_steps import PointMass, TimeStep
 
+ACCURACY = 1e-3  # of the peak, with the numbers that follow and the longest step
 # errors of a step, see `Pace`; square root of what hinges settle by over the energy brought in
 CONTROL = (1e-4, 1.2e-2, 0.01)
 FIRST = 0.005  # step after an impact over the time of an axial wave along an element
@@ -78,6 +79,9 @@ class _HingedBars(BarFrames):
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
     elements: int | None = checked(Number(1, 100, integer=True), optional=True)
     shear: str = checked(Choice(("panel", "none")), "panel")
+    accuracy: float = checked(
+        Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY
+    )
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
     least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
@@ -157,12 +161,15 @@ class _HingedBars(BarFrames):
         """How the midpoint scheme steps through an impact: by the error, or with `time_step`."""
         duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
         waves = np.array(wave_times(scenario.frame)) / self.parts(scenario)
-        first = FIRST * float(waves.min())
+        share = self.accuracy / ACCURACY
+        first = share * FIRST * float(waves.min())
         if self.time_step is not None:
             step = duration / ceil(duration / self.time_step - 1e-9)
             return Pace(duration, min(first, step), step, inf, inf, inf, spacing, MOST_STEPS)
-        longest = duration / LEAST_STEPS
-        return Pace(duration, min(first, longest), longest, *CONTROL, spacing, MOST_STEPS)
+        longest = share**0.5 * duration / LEAST_STEPS  # an error of second order
+        error, vibration, flow = (share * each for each in CONTROL)
+        first = min(first, longest)
+        return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
     def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
         """Time steps of an impact, compiled ones where the scheme is the midpoint one."""
@@ -184,9 +191,10 @@ class RigidSuperelement(_HingedBars):
     in a pin gets half of it at the other end; None: 6 of one element, several are exact
     together); `axial_stiffness`, c of c EA/L (2: exact);
     `elements` per member (None: one, of struck members more, see `struck_parts`);
+    `accuracy` that steps by error aim at, as a share of the peak;
     `inertia` of the turning bar, nonlinear, linear (of the initial
-    position) or none; `integrator`; `time_step` in s (None: by the error, mostly
-    0.1 % of the peak, up to 1 % where a frame peaks after several rebounds; of the other
+    position) or none; `integrator`; `time_step` in s (None: by the error, of
+    frames that peak after several rebounds up to 0.5 % of the peak; of the other
     integrators 1/150 of the expected time to the peak, four times as long after six such times,
     at most the time of a wave along an element and back, half of that with restitution);
     `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
@@ -242,7 +250,8 @@ class FlexibleSuperelement(_HingedBars):
     Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal); `hinge_stiffness`,
     n of the hinges' n 2EA/L and n 6EI/L (100 and more: rigid-plastic hinges); `elements` per
-    member; `integrator`; `time_step` in s (None: by the error, as for `rigid-superelement`);
+    member; `accuracy` that steps by error aim at, as a share of the peak; `integrator`;
+    `time_step` in s (None: by the error, as for `rigid-superelement`);
     `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
     the heaviest bar there); `regularisation`, share of the elastic stiffness beside the
     perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the undeformed

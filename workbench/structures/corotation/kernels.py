@@ -104,7 +104,8 @@ def step_gradients(
         square = xi * xi
         phi = 1.0 + square / 6.0 + 7.0 * square * square / 360.0
         slope = xi / 3.0 + 7.0 * xi * square / 90.0
-        cos_xi, sin_xi = math.cos(xi), math.sin(xi)
+        cos_xi = 1.0 - square / 2.0 + square * square / 24.0
+        sin_xi = xi * (1.0 - square / 6.0 + square * square / 120.0)
     else:
         cos_xi, sin_xi = math.cos(xi), math.sin(xi)
         phi = xi / sin_xi
@@ -135,10 +136,24 @@ def add_element(step, bars, e, chord, local_old, local, k, work):
     end; `k` (3, 3), derivative of the latter by the local deformations; `work`, scratch (7, 4).
     Result: the gradients used, and the rotation of the chord in a time step.
     """
-    turn = 0.0
-    if step.dynamic:
-        before = chord_at(bars, e, step.start)
-        turn = chord.rotation - before.rotation
+    before = chord_at(bars, e, step.start) if step.dynamic else chord
+    return add_moved_element(step, bars, e, before, chord, local_old, local, k, work)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def chord_before(bars, e, q, deformation):
+    """The chord at displacements `q` (dofs,) where its local `deformation` (3,) is known."""
+    dofs = bars.dofs[e]
+    x = bars.chords[e, 0] + (q[dofs[3]] - q[dofs[0]])
+    y = bars.chords[e, 1] + (q[dofs[4]] - q[dofs[1]])
+    turned = q[dofs[2]] - deformation[1]
+    return Chord(x, y, bars.lengths[e] + deformation[0], turned, deformation[0])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def add_moved_element(step, bars, e, before, chord, local_old, local, k, work):
+    """As `add_element`, of an element whose chord `before` the step is known."""
+    turn = chord.rotation - before.rotation
     if bars.first_order:
         gradients = initial_gradients(chord.x, chord.y, chord.length)
     elif step.dynamic:

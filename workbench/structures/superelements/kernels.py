@@ -14,7 +14,7 @@ from numba import njit
 from workbench.hinges.pair_kernels import Pair, project_pair
 from workbench.hinges.panel_elements import project_condensed
 from workbench.hinges.panel_kernels import Panel
-from workbench.structures.corotation.kernels import add_element, chord_at
+from workbench.structures.corotation.kernels import add_moved_element, chord_at, chord_before
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -27,53 +27,59 @@ def _quadratic(matrix, x):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def elastic_trial(deformation, plastic, trial):
-    """Write what of a `deformation` (3,) is elastic if nothing flows any more."""
-    trial[0] = deformation[0] - plastic[0] - plastic[2]
-    trial[1] = deformation[1] - plastic[1]
-    trial[2] = deformation[2] - plastic[3]
+def elastic_trial(e, deformation, plastic, trial):
+    """Write what of the deformation of element `e` is elastic if nothing flows any more."""
+    trial[0] = deformation[e, 0] - plastic[e, 0] - plastic[e, 2]
+    trial[1] = deformation[e, 1] - plastic[e, 1]
+    trial[2] = deformation[e, 2] - plastic[e, 3]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def project(e, hinges, trial, carried, k, flow):
-    """Forces of element `e` nearest to the elastic ones of `trial`, their tangent, and the flow."""
-    bending, pinned = hinges.bending[e], hinges.pinned[e]
+def project(e, hinges, trial, forces, k, flow):
+    """Forces of element `e` nearest to the elastic ones of `trial`, their tangent, and the flow.
+
+    Begins with the `forces` (3,); all tables are read as numbers, as views cost more than the rest.
+    """
+    f, pins = hinges.bending, hinges.pinned
+    flexibility, pinned = (f[e, 0], f[e, 1], f[e, 2], f[e, 3]), (pins[e, 0], pins[e, 1])
     if hinges.webs[e].stiffness > 0.0:
-        panel = Panel(bending, pinned, hinges.lengths[e], hinges.webs[e])
-        project_condensed(panel, trial, carried, k, flow)
+        panel = Panel(flexibility, pinned, hinges.lengths[e], hinges.webs[e])
+        project_condensed(panel, trial, forces, k, flow)
     else:
-        pair = Pair(bending, hinges.bounds[e], hinges.exponents[e], pinned)
-        project_pair(pair, trial, carried, k, flow)
+        b, x = hinges.bounds, hinges.exponents
+        bounds = (
+            (b[e, 0, 0], b[e, 0, 1], b[e, 0, 2], b[e, 0, 3]),
+            (b[e, 1, 0], b[e, 1, 1], b[e, 1, 2], b[e, 1, 3]),
+        )
+        exponents = (x[e, 0, 0], x[e, 0, 1]), (x[e, 1, 0], x[e, 1, 1])
+        project_pair(Pair(flexibility, bounds, exponents, pinned), trial, forces, k, flow)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def hinge_bar_law(e, hinges, weight, old, new, k, trial, flow):
+def hinge_bar_law(e, hinges, weight, old, new, k, trial, forces, flow):
     """Local forces and tangent of element `e` for its deformations in the `new` state.
 
     Hinges return to the yield surface at the `weight` of the way from the `old` state, see
     `settle`. Writes the new plastic deformations, the forces carried by the hinges, local forces
-    and their tangent `k` (3, 3); scratch `trial` (3,), `flow` (5,).
+    and their tangent `k` (3, 3); scratch `trial` and `forces` (3,), `flow` (5,).
     """
     eta, before = hinges.eta, 1.0 - weight
-    deformation, carried, local = new.deformation[e], new.carried[e], new.local[e]
-    elastic_trial(deformation, old.plastic[e], trial)
-    if before > 0.0:
-        for i in range(3):
-            trial[i] += before * (old.deformation[e, i] - deformation[i])
-            carried[i] += before * (old.carried[e, i] - carried[i])
-    project(e, hinges, trial, carried, k, flow)
+    elastic_trial(e, new.deformation, old.plastic, trial)
+    for i in range(3):
+        trial[i] += before * (old.deformation[e, i] - new.deformation[e, i])
+        forces[i] = new.carried[e, i] + before * (old.carried[e, i] - new.carried[e, i])
+    project(e, hinges, trial, forces, k, flow)
     for i in range(4):
         new.plastic[e, i] = old.plastic[e, i] + flow[i] / weight
     for i in range(3):
-        if before > 0.0:
-            carried[i] += before / weight * (carried[i] - old.carried[e, i])
-        local[i] = (1.0 - eta) * carried[i]
+        new.carried[e, i] = forces[i] + before / weight * (forces[i] - old.carried[e, i])
         for j in range(3):
             k[i, j] *= 1.0 - eta
-    kn, k11, k14, k44 = hinges.stiffness[e]
-    local[0] += eta * kn * deformation[0]
-    local[1] += eta * (k11 * deformation[1] + k14 * deformation[2])
-    local[2] += eta * (k14 * deformation[1] + k44 * deformation[2])
+    x, stiff, carried = new.deformation, hinges.stiffness, new.carried
+    kn, k11, k14, k44 = stiff[e, 0], stiff[e, 1], stiff[e, 2], stiff[e, 3]
+    new.local[e, 0] = (1.0 - eta) * carried[e, 0] + eta * kn * x[e, 0]
+    new.local[e, 1] = (1.0 - eta) * carried[e, 1] + eta * (k11 * x[e, 1] + k14 * x[e, 2])
+    new.local[e, 2] = (1.0 - eta) * carried[e, 2] + eta * (k14 * x[e, 1] + k44 * x[e, 2])
     k[0, 0] += eta * kn
     k[1, 1] += eta * k11
     k[1, 2] += eta * k14
@@ -92,7 +98,7 @@ def settle(weight, hinges, old, new):
     """
     stored = plastic = algorithmic = ideal = excess = 0.0
     eta, rest = hinges.eta, 1.0 - hinges.eta
-    k, _, trial, flow = hinges.scratch
+    k, _, trial, forces, flow = hinges.scratch
     for e in range(hinges.rotary.size):
         flexibility, stiffness = hinges.flexibility[e], hinges.stiffness[e]
         carried, gone = new.carried[e], new.plastic[e]
@@ -103,21 +109,21 @@ def settle(weight, hinges, old, new):
             trial[i] = new.deformation[e, i] - old.deformation[e, i]
         algorithmic += (weight - 0.5) * eta * _quadratic(stiffness, trial)
         stored += 0.5 * eta * _quadratic(stiffness, new.deformation[e])
-        first = carried[0], carried[1], carried[2]
         for i in range(3):
-            new.local[e, i] -= rest * carried[i]
-        elastic_trial(new.deformation[e], gone, trial)
-        project(e, hinges, trial, carried, k, flow)
+            forces[i] = carried[i]
+        elastic_trial(e, new.deformation, new.plastic, trial)
+        project(e, hinges, trial, forces, k, flow)
         mean = end = 0.0
         for h in range(4):
             i = 0 if h % 2 == 0 else 1 + h // 2
             flown = rest * (gone[h] - old.plastic[e, h])
-            mean += (weight * first[i] + (1.0 - weight) * old.carried[e, i]) * flown
-            end += carried[i] * flown
-            excess += 0.5 * rest * (first[i] + carried[i]) * flow[h]
+            mean += (weight * carried[i] + (1.0 - weight) * old.carried[e, i]) * flown
+            end += forces[i] * flown
+            excess += 0.5 * rest * (carried[i] + forces[i]) * flow[h]
             gone[h] += flow[h]
         for i in range(3):
-            new.local[e, i] += rest * carried[i]
+            new.local[e, i] += rest * (forces[i] - carried[i])
+            carried[i] = forces[i]
         stored += 0.5 * rest * _quadratic(flexibility, carried)
         plastic += mean
         ideal += max(mean, end)  # of the forces that go with a flow those at yield do most work
@@ -130,15 +136,21 @@ def assemble(step, bars, hinges, old, new):
 
     The rotary inertia of the chords acts in time steps of finite duration only.
     """
-    k, work, trial, flow = hinges.scratch
+    k, work, trial, forces, flow = hinges.scratch
+    weight = step.weight if step.dynamic else 1.0
     moving = step.dynamic and math.isfinite(step.duration)
     for e in range(bars.dofs.shape[0]):
         chord = chord_at(bars, e, step.end)
         new.deformation[e, 0] = chord.elongation
         new.deformation[e, 1] = step.end[bars.dofs[e, 2]] - chord.rotation
         new.deformation[e, 2] = step.end[bars.dofs[e, 5]] - chord.rotation
-        hinge_bar_law(e, hinges, step.weight if step.dynamic else 1.0, old, new, k, trial, flow)
-        gradients, turn = add_element(step, bars, e, chord, old.local[e], new.local[e], k, work)
+        hinge_bar_law(e, hinges, weight, old, new, k, trial, forces, flow)
+        before = chord
+        if step.dynamic:
+            before = chord_before(bars, e, step.start, old.deformation[e])
+        gradients, turn = add_moved_element(
+            step, bars, e, before, chord, old.local[e], new.local[e], k, work
+        )
         new.rate[e] = 0.0
         if moving and hinges.rotary[e] > 0.0:
             new.rate[e] = 2.0 * turn / step.duration - old.rate[e]
