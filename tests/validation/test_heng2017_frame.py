@@ -87,8 +87,9 @@ def test_integrators_agree(frame_impact, integrator) -> None:
 @pytest.mark.parametrize(("restitution", "expected"), [(0.5, 0.496), (1.0, 0.542)])
 def test_restitution(frame_impact, restitution, expected) -> None:
     striker = replace(frame_impact.striker, restitution=restitution)
-    response = RIGID().simulate(replace(frame_impact, striker=striker))
-    # repeated rebounds: the peak at restitution 1 scatters from 0.5420 to 0.5434 m with node
+    response = RIGID(accuracy=2e-4).simulate(replace(frame_impact, striker=striker))
+    # repeated rebounds: at the default accuracy the peak is 0.1 to 0.3 % off, 0.5401 m at
+    # restitution 1; there it scatters from 0.5420 to 0.5434 m with node
     # inertias of 0.05 to 0.2 kg m2, without a trend
     assert peak(response) == pytest.approx(expected, rel=3e-3 if restitution == 1.0 else 2e-3)
 
