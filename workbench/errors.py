@@ -1,7 +1,7 @@
 """The errors that the workbench raises, each with all that its message needs."""
 
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class WorkbenchError(Exception):
@@ -99,11 +99,14 @@ class Collapse(NamedTuple):
 
 
 class CollapseError(WorkbenchError):
-    """The structure collapsed, which is an answer: the `collapse`, and the `reason` in words."""
+    """The structure collapsed, which is an answer: the `collapse`, and the `reason` in words.
 
-    def __init__(self, collapse: Collapse, reason: str) -> None:
-        self.collapse, self.reason = collapse, reason
+    `findings` are what the run until then says of itself.
+    """
+
+    def __init__(self, collapse: Collapse, reason: str, findings: tuple[Any, ...] = ()) -> None:
+        self.collapse, self.reason, self.findings = collapse, reason, findings
         super().__init__(f"{collapse}: {reason}; the model means nothing beyond")
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
-        return type(self), (self.collapse, self.reason)
+        return type(self), (self.collapse, self.reason, self.findings)

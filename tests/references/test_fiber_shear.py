@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from builders import SQUARE
 
+from workbench.errors import CollapseError
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
-from workbench.responses import Outcome, outcome_of, warnings_of
-from workbench.scenarios import ColumnPushover
-from workbench.sections import section_from
+from workbench.responses import Outcome, collapse_of, findings_of, outcome_of, warnings_of
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.sections import find, section_from
 from workbench.structures.fibers import section_fibers
 from workbench.testing import check_model
 
@@ -118,3 +120,17 @@ def test_shear_shares_add_up_to_the_shear_area(shape, tolerance) -> None:
     carried = float(np.sum(fibers.area * fibers.share))
     assert carried == pytest.approx(section.shear_area, rel=tolerance)  # measured 0.88 of it
     assert carried <= section.shear_area * (1.0 + 5e-3)  # measured 4.2e-3
+
+
+def test_a_member_that_slid_before_it_fell_says_so() -> None:
+    section = find("IPE 270").without_fillets()
+    column = Column(section, 6.0, 0.86, axial_load=4.1e5, restraint_stiffness=2.6e8)
+    impact = ColumnImpact("short segment", column, Striker(2800.0, 15.4), 0.2)
+    response = FiberShear(levels=1).simulate(impact)
+    assert outcome_of(response) is Outcome.COLLAPSE
+    (finding,) = [each for each in findings_of(response) if each.subject == "shear-strain"]
+    assert finding.outside
+    assert finding.number > 0.5
+    assert "misses the catenary action" in finding.text
+    copied = pickle.loads(pickle.dumps(CollapseError(collapse_of(response), "fell", (finding,))))
+    assert copied.findings == (finding,)

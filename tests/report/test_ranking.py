@@ -34,6 +34,16 @@ def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> N
     assert ranking.advice(stored(FIRST), "fast", "10 %").startswith("no model stays within 10 %")
 
 
+def test_the_tree_says_which_model_where_and_how_it_did_unseen() -> None:
+    leaf = {**FIRST, "region": "V/Vpl below 0.5", "count": 60, "asked": 12, "right": 11}
+    rows = {"advice": [leaf, {**leaf, "region": ""}], "cost": []}
+    text = " ".join(render_text(*ranking.tree(SimpleNamespace(rows=rows))).split())
+    assert "on 22 of 24 columns that this choice had not seen" in text
+    assert "V/Vpl below 0.5: take panels; peak within 10 % in 50 of 60, expect" in text
+    assert "any column: take panels" in text
+    assert not list(ranking.tree(SimpleNamespace(rows={**rows, "advice": []})))
+
+
 def test_the_table_counts_pairs() -> None:
     section = ranking.table(stored(FIRST, WORSE, EQUAL))
     assert section is not None

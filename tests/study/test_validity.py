@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,6 +19,7 @@ from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study import Assessment, Case, Study
 from workbench.study.validity import (
+    advice_rows,
     checked,
     errors_of,
     ranking_rows,
@@ -63,7 +65,7 @@ def tables_of(study: Study, ends: dict[tuple[str, str], str]) -> dict[str, list[
                         **{"value": value, "against_value": 1.0},
                     }
                 )
-    references = [{"case": case.name, "label": "beam"} for case in study.cases]
+    references = [{"case": case.name, "label": "beam", "inside": 1} for case in study.cases]
     return {"cells": cells, "comparisons": comparisons, "references": references}
 
 
@@ -106,6 +108,38 @@ def test_collapse_on_one_side_is_an_infinite_error(study) -> None:
     assert (found["1"], found["2"], found["3"]) == (inf, -inf, 0.0)
     assert found["0"] == pytest.approx(0.02)
     assert not {"4", "5"} & set(found)
+
+
+def test_a_reference_outside_its_domain_judges_nobody(study) -> None:
+    tables = tables_of(study, {("7", "beam"): Outcome.COLLAPSE})
+    for row in tables["references"]:
+        row["inside"] = int(row["case"] not in ("3", "7"))
+    found = errors_of(study, tables)
+    assert set(found["good"]) == {case.name for case in study.cases} - {"3", "7"}
+
+
+def test_advice_takes_the_model_that_is_right_most_often_the_cheapest_of_equals(study) -> None:
+    slow = [case.name for case in study.cases if case.scenario.striker.velocity <= BOUND]
+    tables = tables_of(study, {(name, "good"): Outcome.OUT_OF_DOMAIN for name in slow})
+    first, second = advice_rows(study, tables)
+    assert (first["label"], second["label"]) == ("soft", "good")
+    assert first["count"] + second["count"] == COUNT - COUNT // 5
+    assert first["asked"] + second["asked"] == COUNT // 5
+    for row in (first, second):  # some beside the bound
+        assert row["within"] >= row["count"] - 2
+        assert row["right"] >= row["asked"] - 1
+    assert "below" in first["region"]
+    assert second["median"] == pytest.approx(1.02)
+    ratios = {"soft": 0.1, "good": 0.5}
+    for cheaper in ratios:
+        cost = [{"label": label, "ratio": ratios[label]} for label in ratios]
+        both = tables_of(study, {(case.name, "beam"): Outcome.COLLAPSE for case in study.cases})
+        for row in both["cells"]:
+            row["outcome"] = Outcome.COLLAPSE
+        (row,) = advice_rows(study, both | {"cost": cost})
+        assert (row["label"], row["region"]) == (cheaper, "")
+        ratios = {"soft": 0.5, "good": 0.1}
+    assert not list(advice_rows(replace(study, cases=study.cases[:4], groups={}), tables))
 
 
 def test_ranking_counts_pairs_and_leaves_small_groups(study) -> None:

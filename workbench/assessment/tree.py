@@ -1,9 +1,9 @@
-"""A small classification tree: regions of few bounds that a reader can check (Breiman et al. 1984).
+"""A small decision tree: regions of few bounds that a reader can check (Breiman et al. 1984).
 
-Splits lower the Gini impurity most, at round numbers; a leaf is a box of the features.
+Splits lower a loss most, at round numbers; a leaf is a box of the features.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import floor, inf, log10
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.arrays import Array, Indices
 
+Loss = Callable[[Indices], float]  # of the members of a leaf
 _DIGITS = 2  # of a bound
 _QUANTILES = np.linspace(0.05, 0.95, 19)  # of a feature, where bounds are tried
 
@@ -27,25 +28,24 @@ class Leaf:
         return all(low <= features[i] < high for i, (low, high) in self.bounds.items())
 
 
-def grow(features: Array, classes: Indices, depth: int, fewest: int) -> Iterator[Leaf]:
-    """Leaves of the tree of points (points, features) and their `classes` (points,).
+def grow(features: Array, loss: Loss, depth: int, fewest: int) -> Iterator[Leaf]:
+    """Leaves of the tree of points (points, features) that lowers the sum of their `loss`.
 
-    At most `depth` splits deep, with at least so many points in each.
+    The loss is that of the members of a leaf, for instance of `impurity`. At most `depth` splits
+    deep, with at least so many points in each.
     """
-    yield from _split(features, classes, Leaf({}, np.arange(len(classes))), depth, fewest)
+    yield from _split(features, loss, Leaf({}, np.arange(len(features))), depth, fewest)
 
 
-def _split(
-    features: Array, classes: Indices, leaf: Leaf, depth: int, fewest: int
-) -> Iterator[Leaf]:
-    best, place = impurity(classes[leaf.members]) * (1.0 - 1e-9), (-1, 0.0)
+def _split(features: Array, loss: Loss, leaf: Leaf, depth: int, fewest: int) -> Iterator[Leaf]:
+    best, place = loss(leaf.members) * (1.0 - 1e-9), (-1, 0.0)
     for i in range(features.shape[1]) if depth > 0 else ():
         own = features[leaf.members, i]
         for bound in dict.fromkeys(rounded(float(x)) for x in np.quantile(own, _QUANTILES)):
             below = own < bound
             if min(np.sum(below), np.sum(~below)) < fewest:
                 continue
-            found = sum(impurity(classes[leaf.members[part]]) for part in (below, ~below))
+            found = sum(loss(leaf.members[part]) for part in (below, ~below))
             if found < best:
                 best, place = found, (i, bound)
     i, bound = place
@@ -56,13 +56,17 @@ def _split(
     below = features[leaf.members, i] < bound
     for part, ends in ((below, (low, bound)), (~below, (bound, high))):
         child = Leaf({**leaf.bounds, i: ends}, leaf.members[part])
-        yield from _split(features, classes, child, depth - 1, fewest)
+        yield from _split(features, loss, child, depth - 1, fewest)
 
 
-def impurity(classes: Indices) -> float:
-    """Gini impurity of a set times its size."""
-    counts = np.bincount(classes)
-    return float(len(classes) - np.sum(counts**2) / len(classes))
+def impurity(classes: Indices) -> Loss:
+    """Gini impurity of the classes (points,) of the members of a leaf, times their number."""
+
+    def gini(members: Indices) -> float:
+        counts = np.bincount(classes[members])
+        return float(len(members) - np.sum(counts**2) / len(members))
+
+    return gini
 
 
 def rounded(value: float) -> float:

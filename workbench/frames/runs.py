@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import SolverError
+from workbench.errors import CollapseError, SolverError
 from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
@@ -125,7 +125,12 @@ def _follow(record: Record, steps: Iterator[TimeStep]) -> float:
     lengths: list[Any] = []
     for taken in steps:
         lengths.append(taken.length)
-        record.take(taken, taken.time)
+        try:
+            record.take(taken, taken.time)
+        except CollapseError as error:  # members that slid mean little before they fell
+            raise CollapseError(
+                error.collapse, error.reason, tuple(_shear_reached(record))
+            ) from error
     return float(np.max(np.hstack(lengths)))
 
 

@@ -4,11 +4,12 @@ Regions in which models were measured, and the rules of validity found there, ar
 """
 
 import dataclasses
-from math import sqrt
+from collections.abc import Mapping
+from math import inf, sqrt
 from typing import Any
 
 from workbench.models.domain import euler_load, shear_demand
-from workbench.models.hit_mass import elastic_energy
+from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.scenarios import ColumnImpact
 
 DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
@@ -49,22 +50,51 @@ FEATURES = {  # of rules of validity, and their words
     YIELDING: "energy of the hit over the elastic one",
     STRIKER: "striker over lumped mass",
     "turned": "energy of the hit over the work of the mechanism per length of the shorter segment",
-    "axial_over_euler": "axial load over the Euler load",
     "axial_over_squash": "axial load over the squash load",
-    "restraint_over_axial": "restraint over the axial stiffness of the column",
+    "stiffening": "pull of the restraint less the axial load, over the mechanism",
+    "front": "velocity over the one from which shear waves yield the webs",
     "shorter_over_length": "shorter segment over the length",
 }
 
 
 def features(scenario: ColumnImpact) -> dict[str, float]:
-    """The numbers that rules of validity may ask for, by the names of `FEATURES`."""
+    """The numbers that rules of validity may ask for, by the names of `FEATURES`.
+
+    The pull acts at the displacement that the mechanism alone would need, elastic up to the squash
+    load, and across the column by the turn of both segments.
+    """
     own, column = descriptors(scenario), scenario.column
-    properties, shorter = column.properties, min(column.length_below, column.length_above)
+    properties, below, above = column.properties, column.length_below, column.length_above
     resistance = sum(min(each, 1.0) for each in shear_demand(scenario).values())
-    left = scenario.input_energy / (1.0 + 1.0 / own[STRIKER])
-    own["turned"] = left / (resistance * properties.shear_resistance * shorter)
-    own["shorter_over_length"] = shorter / column.length
+    resistance *= properties.shear_resistance
+    way = scenario.input_energy / (1.0 + 1.0 / own[STRIKER]) / resistance
+    turn = way / below + way / above
+    stiffness = column.steel.elastic_modulus * properties.area / column.length
+    if column.head != "fixed":
+        stiffness *= own["restraint_over_axial"] / (1.0 + own["restraint_over_axial"])
+    pull = min(0.5 * stiffness * way * turn, properties.squash_load)
+    own["turned"] = way / min(below, above)
+    own["stiffening"] = (pull - column.axial_load) * turn / resistance
+    own["front"] = scenario.striker.velocity / front_velocity(scenario)
+    own["shorter_over_length"] = min(below, above) / column.length
     return {name: own[name] for name in FEATURES}
+
+
+def region_of(
+    bounds: Mapping[str, tuple[float, float]], own: Mapping[str, float] | None = None
+) -> str:
+    """A region in words, from its `bounds` by feature; with the numbers of a column, its `own`."""
+    told = (
+        f"{FEATURES[name]} {f'{own[name]:.3g}, ' if own else ''}{_between(*ends)}"
+        for name, ends in bounds.items()
+    )
+    return "; ".join(told)
+
+
+def _between(low: float, high: float) -> str:
+    if low == -inf:
+        return f"below {high:g}"
+    return f"above {low:g}" if high == inf else f"{low:g} to {high:g}"
 
 
 def variant_of(model: Any) -> str:

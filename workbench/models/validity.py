@@ -10,13 +10,13 @@ from math import inf
 from typing import Any
 
 from workbench.datafiles import data_directory
-from workbench.models.descriptors import FEATURES, features, variant_of
+from workbench.models.descriptors import FEATURES, features, region_of, variant_of
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact
 
 TABLE = "validity"
 BEYOND = 0.10  # error of the peak that is told
-TOLERATED = 0.05  # share of the columns of a region that may be beyond it without a warning
+TOLERATED = 0.04  # chance of a column to be beyond it that needs no warning, see the theory page
 SUBJECT = "measured"  # most columns of the region are off: outside the domain
 RISK = "measured-risk"  # some are
 
@@ -29,7 +29,7 @@ def measured_findings(model: Any, scenario: Any) -> list[Finding]:
     if rules is None:
         return []
     own = features(scenario)
-    return [_told(row, own) for row in rules if _holds(row, own) and _beyond(row) > TOLERATED]
+    return [_told(row, own) for row in rules if _holds(row, own) and _chance(row) > TOLERATED]
 
 
 @lru_cache(maxsize=1)
@@ -56,21 +56,23 @@ def _holds(row: dict[str, Any], own: dict[str, float]) -> bool:
     return all(low <= own[name] < high for name, (low, high) in row["bounds"].items())
 
 
-def _beyond(row: dict[str, Any]) -> float:
-    return float((row["low"] + row["high"]) / row["count"])
+def _chance(row: dict[str, Any]) -> float:
+    """Expected share of columns beyond the bound, the mean of its posterior: few columns warn."""
+    return float((row["low"] + row["high"] + 1.0) / (row["count"] + 2.0))
 
 
 def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
-    where = "; ".join(
-        f"{FEATURES[name]} {own[name]:.3g}, {_between(*ends)}"
-        for name, ends in row["bounds"].items()
-    )
+    where = region_of(row["bounds"], own)
     beyond, apart = row["low"] + row["high"], row["falls"] + row["stands"]
     text = (
         f"in {beyond:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
-        f"{100.0 * BEYOND:g} % off, {row['low']:.0f} too small and {row['high']:.0f} too large"
+        f"{100.0 * BEYOND:g} % off"
     )
+    if beyond:
+        text += f", {row['low']:.0f} too small and {row['high']:.0f} too large"
+    else:
+        text += ", but that few prove little"
     if row["bias"] is not None:
         ends = (100.0 * (row[name] - 1.0) for name in ("bias", "least", "most"))
         text += "; expect {:+.0f} % ({:+.0f} to {:+.0f} %)".format(*ends)
@@ -85,11 +87,5 @@ def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
             f"take {row['better']}, off in {row['better_off']:.0f} of {row['better_count']:.0f} "
             "there"
         )
-    share = _beyond(row)
+    share = float(beyond / row["count"])
     return Finding(SUBJECT if share > 0.5 else RISK, text, remedy=remedy, number=share)
-
-
-def _between(low: float, high: float) -> str:
-    if low == -inf:
-        return f"below {high:g}"
-    return f"above {low:g}" if high == inf else f"{low:g} to {high:g}"

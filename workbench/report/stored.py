@@ -19,14 +19,14 @@ BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
-    *("references", "validation", "matrix", "cost", "budget", "ranking"),
+    *("references", "validation", "matrix", "cost", "budget", "ranking", "advice"),
 )
 _TEXTS = dict.fromkeys(
     (
         *("case", "label", "model", "outcome", "message", "key", "against"),
         *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
         *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
-        *("doubt", "group", "reason", "worst", "term"),
+        *("doubt", "group", "reason", "worst", "term", "region"),
     ),
     str,
 )

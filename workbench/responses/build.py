@@ -97,7 +97,7 @@ def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] 
 
 def collapsed_response(name: str, error: CollapseError) -> Response:
     """The answer that the structure of the scenario of that name collapses."""
-    response = failed_response(Outcome.COLLAPSE, f"{name}: {error}")
+    response = failed_response(Outcome.COLLAPSE, f"{name}: {error}", error.findings)
     response.attrs["collapse"] = json.dumps(error.collapse._asdict())
     return response
 

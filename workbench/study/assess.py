@@ -39,7 +39,7 @@ from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matr
 from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
 from workbench.study.store import NOT_RUN, Presence, Row, Store, csv_bytes, write_atomically
 from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
-from workbench.study.validity import RANKING_COLUMNS, ranking_rows
+from workbench.study.validity import ADVICE_COLUMNS, RANKING_COLUMNS, advice_rows, ranking_rows
 
 _CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
 _COMPARISON = (
@@ -129,6 +129,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     rows["matrix"] = list(matrix_rows(study, rows))
     rows["cost"] = list(cost_rows(study, rows))
     rows["ranking"] = list(ranking_rows(study, rows))
+    rows["advice"] = list(advice_rows(study, rows))
     rows["budget"] = list(_budget_rows(study, cells, store))
     columns = {
         "cells": (
@@ -146,6 +147,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         "matrix": MATRIX_COLUMNS,
         "cost": COST_COLUMNS,
         "ranking": RANKING_COLUMNS,
+        "advice": ADVICE_COLUMNS,
         "budget": BUDGET_COLUMNS,
     }
     store.prepare()

@@ -14,8 +14,8 @@ from scipy.stats import binomtest
 
 from workbench.arrays import Array, Indices
 from workbench.assessment.budget import PEAK
-from workbench.assessment.tree import Leaf, grow
-from workbench.models.descriptors import FEATURES, features, variant_of
+from workbench.assessment.tree import Leaf, grow, impurity
+from workbench.models.descriptors import FEATURES, features, region_of, variant_of
 from workbench.models.validity import BEYOND
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
@@ -23,7 +23,8 @@ from workbench.study.definition import Study
 from workbench.study.matrix import Tables, against_best, standings_of
 from workbench.study.store import Row
 
-DEPTH, FEWEST = 3, 12  # of a tree, and columns of a region
+DEPTH, FEWEST = 4, 12  # of the tree of a model, and columns of a region
+ADVISED_DEPTH, ADVISED_FEWEST = 2, 20  # of the tree that says which model to take
 LARGE_GROUP = 20  # columns from which models of a group are ranked by counts
 _MIDDLE = (5.0, 95.0)  # percentiles of the errors that are told
 VALIDITY_COLUMNS = (
@@ -36,6 +37,10 @@ RANKING_COLUMNS = (
     *("group", "label", "asked", "judged", "within", "low", "high", "falls", "stands", "refused"),
     *("median", "least", "most", "against", "pairs", "wins", "chance"),
 )
+ADVICE_COLUMNS = (
+    *("region", "label", "count", "within", "low", "high", "falls", "stands"),
+    *("median", "least", "most", "asked", "right"),
+)
 Errors = Mapping[str, Mapping[str, float]]
 
 
@@ -46,10 +51,10 @@ def errors_of(study: Study, tables: Tables) -> dict[str, dict[str, float]]:
     outcomes = {(row["case"], row["label"]): row["outcome"] for row in tables["cells"]}
     found: dict[str, dict[str, float]] = {}
     for (case, label), outcome in outcomes.items():
-        best = standings.get(case, {}).get("label")
-        if best is None or label in study.ranked:
+        standing = standings.get(case)
+        if standing is None or not standing["inside"] or label in study.ranked:
             continue
-        ends = (outcome, outcomes[case, str(best)])
+        ends = (outcome, outcomes[case, standing["label"]])
         fallen = tuple(end == Outcome.COLLAPSE for end in ends)
         pair = pairs.get((case, label, PEAK))
         if any(fallen):
@@ -75,8 +80,7 @@ def validity_rows(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Ro
         model, cases = study.models[label], [case for case in found if case not in unseen]
         for leaf in leaves_of(found, points, cases):
             inside = [cases[i] for i in leaf.members]
-            ends = dict.fromkeys(FEATURES, (-inf, inf))
-            ends |= {list(FEATURES)[i]: bounds for i, bounds in leaf.bounds.items()}
+            ends = dict.fromkeys(FEATURES, (-inf, inf)) | _named(leaf)
             yield {
                 "model": model.name,
                 "model_version": versions[label],
@@ -112,7 +116,53 @@ def leaves_of(
 ) -> list[Leaf]:
     """The tree of a model over some cases."""
     classes = classes_of(np.array([found[case] for case in cases]))
-    return list(grow(np.array([points[case] for case in cases]), classes, DEPTH, FEWEST))
+    own = np.array([points[case] for case in cases])
+    return list(grow(own, impurity(classes), DEPTH, FEWEST))
+
+
+def _named(leaf: Leaf) -> dict[str, tuple[float, float]]:
+    """Bounds of a region by the name of the feature."""
+    return {list(FEATURES)[i]: bounds for i, bounds in leaf.bounds.items()}
+
+
+def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
+    """The tree that says which model to take: a row for every region, and how it did unseen.
+
+    In a region the model that is within the bound most often is taken, the cheapest of equals.
+    Nothing where a study leaves no columns unseen.
+    """
+    unseen, errors, points = unseen_of(study), errors_of(study, tables), points_of(study)
+    costs = {row["label"]: row["ratio"] for row in tables.get("cost", ())}
+    labels = sorted(errors, key=lambda label: costs.get(label, inf))
+    judged = [case for case in points if any(case in errors[label] for label in labels)]
+    cases, left = (
+        [case for case in judged if (case in unseen) == is_in] for is_in in (False, True)
+    )
+    if not left or len(cases) < LARGE_GROUP:
+        return
+    hits = np.array(
+        [[abs(errors[label].get(case, inf)) <= BEYOND for label in labels] for case in cases]
+    )
+
+    def missed(members: Indices) -> float:
+        return float(len(members) - hits[members].sum(axis=0).max())
+
+    own = np.array([points[case] for case in cases])
+    for leaf in grow(own, missed, ADVISED_DEPTH, ADVISED_FEWEST):
+        label = labels[int(hits[leaf.members].sum(axis=0).argmax())]
+        held = [case for case in left if leaf.holds(points[case])]
+        taken = [cases[i] for i in leaf.members if cases[i] in errors[label]]
+        counted = _counted(np.array([errors[label][case] for case in taken]))
+        yield {
+            "region": region_of(_named(leaf)),
+            "label": label,
+            "within": int(hits[leaf.members].sum(axis=0).max()),
+            "median": counted.pop("bias"),
+            **counted,
+            "count": len(leaf.members),
+            "asked": len(held),
+            "right": sum(abs(errors[label].get(case, inf)) <= BEYOND for case in held),
+        }
 
 
 def checked(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:

@@ -1,9 +1,10 @@
 """Which model to take over many drawn columns, by counts and by pairs of answers."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from workbench.content.formatting import count, part, percent, several
-from workbench.content.tree import Cell, Column, Section, Table
+from workbench.content.tree import Block, Bullets, Cell, Column, Paragraph, Section, Table
 from workbench.models.validity import BEYOND
 from workbench.report.stored import Stored
 
@@ -18,22 +19,48 @@ def advice(stored: Stored, group: str, bound: str) -> str:
     if not rows:
         return f"no model stays within {bound} in every case, inside its domain."
     best = rows[0]
-    wrong = best["falls"] + best["stands"]
-    text = (
-        f"take {best['label']}; peak within {100 * BEYOND:g}\u2009% in {best['within']} of "
-        f"{best['judged']}, expect {_expected(best)}, nine of ten columns in brackets"
-    )
-    if wrong:
-        text += f"; collapse told wrongly in {wrong}"
+    text = _take(best, best["judged"])
     if best["refused"]:
         text += f"; no answer in {best['refused']}"
     equal = [row["label"] for row in rows[1:] if not _surely(row)]
     if equal:
         text += f". Not surely worse: {several(equal, 5)}"
+    return text + _time(stored, best)
+
+
+def tree(stored: Stored) -> Iterator[Block]:
+    """Which model to take by the tree over all drawn columns, and how it did on unseen ones."""
+    rows = stored.rows["advice"]
+    if not rows:
+        return
+    right, asked = (sum(row[name] for row in rows) for name in ("right", "asked"))
+    yield Paragraph(
+        f"Which model for which column; right, with a peak within {100 * BEYOND:g}\u2009%, on "
+        f"{right} of {asked} columns that this choice had not seen:"
+    )
+    yield Bullets(
+        tuple(
+            f"{row['region'] or 'any column'}: {_take(row, row['count'])}{_time(stored, row)}"
+            for row in rows
+        )
+    )
+
+
+def _take(row: Row, judged: int) -> str:
+    """The model to take, how often it is within the bound, and what to expect."""
+    text = (
+        f"take {row['label']}; peak within {100 * BEYOND:g}\u2009% in {row['within']} of "
+        f"{judged}, expect {_expected(row)}, nine of ten columns in brackets"
+    )
+    wrong = row["falls"] + row["stands"]
+    return text + (f"; collapse told wrongly in {wrong}" if wrong else "")
+
+
+def _time(stored: Stored, row: Row) -> str:
+    """What the model of a row costs, where that is known; the end of a sentence."""
     costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
-    if best["label"] in costs:
-        text += f". Time: {part(costs[best['label']])} of the reference"
-    return text + "."
+    spent = f". Time: {part(costs[row['label']])} of the reference" if row["label"] in costs else ""
+    return spent + "."
 
 
 def table(stored: Stored) -> Section | None:
