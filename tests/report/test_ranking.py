@@ -41,7 +41,7 @@ def test_the_tree_says_which_model_where_and_how_it_did_unseen() -> None:
     assert "on 22 of 24 columns that this choice had not seen" in text
     assert "V/Vpl below 0.5: take panels; peak within 10 % in 50 of 60, expect" in text
     assert "any column: take panels" in text
-    assert not list(ranking.tree(SimpleNamespace(rows={**rows, "advice": []})))
+    assert not (ranking.tree(SimpleNamespace(rows={**rows, "advice": []})))
 
 
 def test_the_table_counts_pairs() -> None:

@@ -93,8 +93,7 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
         *(timed if costs else ()),
         Column("in words", width=3.0, of=lambda item: _sentence(item[1])),
     )
-    chosen = tuple(ranking.tree(stored))
-    yield from chosen or (Bullets(tuple(_trusted(study, stored, group) for group in groups)),)
+    yield from ranking.tree(stored) or [Bullets(tuple(_trusted(study, stored, g) for g in groups))]
     yield from _besides(study, stored)
     yield Table.of("matrix", caption, columns, by_label.items())
     reasons = tuple(_why(stored, set(by_label)))

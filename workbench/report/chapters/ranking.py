@@ -1,6 +1,5 @@
 """Which model to take over many drawn columns, by counts and by pairs of answers."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from workbench.content.formatting import count, part, percent, several
@@ -28,22 +27,21 @@ def advice(stored: Stored, group: str, bound: str) -> str:
     return text + _time(stored, best)
 
 
-def tree(stored: Stored) -> Iterator[Block]:
+def tree(stored: Stored) -> tuple[Block, ...]:
     """Which model to take by the tree over all drawn columns, and how it did on unseen ones."""
     rows = stored.rows["advice"]
     if not rows:
-        return
+        return ()
     right, asked = (sum(row[name] for row in rows) for name in ("right", "asked"))
-    yield Paragraph(
+    said = (
         f"Which model for which column; right, with a peak within {100 * BEYOND:g}\u2009%, on "
         f"{right} of {asked} columns that this choice had not seen:"
     )
-    yield Bullets(
-        tuple(
-            f"{row['region'] or 'any column'}: {_take(row, row['count'])}{_time(stored, row)}"
-            for row in rows
-        )
+    told = (
+        f"{row['region'] or 'any column'}: {_take(row, row['count'])}{_time(stored, row)}"
+        for row in rows
     )
+    return Paragraph(said), Bullets(tuple(told))
 
 
 def _take(row: Row, judged: int) -> str:
