@@ -119,13 +119,18 @@ def solve_band(band: Array, width: int, x: Array, pivots: Indices) -> bool:
     for j in range(n):
         column = j * rows + diagonal
         below = min(width, n - 1 - j)
-        pivot, top = 0, abs(band[column])
+        pivot, top, last = 0, abs(band[column]), 0
         for i in range(1, below + 1):
-            if abs(band[column + i]) > top:
-                pivot, top = i, abs(band[column + i])
+            size = abs(band[column + i])
+            if size > 0.0:
+                last = i
+            if size > top:
+                pivot, top = i, size
         if not (top > 0.0 and np.isfinite(top)):
             return False
         pivots[j] = pivot
+        if last == 0:  # a held dof, or the last of a part
+            continue
         reach = max(reach, min(j + width + pivot, n - 1))
         if pivot > 0:
             for k in range(j, reach + 1):
@@ -133,19 +138,20 @@ def solve_band(band: Array, width: int, x: Array, pivots: Indices) -> bool:
                 band[at], band[at + pivot] = band[at + pivot], band[at]
             x[j], x[j + pivot] = x[j + pivot], x[j]
         inverse = 1.0 / band[column]
-        for i in range(1, below + 1):
+        for i in range(1, last + 1):
             band[column + i] *= inverse
         for k in range(j + 1, reach + 1):
             at = k * rows + diagonal + j - k
             factor = band[at]
             if factor != 0.0:
-                for i in range(1, below + 1):
+                for i in range(1, last + 1):
                     band[at + i] -= band[column + i] * factor
-        for i in range(1, below + 1):
+        for i in range(1, last + 1):
             x[j + i] -= band[column + i] * x[j]
     for j in range(n - 1, -1, -1):
         column = j * rows + diagonal
         x[j] /= band[column]
-        for i in range(1, min(2 * width, j) + 1):
-            x[j - i] -= band[column - i] * x[j]
+        if x[j] != 0.0:
+            for i in range(1, min(2 * width, j) + 1):
+                x[j - i] -= band[column - i] * x[j]
     return True
