@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from workbench.frames.superelements import (
     FEWEST_LOADED,
     Piece,
     SuperelementMembers,
+    hit_mass_findings,
     joint_inertias,
+    struck_parts,
 )
 from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.models.frame_model import FrameModel, as_frame
@@ -33,7 +36,7 @@ Cut = tuple[Array, list[tuple[int, int]], list[Piece]]  # see `cut_members`
 class BarFrames(FrameModel):
     """What all these models do alike; each explains the options."""
 
-    elements: int | None = checked(Number(1, 100, integer=True), 1)
+    elements: int | None = checked(Number(1, 100, integer=True), optional=True)
     integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     node_inertia: float | None = checked(Number(0.0, 1e6, "kg m2"), optional=True)
@@ -41,6 +44,8 @@ class BarFrames(FrameModel):
         Number(0.0, 0.1, advice="a share of the elastic stiffness, 1e-6 by default"), 1e-6
     )
     geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
+
+    least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
 
     @property
     def scheme(self) -> tuple[float | None, str]:
@@ -58,12 +63,13 @@ class BarFrames(FrameModel):
         return self.geometry == "linear"
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of all member models, and too few elements under a line load."""
-        findings, told = super().domain(scenario), as_frame(scenario)
+        """Findings of all member models, and too few elements under a striker or a line load."""
+        told = as_frame(scenario)
+        parts = self.parts(told)
+        findings = super().domain(scenario) + hit_mass_findings(told, parts)
         if not isinstance(told, FramePulse) or not told.members:
             return findings
         names = [member.name for member in told.frame.members]
-        parts = self.parts(told)
         fewest = min(parts[names.index(name)] for name in told.members)
         if fewest < FEWEST_LOADED:
             text = (
@@ -76,7 +82,9 @@ class BarFrames(FrameModel):
 
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Elements of every member."""
-        return [self.elements or 1] * len(scenario.frame.members)
+        if self.elements is None:
+            return struck_parts(scenario, self.least_parts)
+        return [self.elements] * len(scenario.frame.members)
 
     def stand(
         self, frame: Frame, cut: Cut, group: HingedElements, parts: Sequence[int]

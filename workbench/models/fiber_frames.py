@@ -70,15 +70,16 @@ class ForceBasedBeam(ForceBased):
 
     Options: `points` along an element; `layers` over the depth; `hardening_ratio`, kinematic
     hardening over the elastic modulus; `shear_flexible`, elastic shear strain; `elements` per
-    member; `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary
-    inertia of every node in kg m2 (None: that of half a section depth of the heaviest bar there);
-    `regularisation`, not used here; `geometry`, co-rotational or linear.
+    member (None: one, of struck members more, see `struck_parts`); `integrator`; `time_step` in s
+    (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
+    of half a section depth of the heaviest bar there); `regularisation`, not used here;
+    `geometry`, co-rotational or linear.
     """
 
     points: int = checked(Number(3, 20, integer=True), 5)
 
     name: ClassVar[str] = "force-based-beam"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("spacone1996", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Gauss-Lobatto points with fibers; without hardening plasticity stays at the end points, "
@@ -97,16 +98,16 @@ class FiberHinge(ForceBased):
 
     Options: `hinge_length` over the depth of the section; `layers` over the depth;
     `hardening_ratio`, kinematic hardening over the elastic modulus; `shear_flexible`, elastic
-    shear strain; `elements` per member; `integrator`; `time_step` in s (None: as of
-    superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a
-    section depth of the heaviest bar there); `regularisation`, not used here; `geometry`,
-    co-rotational or linear.
+    shear strain; `elements` per member (None: one, of struck members more, see `struck_parts`);
+    `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary inertia of
+    every node in kg m2 (None: that of half a section depth of the heaviest bar there);
+    `regularisation`, not used here; `geometry`, co-rotational or linear.
     """
 
     hinge_length: float = checked(Number(0.01, 10.0), 1.0)
 
     name: ClassVar[str] = "fiber-hinge"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("ngohuu2007", "scott2006", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Fibers over a hinge length (the depth of the section) at both ends; what lies between "

@@ -70,12 +70,12 @@ class BarHinges(BarFrames):
 
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""
-        frame, (most, *_) = scenario.frame, super().parts(scenario)
-        for member in frame.members if self.second_order else ():
+        frame, counts = scenario.frame, super().parts(scenario)
+        for number, member in enumerate(frame.members if self.second_order else ()):
             p, length = frame.properties(member), frame.length(member)
             bending = SAFE * pi**2 * frame.steel.elastic_modulus * p.second_moment
-            most = max(most, ceil(length * sqrt(p.squash_load / bending)))
-        return [most] * len(frame.members)
+            counts[number] = max(counts[number], ceil(length * sqrt(p.squash_load / bending)))
+        return counts
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
@@ -129,7 +129,8 @@ class Giberson(BarHinges):
     """Giberson's one-component beam: two rotational springs on an elastic beam.
 
     Options: `ratio` f of the stiffness of a flowing spring over 4 EI/L (0: perfectly plastic);
-    `shear_flexible`, elastic shear strain; `elements` per member; `integrator`; `time_step` in s
+    `shear_flexible`, elastic shear strain; `elements` per member (None: one, of struck members
+    more, see `struck_parts`); `integrator`; `time_step` in s
     (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
     of half a section depth of the heaviest bar there); `regularisation`, share of the elastic
     stiffness beside the hinges; `geometry`, co-rotational or linear.
@@ -138,7 +139,7 @@ class Giberson(BarHinges):
     ratio: float = checked(Number(0.0, 10.0), 0.0)
 
     name: ClassVar[str] = "giberson"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     second_order: ClassVar[bool] = False
     in_impacts: ClassVar[str] = (
@@ -160,7 +161,7 @@ class Giberson(BarHinges):
 
     def hardening(self, piece: Piece) -> float:
         """Stiffness f 4 EI / L of a spring that flows (Heng 2017, equations 2.4 and 2.5)."""
-        return self.ratio * 4.0 * piece.bending / piece.length
+        return self.ratio * 4.0 * piece.bending / (piece.parts * piece.length)
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, and of dead loads that take moment away."""
@@ -172,7 +173,8 @@ class PlasticHinge(BarHinges):
     """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix.
 
     Options: `surface`, the rule of N-M interaction; `shear_flexible`, elastic shear strain;
-    `elements` per member (more where the squash load nears the Euler load of a pin-ended element);
+    `elements` per member (None: one, of struck members more, see `struck_parts`, and more where
+    the squash load nears the Euler load of a pin-ended element);
     `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary inertia of
     every node in kg m2 (None: that of half a section depth of the heaviest bar there);
     `regularisation`, share of the elastic stiffness beside the hinges; `geometry`, co-rotational or
@@ -182,7 +184,7 @@ class PlasticHinge(BarHinges):
     surface: str = checked(Choice(RULES), "exact")
 
     name: ClassVar[str] = "plastic-hinge"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic up to the full plastic section, perfectly plastic hinges of zero length at the "
@@ -210,7 +212,7 @@ class QuasiPlasticHinge(PlasticHinge):
     layers: int = checked(Number(4, 1000, integer=True), 40)
 
     name: ClassVar[str] = "quasi-plastic-hinge"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     sources: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "
@@ -228,7 +230,7 @@ class QuasiPlasticHinge(PlasticHinge):
         first, rotation, hardened = spread_of_yield(section)
         end = super()._end(frame, piece, side)
         strain = frame.steel.yield_stress / frame.steel.elastic_modulus
-        turn = 0.5 * piece.length * strain / float(np.max(section.y))
+        turn = 0.5 * piece.parts * piece.length * strain / float(np.max(section.y))
         return replace(end, first_yield=first, spread=np.stack([turn * rotation, hardened]))
 
 
@@ -238,16 +240,16 @@ class RefinedPlasticHinge(BarHinges):
 
     Options: `imperfect`, E taken 0.877 times, so that the tangent modulus is that of the AISC
     column curve with its initial crookedness; `shear_flexible`, elastic shear strain; `elements`
-    per member; `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary
-    inertia of every node in kg m2 (None: that of half a section depth of the heaviest bar there);
-    `regularisation`, share of the elastic stiffness beside the elements; `geometry`, co-rotational
-    or linear.
+    per member (None: one, of struck members more, see `struck_parts`); `integrator`; `time_step` in
+    s (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
+    of half a section depth of the heaviest bar there); `regularisation`, share of the elastic
+    stiffness beside the elements; `geometry`, co-rotational or linear.
     """
 
     imperfect: bool = checked(Flag(), False)
 
     name: ClassVar[str] = "refined-plastic-hinge"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
     in_impacts: ClassVar[str] = (
         "in catenary action moments give way to the axial force without the plastic elongation "

@@ -35,10 +35,8 @@ from workbench.frames.superelements import (
     curvature_shares,
     cut_members,
     hinge_ends,
-    hit_mass_findings,
     joint_surface,
     series,
-    struck_parts,
 )
 from workbench.frames.timing import wave_times
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
@@ -77,14 +75,12 @@ class _HingedBars(BarFrames):
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
-    elements: int | None = checked(Number(1, 100, integer=True), optional=True)
     shear: str = checked(Choice(("panel", "none")), "panel")
     accuracy: float = checked(
         Number(1e-5, 0.1, advice="a share of the peak, 1e-3 by default"), ACCURACY
     )
 
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
-    least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
 
     def member_surface(self, frame: Frame, member: Member) -> YieldSurface | ShearSurface:
         """The yield surface of the hinges of a member, joints of its full strength."""
@@ -145,13 +141,7 @@ class _HingedBars(BarFrames):
             if web is not None:
                 found = panel_findings(web, frame.properties(member), f"member {member.name}")
                 findings += [f for f in found if f not in findings]
-        return findings + hit_mass_findings(told, self.parts(told))
-
-    def parts(self, scenario: FrameScenario) -> list[int]:
-        """Elements of every member."""
-        if self.elements is None:
-            return struck_parts(scenario, self.least_parts)
-        return super().parts(scenario)
+        return findings
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:

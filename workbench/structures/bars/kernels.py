@@ -250,6 +250,8 @@ def gradual_law(own, e, trial, spread, k, flow):
         for i in range(2):
             r, (low, high) = turned[i], (bar.low1, bar.high1) if i == 0 else (bar.low4, bar.high4)
             level, slope = hardened(own.curves[e, i], spread[i] + abs(r))
+            if bar.pinned1 if i == 0 else bar.pinned4:
+                slope = 0.0
             slope *= -low if r < 0.0 else high
             room = line[:, 1 + i] - first[side, : len(line), i]
             rise = (room[at] - room[at - 1]) / (line[at, 0] - line[at - 1, 0])
