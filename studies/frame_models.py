@@ -1,4 +1,4 @@
-"""Which frame model for what: one element per member by nine rules, against fiber frames.
+"""Which frame model for what: an element per member (struck ones more), against fiber frames.
 
 Three frames (a portal, two bays in two storeys, the frame of Heng 2017), each pushed over, led to
 and fro, hit, and shaken.

@@ -147,9 +147,9 @@ def test_ground_motion_keeps_its_ledger(model: FrameModel) -> None:
 
 
 def test_events_outside_the_domain_are_warned_of() -> None:
-    hit = FrameImpact(
-        "hit", thesis_frame().split("C0-C1", 0.8, "hit"), FrameStriker(10.0, 1.0, node="hit")
-    )
+    frame = thesis_frame().split("C0-C1", 0.8, "hit")
+    hit = FrameImpact("hit", frame, FrameStriker(1500.0, 20.0, node="hit"))
+    light = FrameImpact("light", frame, FrameStriker(10.0, 1.0, node="hit"))
     push = cantilever(4.0, 0.0, 0.1)
     cycles = replace(push, path=(0.1, -0.1))
 
@@ -158,9 +158,28 @@ def test_events_outside_the_domain_are_warned_of() -> None:
 
     assert subjects(Giberson(), hit) == {"catenary"}
     assert subjects(RefinedPlasticHinge(), hit) == {"catenary"}
+    assert not subjects(RefinedPlasticHinge(), light) | subjects(Giberson(), light)
+    laden = cantilever(4.0, 0.3 * NP, 0.1)
+    assert "interaction" in {f.subject for f in RefinedPlasticHinge().domain(laden)}
     assert subjects(RefinedPlasticHinge(), cycles) == {"cycles"}
     assert not subjects(RefinedPlasticHinge(), push)
     assert not subjects(PlasticHinge(), hit) | subjects(PlasticHinge(), cycles)
+
+
+def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
+    """Of one element per member a light striker loses 30 % of its energy to lumped mass."""
+    frame = regular_frame((5.0,), (4.0,), HEB, find("IPE 300")).split("A0-A1", 2.0, "hit")
+    hit = FrameImpact("hit", frame, FrameStriker(200.0, 8.0, node="hit"), 0.05)
+    parts = PlasticHinge().parts(hit)
+    assert min(parts[:2]) > 1
+    assert parts[2:] == [1, 4]  # the far column, the beam that turns with the struck head
+    assert "hit-mass" not in {f.subject for f in PlasticHinge().domain(hit)}
+    assert "hit-mass" in {f.subject for f in PlasticHinge(elements=1).domain(hit)}
+    fine = float(PlasticHinge(elements=16).simulate(hit)["peak_displacement"])
+    peak = float(PlasticHinge().simulate(hit)["peak_displacement"])
+    coarse = float(PlasticHinge(elements=1).simulate(hit)["peak_displacement"])
+    assert peak == pytest.approx(fine, rel=0.04)
+    assert coarse < 0.9 * fine
 
 
 def guided(push: float) -> FrameStatic:

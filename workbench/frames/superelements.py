@@ -22,6 +22,9 @@ from workbench.structures.superelements import HingeEnd, Superelements
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
 _LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
+_NEIGHBOURS = (
+    4  # elements of members that meet struck ones: peaks of light hits 20 % too large of one
+)
 _SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
 
@@ -76,16 +79,23 @@ def hinge_ends(
 
 
 def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
-    """Parts of every member where none are asked for: of struck ones a `multiple`, else one.
+    """Parts of every member where none are asked for: of struck ones a `multiple`, mostly one else.
 
     A node shares its velocity with a third of each bar beside it at once, of which the beam knows
     nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
-    and so short that two of them take some `_SHARED`, unless they were shorter than high. Members
+    and so short that two of them take some `_SHARED`, unless they were shorter than high. Joints at
+    the far ends of struck members turn against the inertia of what meets them there, which one bar
+    has at its ends alone: such members are `_NEIGHBOURS` bars. Members
     under a line load, which acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
     counts = [1] * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
-        for number, member in _struck(scenario):
+        struck = _struck(scenario)
+        ends = {node for _, m in struck for node in (m.start, m.end)} - {scenario.striker.node}
+        for number, member in enumerate(scenario.frame.members):
+            if ends & {member.start, member.end}:
+                counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
+        for number, member in struck:
             mass = scenario.frame.properties(member).mass_per_length
             height = member.section.height
             longest = min(_LONGEST * height, 1.5 * _SHARED * scenario.striker.mass / mass)

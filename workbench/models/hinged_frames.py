@@ -18,7 +18,7 @@ from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.fibers import fiber_section, spread_of_yield
 from workbench.frames.findings import dead_load_state
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.shear import shear_demand, shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
@@ -46,6 +46,7 @@ from workbench.structures.bars import (
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
 REMEDY = "take plastic-hinge"
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
+CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -56,14 +57,23 @@ class BarHinges(BarFrames):
     shear_flexible: bool = checked(Flag(), True)
 
     second_order: ClassVar[bool] = True
-    in_impacts: ClassVar[str] = ""  # why an impact is outside the domain
+    stretches: ClassVar[bool] = True  # whether hinges elongate plastically as they flow
+    loses_moment: ClassVar[str] = ""  # what dead loads do that the model does not know
     in_cycles: ClassVar[str] = ""
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, and of events that a model is not made for."""
         told, said = as_frame(scenario), []
-        if isinstance(told, FrameImpact) and self.in_impacts:
-            said.append(Finding("catenary", self.in_impacts, remedy=REMEDY))
+        if isinstance(told, FrameImpact) and not self.stretches:
+            reach = catenary_reach(told)
+            if reach > CATENARY:
+                text = (
+                    f"the hit bends the struck member by up to {reach:.2g} Mp/Npl, into catenary "
+                    "action, in which hinges elongate as they turn, and do not in this model"
+                )
+                said.append(Finding("catenary", text, remedy=REMEDY, number=reach))
+        if self.loses_moment:
+            said += axial_findings(told.frame, self.loses_moment)
         if self.in_cycles and _reverses(told):
             said.append(Finding("cycles", self.in_cycles, remedy=REMEDY))
         return super().domain(scenario) + said
@@ -142,9 +152,9 @@ class Giberson(BarHinges):
     version: ClassVar[int] = 2
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     second_order: ClassVar[bool] = False
-    in_impacts: ClassVar[str] = (
-        "a struck member that goes into catenary action stretches without yielding here, and its "
-        "moments stay"
+    stretches: ClassVar[bool] = False
+    loses_moment: ClassVar[str] = (
+        "hinges without N-M interaction overestimate its resistance by nearly that share"
     )
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic beam between two rotational springs: rigid up to the plastic moment, then of "
@@ -162,10 +172,6 @@ class Giberson(BarHinges):
     def hardening(self, piece: Piece) -> float:
         """Stiffness f 4 EI / L of a spring that flows (Heng 2017, equations 2.4 and 2.5)."""
         return self.ratio * 4.0 * piece.bending / (piece.parts * piece.length)
-
-    def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings of all member models, and of dead loads that take moment away."""
-        return super().domain(scenario) + axial_findings(as_frame(scenario).frame)
 
 
 @dataclass(frozen=True)
@@ -251,14 +257,12 @@ class RefinedPlasticHinge(BarHinges):
     name: ClassVar[str] = "refined-plastic-hinge"
     version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
-    in_impacts: ClassVar[str] = (
-        "in catenary action moments give way to the axial force without the plastic elongation "
-        "that goes with it"
-    )
+    stretches: ClassVar[bool] = False
     in_cycles: ClassVar[str] = (
         "hinges soften anew in every half-cycle above half the strength, also where a section "
         "would stay elastic"
     )
+    loses_moment: ClassVar[str] = "hinges then soften from small moments on, and give way too much"
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges soften by degrees from a force state of 1/2 on, phi = 4 alpha (1 - alpha), to full "
         "hinges on the AISC surface; an end whose force state falls is elastic.",
@@ -290,8 +294,21 @@ def _reverses(scenario: FrameScenario) -> bool:
     return isinstance(scenario, FrameGroundMotion)
 
 
-def axial_findings(frame: Frame) -> list[Finding]:
-    """Warning of a member whose dead load is a share of the squash load that takes moment away."""
+def catenary_reach(scenario: FrameImpact) -> float:
+    """Displacement that takes the energy of a hit, over Mp / Npl of the struck member.
+
+    By the mechanism of the struck members between their joints; from about 1 on the axial force
+    of a member that is held carries as much as its moments do.
+    """
+    frame, demand = scenario.frame, shear_demand(scenario)
+    struck = [m for m in frame.members if scenario.striker.node in (m.start, m.end)]
+    force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
+    own = frame.properties(struck[0])
+    return scenario.input_energy * own.squash_load / max(force * own.plastic_moment, 1e-300)
+
+
+def axial_findings(frame: Frame, effect: str) -> list[Finding]:
+    """Warning of dead loads that are a share of a squash load that has an `effect` on hinges."""
     state = dead_load_state(frame)
     shares = {
         member.name: abs(force) / frame.properties(member).squash_load
@@ -300,8 +317,5 @@ def axial_findings(frame: Frame) -> list[Finding]:
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= AXIAL_SHARE:
         return []
-    text = (
-        f"dead loads bring {shares[worst]:.2f} of the squash load into member {worst}: hinges "
-        "without N-M interaction overestimate its resistance by nearly that share"
-    )
+    text = f"dead loads bring {shares[worst]:.2f} of the squash load into member {worst}: {effect}"
     return [Finding("interaction", text, remedy=REMEDY, number=shares[worst])]

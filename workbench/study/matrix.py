@@ -1,6 +1,7 @@
 """The answer of a study: every model over groups of cases against the references that count.
 
-Made of the tables of cells, comparisons and references; cases without a peak are left out.
+Made of the tables of cells, comparisons and references. Groups of static cases alone, in which
+displacements are given, are judged by the quantity of their gate or the first of the study.
 """
 
 from collections import Counter
@@ -18,14 +19,15 @@ from workbench.study.validation import MEASURED
 ALL = "all cases"
 _POOLED = ("count", "bias", "low", "high", "worst", "within")
 _ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
+# `quantity`: whose numbers the columns of the peak hold
 # `falls`: the model collapses and the reference survives, `stands`: the other way round;
 # `against`: the references that count, in words; `reference`: cases in which the label is that
 # itself; `known`: largest relative uncertainty of its own peaks there; `outside`: answers outside
 # the domain of the model; `against_outside`: comparisons with a reference outside its own;
 # `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
-    *("group", "label", "against", "asked", *_ENDS, "falls", "stands", "outside", "reference"),
-    *("known", "against_outside", "synthetic"),
+    *("group", "label", "quantity", "against", "asked", *_ENDS, "falls", "stands", "outside"),
+    *("reference", "known", "against_outside", "synthetic"),
     *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
 )
 COST_COLUMNS = ("label", "against", "count", "ratio", "seconds")
@@ -48,6 +50,8 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     groups = dict(study.groups) or {ALL: tuple(moving)}
     for group, names in groups.items():
         cases = [name for name in names if name in moving]
+        quantity = PEAK if cases else _told_by(study, names, pairs)
+        cases = cases or [name for name in names if quantity]
         best = Counter(str(standings[case]["label"]) for case in cases if case in standings)
         against = ", ".join(
             f"{label} ({n})" if len(best) > 1 else label for label, n in best.items()
@@ -59,6 +63,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
             yield {
                 "group": group,
                 "label": label,
+                "quantity": quantity,
                 "against": against,
                 **_ended(list(asked.values())),
                 **_apart(
@@ -66,8 +71,15 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
                 ),
                 "synthetic": sum(standings[c]["synthetic"] for c in asked if c in standings),
                 **_as_reference([standings[case] for case in asked if case in standings], label),
-                **_compared(label, list(asked), standings, pairs),
+                **_compared(label, list(asked), standings, pairs, quantity),
             }
+
+
+def _told_by(study: Study, names: Sequence[str], pairs: Pairs) -> str:
+    """The quantity by which static cases are judged; empty if none was compared."""
+    compared = {quantity for case, _, quantity in pairs if case in names}
+    gated = [gate.quantity for gate in study.gates if set(gate.cases or ()) == set(names)]
+    return next((name for name in (*gated, *study.quantities) if name in compared), "")
 
 
 def standings_of(tables: Tables) -> dict[str, Row]:
@@ -118,16 +130,17 @@ def _compared(
     cases: Sequence[str],
     standings: Mapping[str, Row],
     pairs: Pairs,
+    quantity: str,
 ) -> Row:
-    """Bias of the peak and of the residual displacement over the cases of a group."""
+    """Bias of `quantity`, as a rule the peak, and of the residual displacement over a group."""
     row: dict[str, object] = {}
-    for quantity in (PEAK, RESIDUAL):
-        told = (telling(pairs, case, label, quantity) for case in cases)
+    for name, judged in ((PEAK, quantity), (RESIDUAL, RESIDUAL)):
+        told = (telling(pairs, case, label, judged) for case in cases)
         found = [pair for pair in told if pair is not None]
         if found:
             numbers = pooled(found)
-            row |= {f"{quantity}_{name}": numbers[name] for name in _POOLED}
-        if quantity == PEAK:
+            row |= {f"{name}_{number}": numbers[number] for number in _POOLED}
+        if name == PEAK:
             row["against_outside"] = sum(not standings[pair["case"]]["inside"] for pair in found)
     return row
 
@@ -135,6 +148,8 @@ def _compared(
 def telling(pairs: Pairs, case: str, label: str, quantity: str) -> Row | None:
     """The comparison of a case, None where its ratio says nothing or there is none."""
     pair, peak = (pairs.get((case, label, name)) for name in (quantity, PEAK))
+    if quantity not in (PEAK, RESIDUAL):
+        peak = pair
     if pair is None or peak is None or min(pair["value"], pair["against_value"]) <= 0.0:
         return None
     return pair if pair["against_value"] >= REMAINS * peak["against_value"] else None

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from math import ceil
-from typing import Any
 
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import (
@@ -30,27 +29,26 @@ from workbench.content.tree import (
 from workbench.report.chapters import measured, ranking, verdicts
 from workbench.report.chapters.budgets import budgets
 from workbench.report.chapters.subject import in_labels, subject
+from workbench.report.chapters.wording import FAIR, Row, ends, sentence, up
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Study
 
-GOOD, FAIR = 0.05, 0.10  # bounds of what may be relied on, and of what may do
+GOOD = 0.05  # bound of what may be relied on
 _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
 _REASONS = 4  # why models are outside their domain, the most frequent
 _CAPTION = (
     "How far each model is off: bias of the peak displacement over the cases of a group with its "
-    "95 % interval (of one case: its error with its numerical uncertainty){residual}, against the "
-    "best reference that is inside its own domain. Colours judge the peak. Good: the whole "
-    "interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain or of "
-    "unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model itself "
-    "warns that it is outside its domain.{time}"
+    "95 % interval (of one case: its error with its numerical uncertainty){residual}{statics}, "
+    "against the best reference that is inside its own domain. Colours judge the peak. Good: the "
+    "whole interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain "
+    "or of unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model "
+    "itself warns that it is outside its domain.{time}"
 )
 _TIMED = " Time: the median of the cases, rounded to 1, 2, 5."
 _UNTIMED = " Times are not given: every call may hold compilation."
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix that are told
-
-Row = dict[str, Any]
 
 
 def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
@@ -86,12 +84,14 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
     timed = [Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0])))]
     remains = any(row[f"{RESIDUAL}_count"] for row in stored.rows["matrix"])
     residual = ", and of the residual displacement" if remains else ""
-    caption = _CAPTION.format(residual=residual, time=_TIMED if costs else _UNTIMED)
+    statics = ", where cases are static of what their column names" if _static(stored) else ""
+    timing = _TIMED if costs else _UNTIMED
+    caption = _CAPTION.format(residual=residual, statics=statics, time=timing)
     columns = (
         Column("model", width=1.4, of=lambda item: _name(study, item[0])),
         *(Column(_title(stored, group), width=2.1, of=partial(_cell, group)) for group in groups),
         *(timed if costs else ()),
-        Column("in words", width=3.0, of=lambda item: _sentence(item[1])),
+        Column("in words", width=3.0, of=lambda item: sentence(item[1])),
     )
     yield from ranking.tree(stored) or [Bullets(tuple(_trusted(study, stored, g) for g in groups))]
     yield from _besides(study, stored)
@@ -127,6 +127,16 @@ def _name(study: Study, label: str) -> str:
     return f"{label}\nreference{place}"
 
 
+def _judged(row: Row) -> str:
+    """What the numbers of a row are of, in words."""
+    return "peak" if row["quantity"] == PEAK else title_of(row["quantity"]).lower()
+
+
+def _static(stored: Stored) -> bool:
+    """Whether groups of static cases are judged by something else than a peak."""
+    return any(row["quantity"] != PEAK for row in stored.rows["matrix"])
+
+
 def _costs(stored: Stored) -> dict[str, float]:
     return {row["label"]: row["ratio"] for row in stored.rows["cost"]}
 
@@ -147,7 +157,8 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
             said.append(f"{title_of(quantity)}: {'; '.join(told)}")
     if said:
         text = "Do not take from these models what is further off, at worst, from the same"
-        yield Paragraph(f"{text} references (the matrix judges displacements alone):")
+        judged = "one quantity of a group" if _static(stored) else "displacements alone"
+        yield Paragraph(f"{text} references (the matrix judges {judged}):")
         yield Bullets(tuple(said))
 
 
@@ -171,7 +182,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     if any(row["synthetic"] for row in rows if row["group"] == group):
         return f"{group}: synthetic, shows the form only; no model is judged."
     if not found:
-        return f"{group}: {ranking.advice(stored, group, _up(FAIR))}"
+        return f"{group}: {ranking.advice(stored, group, up(FAIR))}"
     own, costs = {row["label"]: row for row in rows if row["group"] == group}, _costs(stored)
     # whole percents: the rest is told apart by what remains, then by the time
     order = sorted(
@@ -185,19 +196,22 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     (first, *others), asked = order, own[order[0]]["asked"]
     cases = "the case" if asked == 1 else f"all {asked} cases"
     remains = own[first][f"{RESIDUAL}_within"]
-    left = "" if remains is None else f", residual within {_up(remains)}"
+    left = "" if remains is None else f", residual within {up(remains)}"
     spent = f", {part(costs[first])} of the time" if first in costs else ""
     of = own[first]["against"] or "the reference"
-    text = f"{group}: {first}, peak within {_up(found[first])} of {of}{left} in {cases}{spent}"
+    what = _judged(own[first])
+    text = f"{group}: {first}, {what} within {up(found[first])} of {of}{left} in {cases}{spent}"
     if others:
-        names = several([f"{label} ({_up(found[label])})" for label in others], 8)
-        text += f". Peak within {_up(FAIR)} as well, inside their domain: {names}"
+        names = several([f"{label} ({up(found[label])})" for label in others], 8)
+        text += f". {what.capitalize()} within {up(FAIR)} as well, inside their domain: {names}"
     return f"{text}."
 
 
 def _title(stored: Stored, group: str) -> str:
     rows = [row for row in stored.rows["matrix"] if row["group"] == group]
     against = rows[0]["against"]
+    if rows[0]["quantity"] != PEAK:
+        group += f": {_judged(rows[0])}"
     return f"{group}; against {against}" if against else f"{group}; no reference answered"
 
 
@@ -215,7 +229,7 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
             lines.append(f"residual {_bias(row, RESIDUAL)}")
     elif own:
         known = row["known"]
-        within = "" if known is None else f", numerically within {_up(known)}"
+        within = "" if known is None else f", numerically within {up(known)}"
         lines.append(f"the reference{within}")
     else:
         told = "not compared" if row["answered"] else "no answer"
@@ -263,86 +277,21 @@ def _counts(row: Row) -> Iterator[str]:
         yield f"{some}with the reference outside its own"
 
 
-def ends(row: Row) -> Iterator[str]:
-    """How the cases without a number ended, and where the reference ended otherwise."""
-    for name in ("collapsed", "refused", "failed", "not_run"):
-        if row[name]:
-            yield f"{row[name]} {name.replace('_', ' ')}"
-    yield from _collapses(row)
-
-
-def _collapses(row: Row) -> Iterator[str]:
-    """Where the model and the reference do not agree on whether the structure survives."""
-    if row["falls"]:
-        yield f"{row['falls']} collapsed where the reference survives"
-    if row["stands"]:
-        yield f"survives {row['stands']} in which the reference collapses"
-
-
 def _of(some: float, all_of: float) -> str:
     if all_of == 1:
         return ""
     return "all " if some == all_of else f"{some:.0f} "
 
 
-def _sentence(rows: dict[str, Row]) -> str:
-    """What the numbers of a model say, group by group; groups that say the same stand together."""
-    said: dict[str, list[str]] = {}
-    for group, row in rows.items():
-        said.setdefault(_words(row), []).append(group)
-    if len(said) == 1:
-        words = next(iter(said))
-        return words[0].upper() + words[1:]
-    return "; ".join(f"{' and '.join(groups)}: {words}" for words, groups in said.items())
-
-
-def _words(row: Row) -> str:
-    lost = row["refused"] + row["failed"]
-    none = [f"no answer in {lost} of {row['asked']}"] if lost else []
-    return ", ".join([_number(row), *_collapses(row), *none])
-
-
-def _number(row: Row) -> str:
-    """What the peaks of a model say."""
-    if not row[f"{PEAK}_count"]:
-        if row["reference"]:
-            return "the reference"
-        return "no number to compare"
-    bias, low, high, worst, within = (
-        row[f"{PEAK}_{name}"] for name in ("bias", "low", "high", "worst", "within")
-    )
-    if within is None:
-        text = f"off by up to {_round(worst)}, with unknown uncertainty"
-    elif within <= FAIR:
-        text = f"within {_up(within)}"
-    elif low is not None and (high < 1.0 or low > 1.0):
-        text = f"{_round(bias - 1.0)} {'low' if high < 1.0 else 'high'}"
-        if row[f"{PEAK}_count"] > 1:
-            text += f", up to {_round(worst)}"
-    else:
-        text = f"within {_up(within)} only"
-    if row["against_outside"] == row[f"{PEAK}_count"]:
-        text += " of a reference outside its own domain"
-    if row["synthetic"]:
-        text += " of SYNTHETIC rows"
-    return text
-
-
-def _up(value: float) -> str:
-    return f"{ceil(100.0 * value - 1e-9)}\u2009%"
-
-
-def _round(value: float) -> str:
-    return f"{abs(100.0 * value):.0f}\u2009%"
-
-
 def _why(stored: Stored, labels: set[str]) -> Iterator[str]:
     """The most frequent warnings about domains: which models, and the worst example."""
-    kinds: dict[str, list[tuple[CellState, Finding]]] = {}
+    kinds: dict[tuple[str, str], list[tuple[CellState, Finding]]] = {}
     for cell in stored.cells.values():
         if cell.label in labels:
             for finding in cell.outside:
-                kinds.setdefault(finding.subject, []).append((cell, finding))
+                # without a number the sentence is the same everywhere, but may be another model's
+                fixed = finding.text if finding.number is None else ""
+                kinds.setdefault((finding.subject, fixed), []).append((cell, finding))
     for told in sorted(kinds.values(), key=len, reverse=True)[:_REASONS]:
         top = max((finding for _, finding in told), key=lambda f: abs(f.number or 0.0))
         names = several(list(dict.fromkeys(cell.label for cell, _ in told)), 8)

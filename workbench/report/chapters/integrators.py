@@ -52,7 +52,7 @@ def in_short(study: Study, stored: Stored) -> Section | None:
                 found.setdefault(label, {})[case.name] = _entry(response)
             elif cell is not None and cell.outcome == "not-converged":
                 found.setdefault(label, {})[case.name] = None
-    if not found:
+    if not any(entry for row in found.values() for entry in row.values()):
         return None
     problems = [
         case.name for case in study.cases if any(case.name in row for row in found.values())

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from workbench.content.formatting import count
 from workbench.content.html import STYLE, templates
 from workbench.content.tree import Callout, Cell, Table
-from workbench.report.chapters import answer, measured
+from workbench.report.chapters import answer, measured, wording
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
@@ -155,7 +155,7 @@ def _fixed(study: Study, stored: Stored) -> dict[str, Any]:
         "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
                    for row in _matrix(stored, study)],
         "parts": [list(part) for part in PARTS],
-        "bounds": [answer.GOOD, answer.FAIR],
+        "bounds": [answer.GOOD, wording.FAIR],
         "colors": {"band": INTERVAL["color"], "rest": REST, "yields": YIELDING},
     }  # fmt: skip
 
@@ -199,7 +199,7 @@ def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:
 
 
 def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, Any]:
-    ends = ", ".join(answer.ends(dict(row))) if row else ""
+    ends = ", ".join(wording.ends(dict(row))) if row else ""
     look = {"tone": cell.tone, "hatched": cell.hatched}
     return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
 
