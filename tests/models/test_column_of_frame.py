@@ -370,6 +370,25 @@ def test_it_answers_what_the_model_of_the_derived_column_answers() -> None:
     assert len(texts) == len(set(texts))
 
 
+def test_joints_that_sway_are_told_with_the_energy_that_they_take() -> None:
+    """A portal on pins, hit elastically: by energies the peak is as the root of the flexibility."""
+    swaying = regular_frame((6.0,), (4.0,), SECTION, SECTION, base="pinned").split(
+        "A0-A1", 2.0, "hit"
+    )
+    gentle = FrameImpact("gentle", swaying, FrameStriker(1500.0, 1.0, node="hit"), 0.05)
+    (told,) = (f for f in ColumnOfFrame().domain(gentle) if f.subject == "sway")
+    column = frame_scenario(derive_column(gentle)).frame
+    soft = []
+    for frame in (column, swaying):
+        elastic = ElasticFrame(frame)
+        force = elastic.load([Load("hit", x=1.0)])
+        soft.append(float(force @ elastic.displacement(force)))
+    assert told.number == pytest.approx(1.0 - np.sqrt(soft[0] / soft[1]), rel=1e-9)
+    assert told.number > 0.3
+    held = hit(changed(cross(), _1={"locked": "x"}), velocity=20.0)
+    assert "sway" not in {f.subject for f in ColumnOfFrame().domain(held)}
+
+
 def test_derived_column_can_be_read_again(tmp_path: Path) -> None:
     response = ColumnOfFrame().simulate(hit(cross()))
     file = tmp_path / "column.toml"

@@ -14,8 +14,10 @@ from toy_models import Spring, Troubled
 
 from workbench.assessment import Gate
 from workbench.errors import InputError
+from workbench.models.hinged_frames import PlasticHinge
 from workbench.responses import Finding
-from workbench.scenarios import ColumnPushover, Scenario
+from workbench.scenarios import ColumnPushover, FrameStatic, Load, Scenario, regular_frame
+from workbench.sections import square
 from workbench.study import Assessment, Case, Study, assess, cells_of, run_study
 from workbench.study.work import perform, task_of
 
@@ -149,6 +151,29 @@ def test_the_matrix_counts_every_case(study: Study, tmp_path: Path) -> None:
     assert one["peak_displacement_bias"] == pytest.approx(ratio, rel=1e-9)
     assert one["peak_displacement_high"] == pytest.approx(ratio + width, rel=1e-3)
     assert one["peak_displacement_within"] == pytest.approx(ratio - 1.0 + width, rel=1e-3)
+
+
+def test_groups_of_static_cases_are_judged_by_what_they_resist(tmp_path: Path) -> None:
+    """Displacements are given there; a group without anything compared has no row."""
+    frame = regular_frame((5.0,), (4.0,), square(0.2), square(0.2))
+    push = FrameStatic("push", frame, (Load("A1", x=1e3),), "A1", "x", (0.2,))
+    study = Study(
+        name="static",
+        title="Static",
+        question="?",
+        cases=(Case("push", push),),
+        models={"hinges": PlasticHinge(), "linear": PlasticHinge(surface="linear")},
+        reference="hinges",
+        quantities=("peak_displacement", "resistance"),
+        groups={"pushed": ("push",)},
+    )
+    _, tables = assessed(study, tmp_path)
+    row = tables["matrix"].set_index("label").loc["linear"]
+    pushed = {label: model.simulate(push) for label, model in study.models.items()}
+    ratio = float(pushed["linear"]["resistance"]) / float(pushed["hinges"]["resistance"])
+    assert row["quantity"] == "resistance"
+    assert row["peak_displacement_bias"] == pytest.approx(ratio, rel=1e-9)
+    assert ratio < 1.0
 
 
 def test_times_that_may_hold_compilation_do_not_count(study: Study, tmp_path: Path) -> None:

@@ -91,11 +91,11 @@ class ColumnEstimate:
         yield Finding("ends", self._ends())
         missing = self.swayed
         if missing is None or missing > SWAYED:
-            share = "much" if missing is None else f"about {100.0 * missing:.0f} %"
+            share = "much" if missing is None else f"up to {100.0 * missing:.0f} %"
             yield Finding(
                 "sway",
                 f"joints that sway and turn, as the ends of the column do not, give {share} of the "
-                "peak, less while the mass of joints holds them: it comes out too small by that",
+                "peak, less while their mass holds them: it comes out too small by that",
                 remedy="take flexible-superelement on the frame",
                 number=missing,
             )
