@@ -345,6 +345,7 @@ def test_an_assessment_reads_the_store_only(
         "matrix.csv",
         "cost.csv",
         "ranking.csv",
+        "advice.csv",
     }
     outcomes = [row["outcome"] for row in result.tables["cells"]]
     assert outcomes == ["ok"] * 8 + ["not run"] * 4

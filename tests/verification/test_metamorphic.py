@@ -31,10 +31,10 @@ from workbench.sections import Section, square
 READ = ("published", "measured")  # answer what is printed, no other case
 ROUNDING = 1e-6
 DURATION = {"soft-impact": 0.4}  # s, of records: a soft striker pushes for long
-# a mesh follows the parts of a member, and so do bars and lumped masses of models with one element
-# for each; a rigid bar bends at its ends only
-SPLIT, SPLIT_MESH = {"rigid-superelement": 0.15}, 0.01
-SPLIT_ELEMENT = 0.05
+# a mesh follows the parts of a member, and so do bars and lumped masses of models with few elements
+# for each: measured 0.0 to 1.8 %. Their striker is heavy: a light one hits heavy bars again and
+# again, and late hits decide which of two equal maxima is the peak (6 to 9 %)
+SPLIT_MESH, SPLIT_ELEMENT = 0.01, 0.03
 
 
 SLOW = ("solid-plane-stress",)
@@ -43,10 +43,6 @@ BY_ERROR = ("rigid-superelement", "flexible-superelement")
 
 def meshed(name: str) -> bool:
     return model_kind(name).__module__.startswith("workbench.references")
-
-
-def split_tolerance(name: str) -> float:
-    return SPLIT.get(name, SPLIT_MESH if meshed(name) else SPLIT_ELEMENT)
 
 
 def of(kind: str) -> list[Any]:
@@ -161,15 +157,18 @@ def test_what_a_frame_does_depends_on_nothing_but_the_frame(name: str, change: s
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_an_unloaded_member_in_two_parts_is_the_same_member(name: str) -> None:
-    own = model(name)
+    own, whole, tolerance = model(name), hit(frame()), SPLIT_MESH
     if meshed(name):  # a mesh follows the parts: one that is fine enough not to tell
         own = replace(own, smallest_element=0.1, largest_element=0.2)  # type: ignore[type-var]
-    parts = (frame(), frame().split("beam", 1.7, "new"))
-    one, other = (own.simulate(hit(each)) for each in parts)
+    else:
+        whole = replace(hit(frame(), mass=20000.0, velocity=2.0), duration=0.12)
+        tolerance = SPLIT_ELEMENT
+    parts = replace(whole, frame=frame().split("beam", 1.7, "new"))
+    one, other = (own.simulate(each) for each in (whole, parts))
     assert outcome_of(one) is outcome_of(other)
     if outcome_of(one) is Outcome.OK:
         peaks = [float(each["peak_displacement"]) for each in (one, other)]
-        assert peaks[0] == pytest.approx(peaks[1], rel=split_tolerance(name))
+        assert peaks[0] == pytest.approx(peaks[1], rel=tolerance)
 
 
 @pytest.mark.parametrize("name", FRAMES)
