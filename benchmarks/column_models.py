@@ -114,10 +114,10 @@ def cheapest(
             peak, spent = inf, inf
         if abs(peak / converged - 1.0) >= 0.01:
             good.clear()
-        if spent < inf:
+        else:
             good[setting] = spent, peak
     if not good:
-        raise RuntimeError("no setting is solved")
+        raise RuntimeError("no setting keeps 1 %")
     setting = min(good, key=lambda each: good[each][0])
     spent = min(solve(setting)[1] for _ in range(repeats))
     error = good[setting][1] / converged - 1.0
