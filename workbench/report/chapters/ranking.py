@@ -48,7 +48,7 @@ def _take(row: Row, judged: int) -> str:
     """The model to take, how often it is within the bound, and what to expect."""
     text = (
         f"take {row['label']}; peak within {100 * BEYOND:g}\u2009% in {row['within']} of "
-        f"{judged}, expect {_expected(row)}, nine of ten columns in brackets"
+        f"{judged}, expect {_expected(row)}, nine of ten in brackets"
     )
     wrong = row["falls"] + row["stands"]
     return text + (f"; collapse told wrongly in {wrong}" if wrong else "")
