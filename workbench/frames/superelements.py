@@ -22,9 +22,7 @@ from workbench.structures.superelements import HingeEnd, Superelements
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
 _LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
-_NEIGHBOURS = (
-    4  # elements of members that meet struck ones: peaks of light hits 20 % too large of one
-)
+_NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
 _SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
 
@@ -85,8 +83,8 @@ def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
     nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
     and so short that two of them take some `_SHARED`, unless they were shorter than high. Joints at
     the far ends of struck members turn against the inertia of what meets them there, which one bar
-    has at its ends alone: such members are `_NEIGHBOURS` bars. Members
-    under a line load, which acts at the ends of elements, are at least `FEWEST_LOADED`.
+    has at its ends alone: such members are `_NEIGHBOURS` bars. Members under a line load, which
+    acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
     counts = [1] * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):

@@ -143,9 +143,8 @@ class Study:
             _known("study.quantities", quantity)
         for gate in self.gates:
             metric = METRICS.get(gate.metric)
-            if (
-                metric is None or metric.scope is not Scope.RUN
-            ):  # these have quantities of their own
+            # metrics of a run have quantities of their own
+            if metric is None or metric.scope is not Scope.RUN:
                 _known("gate.quantity", gate.quantity)
             bound: Any = gate.bound
             if not isinstance(bound, Real) or not isfinite(bound) or bound <= 0.0:

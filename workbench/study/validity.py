@@ -140,29 +140,33 @@ def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
     )
     if not left or len(cases) < LARGE_GROUP:
         return
-    hits = np.array(
-        [[abs(errors[label].get(case, inf)) <= BEYOND for label in labels] for case in cases]
-    )
+    hits = np.array([[_within(errors[label], case) for label in labels] for case in cases])
 
     def missed(members: Indices) -> float:
         return float(len(members) - hits[members].sum(axis=0).max())
 
     own = np.array([points[case] for case in cases])
     for leaf in grow(own, missed, ADVISED_DEPTH, ADVISED_FEWEST):
-        label = labels[int(hits[leaf.members].sum(axis=0).argmax())]
+        within = hits[leaf.members].sum(axis=0)
+        label = labels[int(within.argmax())]
         held = [case for case in left if leaf.holds(points[case])]
         taken = [cases[i] for i in leaf.members if cases[i] in errors[label]]
         counted = _counted(np.array([errors[label][case] for case in taken]))
         yield {
             "region": region_of(_named(leaf)),
             "label": label,
-            "within": int(hits[leaf.members].sum(axis=0).max()),
+            "within": int(within.max()),
             "median": counted.pop("bias"),
             **counted,
             "count": len(leaf.members),
             "asked": len(held),
-            "right": sum(abs(errors[label].get(case, inf)) <= BEYOND for case in held),
+            "right": sum(_within(errors[label], case) for case in held),
         }
+
+
+def _within(found: Mapping[str, float], case: str) -> bool:
+    """Whether a model answers a case within the bound; not if it gives no answer."""
+    return abs(found.get(case, inf)) <= BEYOND
 
 
 def checked(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:
@@ -237,7 +241,7 @@ def _better(study: Study, errors: Errors, label: str, cases: list[str]) -> Row:
     """The model that is off in the fewest of some columns, none if that is the model itself."""
 
     def off(name: str) -> int:
-        return sum(abs(errors[name].get(case, inf)) > BEYOND for case in cases)
+        return sum(not _within(errors[name], case) for case in cases)
 
     best = min(errors, key=lambda name: (off(name), name != label))
     if best == label:
