@@ -188,6 +188,12 @@ def test_bad_stiffness_is_refused(stiffness) -> None:
         GeneralizedHinge(YieldSurface(NP, MP), *stiffness)
 
 
+@pytest.mark.parametrize("count", [0, 3])
+def test_a_bar_has_one_hinge_or_two(count: int) -> None:
+    with pytest.raises(InputError, match="one entry of one hinge or two of two hinges"):
+        GeneralizedHinge(YieldSurface(NP, MP), K_AXIAL, (K_ROTATION,) * count)
+
+
 def test_bad_deformations_are_refused() -> None:
     hinge = GeneralizedHinge(YieldSurface(NP, MP), K_AXIAL, (K_ROTATION,))
     with pytest.raises(InputError, match="shape"):

@@ -32,10 +32,10 @@ _BRANCHES = ("elastic", "curve", "corner", "apex", "smooth-apex", "axis")
 
 @dataclass(frozen=True)
 class GeneralizedHinge:
-    """Hinge, or rigid bar with several hinges that share the axial force (series assembly).
+    """Hinge, or rigid bar with two hinges that share the axial force (series assembly).
 
     Arguments: `surface`; `axial_stiffness` in N/m (of the whole series); `rotational_stiffness`
-    in N m/rad, one per hinge (0: that hinge is a pin). Raises `InputError`.
+    in N m/rad, one of each hinge (0: that hinge is a pin). Raises `InputError`.
     Source: Heng 2017, section 2.3; closest-point form of the backward-Euler step.
     """
 
@@ -44,6 +44,9 @@ class GeneralizedHinge:
     rotational_stiffness: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        if len(self.rotational_stiffness) not in (1, 2):
+            reason = "must have one entry of one hinge or two of two hinges"
+            raise InputError("hinge.rotational_stiffness", self.rotational_stiffness, reason)
         for name, values in (
             ("axial_stiffness", (self.axial_stiffness,)),
             ("rotational_stiffness", self.rotational_stiffness),
@@ -66,16 +69,17 @@ class GeneralizedHinge:
         if not (np.all(np.isfinite(total)) and np.all(np.isfinite(old))):
             raise InputError("hinge.deformation", total.tolist(), "must be finite")
         surface = self.surface
-        hinges = kernels.Hinges(
-            stiffness[0],
-            stiffness[1:],
-            np.array(surface.axial_bounds),
-            np.tile(surface.moment_bounds, (stiffness.size - 1, 1)),
-            surface.alpha,
-            surface.beta,
+        trial, size = stiffness * (total - old), len(stiffness)
+        branch, all_forces, entries, _ = kernels.project(
+            tuple(np.append(stiffness, 0.0)[:3]),  # a pin beside one hinge
+            (*surface.axial_bounds, *surface.moment_bounds),
+            (surface.alpha, surface.beta),
+            tuple(np.append(trial, 0.0)[:3]),
+            kernels.ANYWHERE,
         )
-        forces, tangent = np.empty_like(stiffness), np.empty((stiffness.size, stiffness.size))
-        branch = kernels.project(hinges, stiffness * (total - old), forces, tangent)
+        forces, tangent = np.array(all_forces[:size]), np.empty((3, 3))
+        tangent[np.triu_indices(3)] = tangent.T[np.triu_indices(3)] = entries
+        tangent = tangent[:size, :size]
         elastic = np.divide(forces, stiffness, out=total - old, where=stiffness > 0.0)
         new = old if branch == kernels.ELASTIC else total - elastic
         return HingeUpdate(forces, new, tangent, _BRANCHES[branch])

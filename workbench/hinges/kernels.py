@@ -1,7 +1,7 @@
 """Closest-point projection onto super-elliptic N-M yield surfaces (Heng 2017, eqs 2.12-2.19).
 
-One axial spring in series with any number of rotational springs that share its force: one
-hinge, or a rigid bar with a hinge at each end. Backward Euler is the unique minimiser of
+One axial spring in series with two rotational springs that share its force: a rigid bar with a
+hinge at each end, or one hinge beside a pin. Backward Euler is the unique minimiser of
 
     (N - N_tr)^2 / 2 k_N + sum_i (M_i - M_tr_i)^2 / 2 k_i
     subject to |M_i| <= M_p m(|N|/N_p),   m(n) = (1 - n^beta)^(1/alpha),
@@ -10,35 +10,17 @@ found on the boundary n = S^(1/beta), m = C^(1/alpha), S = sin^2 t, C = cos^2 t,
 unknown z = ln tan t, which keeps full relative accuracy at both ends of the quarter curve.
 """
 
-from typing import NamedTuple
+import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 ELASTIC, CURVE, CORNER, APEX, SMOOTH_APEX, AXIS = 0, 1, 2, 3, 4, 5
 ITERATIONS = 200
 ROUNDING = 4e-16  # of the sum of the terms of G, taken without their signs
 Z_LIMIT = 340.0
-
-
-class Hinges(NamedTuple):
-    """An axial spring in series with rotational springs, and the yield surface of each.
-
-    `axial_stiffness` k_N (N/m); `rotational_stiffness` k_i (hinges,) (N m/rad), zero for a hinge
-    that carries no moment; `squash_loads` (2,) in tension and compression (N); `plastic_moments`
-    (hinges, 2) for positive and negative moment (N m); exponents `alpha`, `beta` >= 1.
-    """
-
-    axial_stiffness: float
-    rotational_stiffness: Vector
-    squash_loads: Vector
-    plastic_moments: Matrix
-    alpha: float
-    beta: float
+ANYWHERE = 0.0  # no z to start from
+_LINEAR = 2e-8  # a step of z whose square is below round-off
 
 
 @njit(cache=True, error_model="numpy")
@@ -88,61 +70,47 @@ def newton_in_bracket(x, value, slope, low, high):
 
 
 @njit(cache=True, error_model="numpy")
-def _moment(hinges, trial, i):
-    """Magnitude of the trial moment of hinge i, and the plastic moment of its sign."""
-    M = trial[i + 1]
-    return abs(M), hinges.plastic_moments[i, 0 if M >= 0.0 else 1]
+def project(stiffness, bounds, exponents, trial, start):
+    """Project trial forces onto the yield surface.
 
-
-@njit(cache=True, error_model="numpy")
-def project(hinges, trial, stress, tangent):
-    """Project trial forces onto the yield surface; write forces and consistent tangent.
-
-    `trial` (1 + hinges,): elastic trial N and M_i. Writes `stress` (1 + hinges,) and `tangent`
-    (1 + hinges, 1 + hinges); returns the branch.
+    `stiffness` (k_N, k_1, k_2) in N/m and N m/rad, zero of a pin; `bounds` of N in tension and
+    compression, of M positive and negative, all as positive numbers; `exponents` (alpha, beta) of
+    at least 1; elastic `trial` (N, M_1, M_2), zero at a pin; `start`, z of a trial nearby or
+    `ANYWHERE`.
+    Result: branch; forces; consistent tangent (NN, N1, N2, 11, 12, 22); z. All are numbers in
+    tuples: tables cost more than the rest.
     """
-    k, kN = hinges.rotational_stiffness, hinges.axial_stiffness
-    alpha, beta = hinges.alpha, hinges.beta
-    count = k.shape[0]
-    tangent[:] = 0.0
-    T, Np = abs(trial[0]), hinges.squash_loads[0 if trial[0] >= 0.0 else 1]
-    share = 0.0
-    for i in range(count):
-        A, Mp = _moment(hinges, trial, i)
-        share = max(share, A / Mp)
-    elastic = T / Np + share <= 1.0 or (Np >= T and share <= capacity(T / Np, alpha, beta))
-    if elastic:
-        stress[0], tangent[0, 0] = trial[0], kN
-        for i in range(count):
-            stress[i + 1] = trial[i + 1]
-            tangent[i + 1, i + 1] = k[i]
-        return ELASTIC
+    (kN, k1, k2), (N, M1, M2), (alpha, beta) = stiffness, trial, exponents
+    T, Np = abs(N), bounds[0] if N >= 0.0 else bounds[1]
+    A1, Mp1 = abs(M1), bounds[2] if M1 >= 0.0 else bounds[3]
+    A2, Mp2 = abs(M2), bounds[2] if M2 >= 0.0 else bounds[3]
+    largest = max(A1 / Mp1, A2 / Mp2)
+    if T / Np + largest <= 1.0 or (Np >= T and largest <= capacity(T / Np, alpha, beta)):
+        return ELASTIC, trial, (kN, 0.0, 0.0, k1, 0.0, k2), start
 
     # the end points of the quarter curve
-    at_axis = -T * Np / (kN * beta)
-    at_apex = (Np - T) * Np / (kN * beta)
-    largest = 0.0
-    for i in range(count):
-        if k[i] == 0.0:
-            continue
-        A, Mp = _moment(hinges, trial, i)
-        largest = max(largest, A / Mp)
-        if Mp < A:
-            at_axis += (A - Mp) * Mp / (k[i] * alpha)
-        at_apex += A * Mp / (k[i] * alpha)
+    cN = Np / (kN * beta)
+    c1 = Mp1 / (k1 * alpha) if k1 > 0.0 else 0.0
+    c2 = Mp2 / (k2 * alpha) if k2 > 0.0 else 0.0
+    at_axis = max(A1 - Mp1, 0.0) * c1 + max(A2 - Mp2, 0.0) * c2 - T * cN
+    at_apex = A1 * c1 + A2 * c2 + (Np - T) * cN
     if (beta == 1.0 and at_axis >= 0.0) or (beta > 1.0 and T == 0.0):
-        return _axis_point(hinges, Np, trial, stress, tangent)
+        curvature = 2.0 / Np**2 * (max(A1 - Mp1, 0.0) * c1 + max(A2 - Mp2, 0.0) * c2)
+        return _axis_point(stiffness, (Mp1, Mp2), beta, trial, curvature)
     if (alpha == 1.0 and at_apex <= 0.0) or (alpha > 1.0 and largest == 0.0):
-        return _apex(hinges, Np, trial, stress, tangent)
+        excess = (T - Np) * 2.0 * cN
+        return _apex(stiffness, math.copysign(Np, N), alpha, excess / Mp1**2, excess / Mp2**2)
 
     # between them, the point with G(z) = 0
     ea, eb = 2.0 - 2.0 / alpha, 2.0 - 2.0 / beta
-    if T == 0.0:
-        z = -5.0
-    elif largest == 0.0:
-        z = 5.0
-    else:
-        z = first_on_curve(T / Np, largest, alpha, beta)
+    z = start
+    if not 0.0 < abs(z) < Z_LIMIT:
+        if T == 0.0:
+            z = -5.0
+        elif largest == 0.0:
+            z = 5.0
+        else:
+            z = first_on_curve(T / Np, largest, alpha, beta)
     low, high, last = -Z_LIMIT, Z_LIMIT, False
     S = C = n = m = Ca = Sb = 0.0
     for _ in range(ITERATIONS):
@@ -150,87 +118,73 @@ def project(hinges, trial, stress, tangent):
         n = S if beta == 1.0 else S ** (1.0 / beta)
         m = C if alpha == 1.0 else C ** (1.0 / alpha)
         Ca, Sb = C / m, S / n  # C^(1 - 1 / alpha) and S^(1 - 1 / beta) without two more powers
-        factor = Np / (kN * beta) * Ca
-        GA = (Np * n - T) * factor
-        size = (Np * n + T) * factor
-        slope = 2.0 / beta * Np * n * C * factor - ea * S * GA
-        GB = 0.0
-        for i in range(count):
-            if k[i] == 0.0:
-                continue
-            A, Mp = _moment(hinges, trial, i)
-            factor = Mp / (k[i] * alpha) * Sb
-            size += (A + Mp * m) * factor
-            if Mp * m < A:
-                GB += (A - Mp * m) * factor
-                slope += 2.0 / alpha * Mp * m * S * factor
-        slope += eb * C * GB
-        if last or abs(GA + GB) <= ROUNDING * size:
+        GA = (Np * n - T) * cN * Ca
+        over1, over2 = max(A1 - Mp1 * m, 0.0) * c1 * Sb, max(A2 - Mp2 * m, 0.0) * c2 * Sb
+        G = GA + over1 + over2
+        size = (Np * n + T) * cN * Ca + ((A1 + Mp1 * m) * c1 + (A2 + Mp2 * m) * c2) * Sb
+        if last or abs(G) <= ROUNDING * size:
             break
-        z, low, high, last = newton_in_bracket(z, GA + GB, slope, low, high)
+        steep = (Mp1 * c1 if over1 > 0.0 else 0.0) + (Mp2 * c2 if over2 > 0.0 else 0.0)
+        slope = 2.0 / beta * Np * n * C * cN * Ca - ea * S * GA
+        slope += 2.0 / alpha * m * S * Sb * steep + eb * C * (over1 + over2)
+        new, low, high, last = newton_in_bracket(z, G, slope, low, high)
+        dz, z = new - z, new
+        if abs(dz) <= _LINEAR:  # all follow linearly
+            n, m = n * (1.0 + 2.0 / beta * C * dz), m * (1.0 - 2.0 / alpha * S * dz)
+            S, C = S * (1.0 + 2.0 * C * dz), C * (1.0 - 2.0 * S * dz)
+            Ca, Sb = C / m, S / n
+            break
 
     # forces; consistent tangent of rank one along the curve, plus the hinges that stay elastic
-    stress[0] = np.copysign(Np * n, trial[0])
     a = 2.0 / beta * Np * Ca
     pa = 0.0 if ea == 0.0 else -2.0 / beta * Np * ea * C ** (1.0 - 2.0 / alpha) * Sb
-    H = a * a / kN + (Np * n - T) * pa / kN
-    tangent[0, 0] = np.copysign(a, trial[0])
-    for i in range(count):
-        A, Mp = _moment(hinges, trial, i)
-        if k[i] > 0.0 and Mp * m < A:
-            stress[i + 1] = np.copysign(Mp * m, trial[i + 1])
-            b = -2.0 / alpha * Mp * Sb
-            pb = 0.0 if eb == 0.0 else -2.0 / alpha * Mp * eb * S ** (1.0 - 2.0 / beta) * Ca
-            H += b * b / k[i] - (A - Mp * m) * pb / k[i]
-            tangent[i + 1, 0] = b if trial[i + 1] >= 0.0 else -b
-        else:
-            stress[i + 1] = trial[i + 1]
-    finite = np.isfinite(H) and H > 0.0
-    for i in range(count, -1, -1):  # column 0 holds the direction until it is overwritten
-        for j in range(i, -1, -1):
-            rank_one = tangent[i, 0] * tangent[j, 0] / H if finite else 0.0
-            tangent[i, j] = tangent[j, i] = rank_one
-    for i in range(count):
-        if not (k[i] > 0.0 and abs(stress[i + 1]) < abs(trial[i + 1])):
-            tangent[i + 1, i + 1] += k[i]
-    return CURVE
+    pb = 0.0 if eb == 0.0 else -2.0 / alpha * eb * S ** (1.0 - 2.0 / beta) * Ca
+    H = (a * a + (Np * n - T) * pa) / kN
+    M1, b1, k1, h1 = _at_yield(M1, k1, Mp1, m, -2.0 / alpha * Sb, pb)
+    M2, b2, k2, h2 = _at_yield(M2, k2, Mp2, m, -2.0 / alpha * Sb, pb)
+    H, a = H + h1 + h2, math.copysign(a, N)
+    r = 1.0 / H if np.isfinite(H) and H > 0.0 else 0.0
+    tangent = a * a * r, a * b1 * r, a * b2 * r, b1 * b1 * r + k1, b1 * b2 * r, b2 * b2 * r + k2
+    return CURVE, (math.copysign(Np * n, N), M1, M2), tangent, z
 
 
 @njit(cache=True, error_model="numpy")
-def _axis_point(hinges, Np, trial, stress, tangent):
+def _at_yield(M, k, Mp, m, along, bend):
+    """A hinge at the capacity `m`: its moment, dM along the curve, what stays elastic of its k.
+
+    And what it adds to the curvature H of the minimised energy.
+    """
+    over = abs(M) - Mp * m
+    if not over > 0.0:
+        return M, 0.0, k, 0.0
+    b = Mp * along
+    return math.copysign(Mp * m, M), math.copysign(b, -M), 0.0, (b * b - over * Mp * bend) / k
+
+
+@njit(cache=True, error_model="numpy")
+def _axis_point(stiffness, plastic_moments, beta, trial, curvature):
     """N = 0, full plastic moments: corner of the surface (beta = 1) or smooth axis point."""
-    k, beta = hinges.rotational_stiffness, hinges.beta
-    stress[0] = 0.0
-    curvature = 0.0
-    for i in range(k.shape[0]):
-        A, Mp = _moment(hinges, trial, i)
-        if k[i] > 0.0 and Mp < A:
-            stress[i + 1] = np.copysign(Mp, trial[i + 1])
-            curvature += (A - Mp) * 2.0 * Mp / (hinges.alpha * Np**2 * k[i])
-        else:
-            stress[i + 1] = trial[i + 1]
-            tangent[i + 1, i + 1] = k[i]
-    if beta == 1.0:
-        return CORNER
+    (kN, k1, k2), (_, M1, M2), (Mp1, Mp2) = stiffness, trial, plastic_moments
+    if Mp1 < abs(M1):
+        M1, k1 = math.copysign(Mp1, M1), 0.0
+    if Mp2 < abs(M2):
+        M2, k2 = math.copysign(Mp2, M2), 0.0
+    axial = 0.0
     if beta > 2.0:
-        tangent[0, 0] = hinges.axial_stiffness
+        axial = kN
     elif beta == 2.0:
-        tangent[0, 0] = 1.0 / (1.0 / hinges.axial_stiffness + curvature)
-    return AXIS
+        axial = 1.0 / (1.0 / kN + curvature)
+    branch = CORNER if beta == 1.0 else AXIS
+    return branch, (0.0, M1, M2), (axial, 0.0, 0.0, k1, 0.0, k2), ANYWHERE
 
 
 @njit(cache=True, error_model="numpy")
-def _apex(hinges, Np, trial, stress, tangent):
+def _apex(stiffness, N, alpha, curvature1, curvature2):
     """|N| = N_p, no moment: corner of the surface (alpha = 1) or smooth apex."""
-    k, alpha = hinges.rotational_stiffness, hinges.alpha
-    stress[0] = np.copysign(Np, trial[0])
-    for i in range(k.shape[0]):
-        stress[i + 1] = 0.0
-        _, Mp = _moment(hinges, trial, i)
-        if alpha > 2.0:
-            tangent[i + 1, i + 1] = k[i]
-        elif alpha == 2.0 and k[i] > 0.0:
-            kN = hinges.axial_stiffness
-            curvature = (abs(trial[0]) - Np) * 2.0 * Np / (hinges.beta * Mp**2 * kN)
-            tangent[i + 1, i + 1] = 1.0 / (1.0 / k[i] + curvature)
-    return APEX if alpha == 1.0 else SMOOTH_APEX
+    _, k1, k2 = stiffness
+    if alpha < 2.0:
+        k1 = k2 = 0.0
+    elif alpha == 2.0:
+        k1, k2 = k1 / (1.0 + k1 * curvature1), k2 / (1.0 + k2 * curvature2)
+    branch = APEX if alpha == 1.0 else SMOOTH_APEX
+    return branch, (N, 0.0, 0.0), (0.0, 0.0, 0.0, k1, 0.0, k2), ANYWHERE

@@ -73,7 +73,7 @@ def step_residual(column, dt, nested, closed, jump, state, work):
         if nested:
             R[BETA] = 0.0
     axial = max(abs(R[V]), max(abs(R[U1]), abs(R[U2]))) / (dt * column.squash_loads[0])
-    return max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0, 0]))
+    return max(axial, abs(R[BETA]) / (dt * column.plastic_moments[0]))
 
 
 @njit(cache=True, error_model="numpy")

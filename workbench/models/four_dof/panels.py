@@ -87,7 +87,7 @@ def section_forces(column, bar, place, state, work):
             K[i, 3] += turned[i]
             K[3, i] += turned[i]
         K[3, 3] -= 0.25 * (N * e + V * s)
-        if last or abs(residual) <= 1e-12 * column.plastic_moments[0, 0]:
+        if last or abs(residual) <= 1e-12 * column.plastic_moments[0]:
             break
         phi, low, high, last = newton_in_bracket(phi, residual, K[3, 3], low, high)
     state.turn[bar] = phi

@@ -41,6 +41,7 @@ _PUSH_STEP = 1.25e-4  # of the length, changes the static force by less than 0.0
 _SHORTEST_STEP = 1e-8  # s
 _MOST_STEPS = 1_000_000  # of a record; all of it and what is made of it take some 1 GB
 _FIRST = 0.005  # step after an impact over the inverse of the axial frequency
+_LEDGER = "kinetic", "elastic", "contact_loss"
 _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded by themselves
 
 
@@ -184,8 +185,8 @@ class RigidBars(Declared, table="option"):
 
     def pushed(
         self, column: Column, displacement: float, least: float = -inf
-    ) -> tuple[Any, Any, dict[str, Any]]:
-        """The bars of a pushed column, its records and their histories.
+    ) -> tuple[Any, dict[str, Any]]:
+        """The records of a pushed column and their histories.
 
         Arguments: the `displacement` to which it is pushed (m); the force (N) below which the push
         may end, `least`. Raises `SolverError` where equilibrium is lost before.
@@ -203,15 +204,15 @@ class RigidBars(Declared, table="option"):
             where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
             raise SolverError(where, residual, tried)
         records = records[: last + 2]
-        return bars, records, _histories(column, bars, records)
+        return records, _histories(column, bars, records)
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
-        bars, records, values = self.pushed(column, scenario.displacement)
+        records, values = self.pushed(column, scenario.displacement)
         force = values["force"]
         pieces = 0.5 * (force[1:] + force[:-1]) * np.diff(values["displacement"])
         external = np.concatenate([[0.0], np.cumsum(pieces)])
-        values["elastic"] = _elastic_energy(bars, records)
+        values["elastic"] = records["elastic"]
         values["external_work"] = external + _dead_work(column, records)
         values["input_energy"] = external[-1]
         return build_response(
@@ -227,19 +228,22 @@ class RigidBars(Declared, table="option"):
         scenario = with_hit_mass(scenario, self.hit_mass)
         error = np.inf
         for refinement in range(5):
-            records, values = self._march(scenario, self._pace(scenario, refinement))
-            stored = float(values["elastic"][0])
-            error = open_share(values["balance_error"], scenario.input_energy, stored)
+            bars, records = self._march(scenario, self._pace(scenario, refinement))
+            stored = float(records["elastic"][0])
+            error = open_share(records["balance"], scenario.input_energy, stored)
             if self._fixed_step(scenario) is not None or error < self._BALANCE:
                 break
         else:
             raise SolverError("the energy balance", error, "steps down to a 256th in length")
         solved = perf_counter() - started
-        values |= {
+        values = {
+            **_histories(scenario.column, bars, records),
+            **{name: records[name] for name in _LEDGER},
+            "balance_error": records["balance"],
+            "external_work": _dead_work(scenario.column, records),
             "velocity": records["w"][:, V],
             "striker_velocity": records["striker_velocity"],
             "percussion": records["percussion"],
-            "contact_loss": records["contact_loss"],
             "input_energy": scenario.input_energy,
             "plastic_rotation": _at_hinges(records["plastic"]),
         }
@@ -250,10 +254,10 @@ class RigidBars(Declared, table="option"):
         response.attrs["solve_time"] = solved
         return response
 
-    def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, dict[str, Any]]:
-        """Records of one run, its histories and energies."""
-        column, striker = scenario.column, scenario.striker
-        bars, q = self.bars(column)
+    def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, Any]:
+        """The bars and the records of one run."""
+        striker = scenario.striker
+        bars, q = self.bars(scenario.column)
         bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
         records = np.zeros(pace.records, statics.STATE)
         records["q"][0], records["striker_velocity"][0] = q, striker.velocity
@@ -269,20 +273,7 @@ class RigidBars(Declared, table="option"):
         if status == statics.NO_CONVERGENCE:
             tried = f"nested rotation balance, line search, shorter steps ({cuts} cuts in all)"
             raise SolverError(f"time {time:.6g} s (step after record {last})", residual, tried)
-        m, w = bars["mass"], records["w"]
-        twice = (
-            m[V] * (w[:, V] ** 2 + w[:, U1] ** 2) + striker.mass * records["striker_velocity"] ** 2
-        )
-        kinetic = 0.5 * (twice + m[U2] * w[:, U2] ** 2 * bars["free_head"])
-        elastic, dead = _elastic_energy(bars, records), _dead_work(column, records)
-        total = kinetic + elastic + records["dissipated"] + records["contact_loss"]
-        return records, {
-            **_histories(column, bars, records),
-            "kinetic": kinetic,
-            "elastic": elastic,
-            "external_work": dead,
-            "balance_error": total[0] + dead - total,
-        }
+        return bars, records
 
 
 @lru_cache(maxsize=256)
@@ -308,18 +299,6 @@ def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
 def _dead_work(column: Column, records: Any) -> Array:
     """Work of the axial load, in J."""
     return np.asarray(-column.axial_load * (records["q"][:, U2] - records["q"][0, U2]))
-
-
-def _elastic_energy(bars: Any, records: Any) -> Array:
-    """Energy stored in the hinges and in the restraint spring, in J."""
-    energy = 0.5 * bars["spring"] * (records["q"][:, U2] - bars["unstressed"]) ** 2
-    for (bar, j), stiffness in np.ndenumerate(bars["stiffness"]):
-        if stiffness > 0.0:
-            energy = energy + 0.5 * records["stress"][:, bar, j] ** 2 / stiffness
-    if bars["sliding"] != panels.RIGID_IN_SHEAR:
-        shear = records["stress"][:, :, 3]
-        energy = energy + 0.5 * shear**2 @ bars["lengths"] / bars["web"]["stiffness"]
-    return np.asarray(energy)
 
 
 def _at_hinges(values: Array) -> Array:

@@ -8,7 +8,7 @@ over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, d
 import numpy as np
 from numba import njit
 
-from workbench.hinges.kernels import Hinges, newton_in_bracket, project
+from workbench.hinges.kernels import newton_in_bracket, project
 from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels
@@ -26,7 +26,7 @@ COLUMN = np.dtype(
         ("flexibility", float, (2, 4)),  # as a panel has it: 1/k_N, 1/k_end, 0, 1/k_mid
         ("pinned", np.uint8, (2, 2)),
         ("squash_loads", float, 2),  # of all hinges, in tension and compression, N
-        ("plastic_moments", float, (2, 2)),  # of the hinges of a bar, for both signs, N m
+        ("plastic_moments", float, 2),  # of all hinges, positive and negative, N m
         ("alpha", float),  # exponents of the yield surface
         ("beta", float),
         ("web", WEB),  # of bars that slide
@@ -55,6 +55,9 @@ STATE = np.dtype(
         ("percussion", float),  # of the step, N s
         ("dissipated", float),  # since the start, J
         ("contact_loss", float),
+        ("elastic", float),  # of hinges, webs and the restraint spring, J
+        ("kinetic", float),
+        ("balance", float),  # what is missing of the energy at the start, dead load included, J
     ]
 )
 WORK = np.dtype(  # room for the numbers of one evaluation
@@ -68,52 +71,62 @@ WORK = np.dtype(  # room for the numbers of one evaluation
         ("f", float, (2, 3)),
         ("stress0", float, (2, 4)),
         ("turn0", float, 2),
-        ("k", float, (2, 3, 3)),
+        ("k", float, (2, 3, 3)),  # what is on and above the diagonal
         ("D", float, (2, 3, 3)),
         ("branch", int, 2),  # of the projection
+        ("z", float, 2),  # where on the yield surface it began to look, and found it
         ("trial", float, 3),
         ("flow", float, (2, 5)),
     ]
 )
 
 
+@njit(cache=True, error_model="numpy", forceinline=True)
+def hinge_forces(column, bar, elastic, stress, work):
+    """Forces of the hinges of a bar from their `elastic` deformations, and their tangent.
+
+    The tangent as numbers, NN, N1, N2, 11, 12, 22.
+    """
+    if column.sliding == panels.CHORD:
+        trial, D = work.trial[:], work.D[bar]
+        trial[0], trial[1], trial[2] = elastic
+        panels.chord_forces(column, bar, stress[bar], work)
+        return D[0, 0], D[0, 1], D[0, 2], D[1, 1], D[1, 2], D[2, 2]
+    k, N, M = column.stiffness, column.squash_loads, column.plastic_moments
+    stiffness = k[bar, 0], k[bar, 1], k[bar, 2]
+    trial = stiffness[0] * elastic[0], stiffness[1] * elastic[1], stiffness[2] * elastic[2]
+    bounds, exponents = (N[0], N[1], M[0], M[1]), (column.alpha, column.beta)
+    found = project(stiffness, bounds, exponents, trial, work.z[bar])
+    work.branch[bar], work.z[bar] = found[0], found[3]
+    stress[bar, 0], stress[bar, 1], stress[bar, 2] = found[1]
+    return found[2]
+
+
 @njit(cache=True, error_model="numpy")
 def bar_forces(column, bar, state, work):
     """Forces `work.f` and tangent `work.k` of a bar over (v, x, b); its `state.stress`."""
-    k, plastic, stress = column.stiffness, state.plastic, state.stress
+    plastic, stress = state.plastic, state.stress
     small, length = column.small_rotations, column.lengths[bar]
-    trial, D = work.trial[:], work.D[bar]
     v, x, b = geometry.place(state.q, column.lengths, bar)
     if column.sliding == panels.SECTION:
         panels.section_forces(column, bar, (v, x, b), state, work)
         return
     stretch, angle = geometry.stretch_and_angle(v, x, length, small)
-    trial[0], trial[1] = stretch - plastic[bar, 0], angle - plastic[bar, 1]
-    trial[2] = b - angle - plastic[bar, 2]
-    if column.sliding == panels.CHORD:
-        panels.chord_forces(column, bar, stress[bar], work)
-    else:
-        for j in range(3):
-            trial[j] *= k[bar, j]
-        bounds = column.squash_loads[:], column.plastic_moments[:]
-        hinges = Hinges(k[bar, 0], k[bar, 1:], bounds[0], bounds[1], column.alpha, column.beta)
-        work.branch[bar] = project(hinges, trial, stress[bar, :3], D)
+    elastic = stretch - plastic[bar, 0], angle - plastic[bar, 1], b - angle - plastic[bar, 2]
+    NN, N1, N2, M11, M12, M22 = hinge_forces(column, bar, elastic, stress, work)
     N, M = stress[bar, 0], stress[bar, 1] - stress[bar, 2]
     ev, ex, pv, px = geometry.gradients(v, x, length, small)
-    f, K = work.f[bar], work.k[bar]
-    f[0], f[1], f[2] = N * ev + M * pv, N * ex + M * px, stress[bar, 2]
-    for j in range(3):  # D B, in its place
-        DN, DM = D[j, 0], D[j, 1] - D[j, 2]
-        D[j, 0], D[j, 1] = DN * ev + DM * pv, DN * ex + DM * px
-    for j in range(3):
-        K[0, j] = ev * D[0, j] + pv * (D[1, j] - D[2, j])
-        K[1, j] = ex * D[0, j] + px * (D[1, j] - D[2, j])
-        K[2, j] = D[2, j]
+    f, K, D = work.f, work.k, work.D
+    f[bar, 0], f[bar, 1], f[bar, 2] = N * ev + M * pv, N * ex + M * px, stress[bar, 2]
+    D1, D2, D3 = D[bar, 0], D[bar, 1], D[bar, 2]  # D B
+    D1[0], D1[1], D1[2] = NN * ev + (N1 - N2) * pv, NN * ex + (N1 - N2) * px, N2
+    D2[0], D2[1], D2[2] = N1 * ev + (M11 - M12) * pv, N1 * ex + (M11 - M12) * px, M12
+    D3[0], D3[1], D3[2] = N2 * ev + (M12 - M22) * pv, N2 * ex + (M12 - M22) * px, M22
     vv, vx, xx = geometry.geometric_stiffness(v, x, length, small, N, M)
-    K[0, 0] += vv
-    K[0, 1] += vx
-    K[1, 0] += vx
-    K[1, 1] += xx
+    K[bar, 0, 0] = ev * D1[0] + pv * (D2[0] - D3[0]) + vv
+    K[bar, 0, 1] = ev * D1[1] + pv * (D2[1] - D3[1]) + vx
+    K[bar, 1, 1] = ex * D1[1] + px * (D2[1] - D3[1]) + xx
+    K[bar, 0, 2], K[bar, 1, 2], K[bar, 2, 2] = D3[0], D3[1], D3[2]
 
 
 @njit(cache=True, error_model="numpy")
@@ -171,7 +184,7 @@ def balance_rotation(column, state, work):
     for _ in range(100):
         internal_forces(column, state, work)
         closed = high - low <= 4e-16 * max(1.0, abs(q[BETA]))
-        if closed or abs(F[BETA]) <= 1e-12 * column.plastic_moments[0, 0]:
+        if closed or abs(F[BETA]) <= 1e-12 * column.plastic_moments[0]:
             return
         new, low, high, _ = newton_in_bracket(q[BETA], F[BETA], work.K[BETA, BETA], low, high)
         if new == q[BETA]:
@@ -259,6 +272,18 @@ def commit(column, start, state, work):
 
 
 @njit(cache=True, error_model="numpy")
+def store(column, state):
+    """Write the elastic energy of a state."""
+    f, Q = column.flexibility, state.stress
+    energy = column.spring * (state.q[U2] - column.unstressed) ** 2
+    for i in range(2):
+        energy += f[i, 0] * Q[i, 0] ** 2 + f[i, 1] * Q[i, 1] ** 2 + f[i, 3] * Q[i, 2] ** 2
+        if column.sliding != panels.RIGID_IN_SHEAR:
+            energy += Q[i, 3] ** 2 * column.lengths[i] / column.web.stiffness
+    state.elastic = 0.5 * energy
+
+
+@njit(cache=True, error_model="numpy")
 def pushover(column, path, least, records, work):
     """Static path under imposed v1 = path[i]; returns (status, last step, residual).
 
@@ -266,6 +291,7 @@ def pushover(column, path, least, records, work):
     converge are halved down to 1/1024. The path ends early once the force is below `least`.
     """
     residual = 0.0
+    store(column, records[0])
     for i in range(path.size):
         records[i + 1] = records[i]
         state = records[i + 1]
@@ -287,6 +313,7 @@ def pushover(column, path, least, records, work):
                 if stride < 1.0 / 1024.0:
                     return NO_CONVERGENCE, i, residual
         state.force = work.F[V]
+        store(column, state)
         if state.force < least:
             return OK, i, residual
     return OK, path.size - 1, residual

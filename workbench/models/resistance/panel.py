@@ -68,7 +68,7 @@ def panel_curve(
     if refusals:
         raise OutOfDomainError(f"static curve of its panels: {'; '.join(refusals)}")
     try:
-        _, _, values = model.pushed(column, top, least=0.0)
+        _, values = model.pushed(column, top, least=0.0)
     except SolverError as error:
         raise OutOfDomainError(f"static curve of its panels: {error}") from error
     v, force, top = values["displacement"], values["force"], values["displacement"][-1]
