@@ -130,7 +130,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     rows["cost"] = list(cost_rows(study, rows))
     rows["ranking"] = list(ranking_rows(study, rows))
     rows["advice"] = list(advice_rows(study, rows))
-    rows["budget"] = list(_budget_rows(study, cells, store))
+    rows["budget"] = list(_budget_rows(study, cells, store)) if study.budgets else []
     columns = {
         "cells": (
             *(*_CELL, "solve_time", *names, *SCALARS, *map(width_of, study.quantities)),

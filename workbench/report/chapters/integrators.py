@@ -10,6 +10,7 @@ from workbench.content.formatting import number
 from workbench.content.tree import ABSENT, Block, Bullets, Cell, Column, Section, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
+from workbench.scenarios import ImpactProblem
 from workbench.study.definition import Study
 
 GOOD = 0.01  # error of the places over the largest place
@@ -44,7 +45,8 @@ class _Entry(NamedTuple):
 def in_short(study: Study, stored: Stored) -> Section | None:
     """The matrix and what it says; None for a study without integrators."""
     found: dict[str, dict[str, _Entry | None]] = {}
-    for case in study.cases:
+    asked = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
+    for case in asked:
         for label in study.models:
             cell = stored.cells.get((case.name, label))
             response = stored.response(case.name, label)
@@ -54,9 +56,7 @@ def in_short(study: Study, stored: Stored) -> Section | None:
                 found.setdefault(label, {})[case.name] = None
     if not any(entry for row in found.values() for entry in row.values()):
         return None
-    problems = [
-        case.name for case in study.cases if any(case.name in row for row in found.values())
-    ]
+    problems = [case.name for case in asked if any(case.name in row for row in found.values())]
     columns = (
         Column("scheme", width=2.0, of=lambda item: str(item[0])),
         *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
