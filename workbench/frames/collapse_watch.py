@@ -1,6 +1,8 @@
 """When a frame has collapsed, so that its models mean nothing any more."""
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,40 +10,64 @@ from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure, upright_names
+from workbench.scenarios import Frame
 
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
 LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long before
 
 
+class Lines(NamedTuple):
+    """What displacements (dofs,) do to the members of a frame, in rows, and to its lines of them.
+
+    Over the length of each member, how far they move its ends apart `across` its axis and `along`
+    it (members, dofs); names of the members of each straight line, its `chains`, and `chained`
+    (chains, members), 1 over its length; the drift of that of each upright member, `drifting`
+    (uprights, dofs).
+    """
+
+    across: Array
+    along: Array
+    chains: list[tuple[str, ...]]
+    chained: Array
+    drifting: Array
+
+
+@lru_cache(maxsize=16)
+def _lines(frame: Frame, size: int, dofs: tuple[tuple[int, int], ...]) -> Lines:
+    """The lines of a frame with so many dofs, `dofs` u and v of its nodes."""
+    lengths: Array = np.array([frame.length(member) for member in frame.members])
+    across: Array = np.zeros((len(lengths), size))
+    along = np.zeros_like(across)
+    placed = dict(zip((node.name for node in frame.nodes), dofs, strict=True))
+    for number, member in enumerate(frame.members):
+        start, end = frame.node(member.start), frame.node(member.end)
+        dx, dy = end.x - start.x, end.y - start.y
+        for rows, parts in ((across, (-dy, dx)), (along, (dx, dy))):
+            rows[number, list(placed[start.name])] -= parts
+            rows[number, list(placed[end.name])] += parts
+    across /= lengths[:, None] ** 2
+    along /= lengths[:, None] ** 2
+    place = {member.name: i for i, member in enumerate(frame.members)}
+    straight = [chain.members for chain in chains(frame)]
+    members = np.zeros((len(straight), len(place)))
+    for row, names in zip(members, straight, strict=True):
+        row[[place[name] for name in names]] = 1.0
+    chained = members / (members @ lengths)[:, None]
+    lines = ((chained * lengths) @ across)[members.argmax(axis=0)]
+    drifting = lines[[place[name] for name in upright_names(frame)]]
+    return Lines(across, along, straight, chained, drifting)
+
+
 class CollapseWatch:
     """Checks the committed state of a `structure` after every step."""
 
     def __init__(self, structure: FrameStructure) -> None:
-        frame = structure.frame
+        frame, assembly = structure.frame, structure.assembly
         self._structure = structure
-        self._lengths: Array = np.array([frame.length(member) for member in frame.members])
-        # what displacements (dofs,) move the ends of each member apart across its axis, in rows,
-        # and along it
-        self._across: Array = np.zeros((len(self._lengths), structure.assembly.size))
-        self._along = np.zeros_like(self._across)
-        for number, member in enumerate(frame.members):
-            start, end = frame.node(member.start), frame.node(member.end)
-            dx, dy = end.x - start.x, end.y - start.y
-            for rows, x, y in ((self._across, -dy, dx), (self._along, dx, dy)):
-                for axis, part in (("x", x), ("y", y)):
-                    rows[number, structure.dof(start.name, axis)[0]] -= part
-                    rows[number, structure.dof(end.name, axis)[0]] += part
-        self._across /= self._lengths[:, None] ** 2
-        self._along /= self._lengths[:, None] ** 2
-        place = {member.name: i for i, member in enumerate(frame.members)}
-        self._chains = [chain.members for chain in chains(frame)]
-        chained = np.zeros((len(self._chains), len(place)))
-        for row, names in zip(chained, self._chains, strict=True):
-            row[[place[name] for name in names]] = 1.0
-        self._chained = chained / (chained @ self._lengths)[:, None]
-        lines = ((self._chained * self._lengths) @ self._across)[chained.argmax(axis=0)]
-        self._drifting = lines[[place[name] for name in upright_names(frame)]]
+        nodes = range(len(frame.nodes))
+        dofs = tuple((assembly.dof(n, "u"), assembly.dof(n, "v")) for n in nodes)
+        self._lines = _lines(frame, assembly.size, dofs)
 
     def check(self, displacement: Array | float, time: Array | float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
@@ -51,7 +77,7 @@ class CollapseWatch:
         meshes may go on and survive.
         """
         left, across = self._structure.members.lengths_left(), self._apart(now=True)
-        lost = self._structure.members.contractions() @ self._chained.T
+        lost = self._structure.members.contractions() @ self._lines.chained.T
         over = left.min(axis=-1) < LEAST_LENGTH
         if time is not None:
             over = over | (across.max(axis=-1) > COLLAPSE_SIDEWAYS)
@@ -92,14 +118,14 @@ class CollapseWatch:
             f"has been squashed by {100.0 * lost[worst]:.3g} % of the length, more than "
             f"{100.0 * COLLAPSE_CONTRACTION:g} %"
         )
-        raise fallen(Mechanism.SQUASH, self._chains[worst], reason)
+        raise fallen(Mechanism.SQUASH, self._lines.chains[worst], reason)
 
     def drifts(self, moved: Array) -> Array:
         """Drift of the straight line of members that each upright one belongs to (uprights,).
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved @ self._drifting.T))
+        return np.asarray(np.abs(moved @ self._lines.drifting.T))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""
@@ -114,7 +140,7 @@ class CollapseWatch:
         all of that, and may be too short to reach its first length.
         """
         displacement = self._structure.assembly.displacement
-        moved = np.abs(displacement @ self._across.T)
+        moved = np.abs(displacement @ self._lines.across.T)
         if now:
-            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self._along.T))
+            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self._lines.along.T))
         return np.asarray(moved)

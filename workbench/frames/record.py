@@ -8,7 +8,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.frames.collapse_watch import CollapseWatch
 from workbench.frames.snapshots import Snapshots
-from workbench.frames.structure import FrameStructure
+from workbench.frames.structure import FrameStructure, upright_names
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
@@ -19,36 +19,43 @@ class Record:
     """Histories of a run: what its steps tell, and the states that they commit.
 
     Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
-    `end` of the record in s (None: load steps), see `Snapshots`. Read off as well: `shear_strain`,
+    `end` of the record in s (None: load steps), see `Snapshots`; `begun`, whether the first steps
+    tell of the start as well, as those of `follow_impact` do. Read off as well: `shear_strain`,
     the largest mean one of each member so far (members,), None unless shear yields.
     """
 
     def __init__(
-        self, structure: FrameStructure, node: str, direction: str, end: float | None
+        self,
+        structure: FrameStructure,
+        node: str,
+        direction: str,
+        end: float | None,
+        *,
+        begun: bool = False,
     ) -> None:
         self.structure = structure
         self.watch = CollapseWatch(structure)
         self._dof, self._sign = structure.dof(node, direction)
-        self._timed = end is not None
+        self._timed, self._begun = end is not None, begun
         self._steps: list[Any] = []
         self._rows: dict[str, list[Array]] = {}
         self._tables: dict[str, list[Array]] = {
             name: [] for name in ("axial_force", "moment", "plastic_rotation")
         }
         self._shear = np.zeros(len(structure.frame.members))
-        self._drift = self.watch.drifts(self._moved)
+        self._drift = np.zeros(len(upright_names(structure.frame)))
+        self._spent: dict[str, Array] = {}
         self.shear_strain: Array | None = None
         self._snapshots = Snapshots(structure, end)
-        self._see(0.0, False)
+        if not begun:
+            self._see(0.0, False)
 
     @property
     def displacement(self) -> Any:
         """Committed displacement since the start, along the direction of the record, in m."""
-        return self._sign * self._moved[..., self._dof]
-
-    @property
-    def _moved(self) -> Array:
-        return self.structure.assembly.displacement - self.structure.start
+        structure = self.structure
+        moved = structure.assembly.displacement[..., self._dof] - structure.start[self._dof]
+        return self._sign * moved
 
     def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
@@ -58,18 +65,20 @@ class Record:
         `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
+        self._spent.clear()
         self._see(at, turns)
         self.watch.check(self.displacement, at if self._timed else None)
 
     def _see(self, at: Any, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly
-        watched = self.structure.watched.items()
+        watched, displacement = self.structure.watched.items(), self.displacement
+        moved = assembly.displacement - self.structure.start
         seen = {
             "at": at,
-            "displacement": self.displacement,
+            "displacement": displacement,
             "velocity": self._sign * assembly.velocity[..., self._dof],
             "elastic": assembly.stored,
-            "dead_work": self._moved @ assembly.load,
+            "dead_work": moved @ assembly.load,
             **{name: sign * assembly.displacement[..., dof] for name, (dof, sign) in watched},
         }
         for name, values in seen.items():
@@ -78,12 +87,12 @@ class Record:
         self._tables["moment"].append(np.atleast_2d(members.moments()))
         self._tables["plastic_rotation"].append(np.atleast_2d(members.plastic_rotations()))
         self._shear = _most(self._shear, members.shear_forces())
-        self._drift = _most(self._drift, self.watch.drifts(self._moved))
+        self._drift = _most(self._drift, self.watch.drifts(moved))
         strains = members.shear_strains()
         if strains is not None:
             known = 0.0 if self.shear_strain is None else self.shear_strain
             self.shear_strain = _most(known, strains)
-        self._snapshots.see(at, self.displacement, turns=turns)
+        self._snapshots.see(at, displacement, turns=turns)
 
     def column(self, name: str) -> Array:
         """History of a scalar (steps,)."""
@@ -95,7 +104,12 @@ class Record:
 
     def told(self, start: float, read: Callable[[Any], float]) -> Array:
         """History (steps,) of what is `read` off a step, from `start`."""
-        return np.concatenate([[start], *(np.atleast_1d(read(step)) for step in self._steps)])
+        rows = [np.atleast_1d(read(step)) for step in self._steps]
+        if not self._begun:
+            return np.concatenate([[start], *rows])
+        told = np.concatenate(rows)
+        told[0] = start
+        return told
 
     def total(self, read: Callable[[Any], float]) -> Array:
         """History (steps,) of the sum of what is `read` off all steps so far."""
@@ -120,7 +134,9 @@ class Record:
 
     def spent(self, name: str) -> Array:
         """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""
-        return self.total(lambda step: getattr(step.energies, name))
+        if name not in self._spent:
+            self._spent[name] = self.total(lambda step: getattr(step.energies, name))
+        return self._spent[name]
 
     @property
     def dissipated(self) -> Array:

@@ -30,15 +30,18 @@ def run_impact(
     steps: Iterator[TimeStep],
     largest_error: float | None,
     least_yield_ratio: float,
+    *,
+    begun: bool = False,
 ) -> Response:
     """Follow `steps` of the impact driver on a frame under its dead loads.
 
     Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
-    `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the
-    frame collapses.
+    `least_yield_ratio` without a warning; `begun`, see `Record`. Raises `SolverError`, and
+    `CollapseError` when the frame collapses.
     """
     striker, brought = scenario.striker, scenario.input_energy
-    record = Record(structure, striker.node, striker.direction, scenario.duration)
+    node, direction, end = striker.node, striker.direction, scenario.duration
+    record = Record(structure, node, direction, end, begun=begun)
     length = _follow(record, steps)
     values = {
         **record.columns("displacement", "velocity", "elastic"),

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.frames.structure import FrameStructure
 
 Picture = tuple[Array, Array]  # shapes and utilisation
@@ -37,47 +37,50 @@ class Snapshots:
 
         Or at several of them. `turns`, whether a static path ends or turns back here.
         """
-        times = np.atleast_1d(at).tolist()
-        for when, moved in zip(times, np.atleast_1d(displacement).tolist(), strict=True):
-            self._see(when, moved, turns)
+        times, size = np.atleast_1d(at), np.abs(np.atleast_1d(displacement))
+        if self._turns is None:
+            self._count(float(at), float(size[0]), turns)
+        else:
+            self._follow(times, size, np.searchsorted(self._turns, times, side="right"))
+        self._last = float(times[-1])
         kept = {*self._even, self._peak}
-        rows = {when: row for row, when in enumerate(times) if when in kept}
+        if len(times) > 1:  # which may be all there are
+            kept.add(self._last)
+        rows = {when: row for row, when in enumerate(times.tolist()) if when in kept}
         if rows.keys() - self._pictures.keys():
             self._draw(rows)
             self._pictures = {when: p for when, p in self._pictures.items() if when in kept}
 
-    def _see(self, at: float, displacement: float, turns: bool) -> None:
-        if self._turns is None:
-            if turns and abs(displacement) > self._largest * FARTHER:
-                self._largest, self._peak = abs(displacement), at
-        else:
-            falling = abs(displacement) < self._largest
-            if falling and self._rising:
-                self._peak = at
-            self._rising = not falling
-            self._largest = max(self._largest, abs(displacement))
-        if self._has_turn(at):
-            self._even.append(at)
-        self._seen += 1
-        self._last = at
-
-    def _has_turn(self, at: float) -> bool:
-        if self._turns is not None:
-            if self._next == EVENLY or at < self._turns[self._next]:
-                return False
-            self._next = int(np.searchsorted(self._turns, at, side="right"))
-            return True
+    def _count(self, at: float, size: float, turns: bool) -> None:
+        """Look at a load step with a displacement of that size."""
+        if turns and size > self._largest * FARTHER:
+            self._largest, self._peak = size, at
         if len(self._even) == 2 * EVENLY:
             self._even = self._even[::2]
             self._stride *= 2
-        return self._seen % self._stride == 0
+        if self._seen % self._stride == 0:
+            self._even.append(at)
+        self._seen += 1
+
+    def _follow(self, times: Array, size: Array, turns: Indices) -> None:
+        """Look at times (s) with displacements of that size (m), each after so many `turns`."""
+        largest = np.maximum.accumulate(np.append(self._largest, size))
+        rising = np.append(self._rising, size >= largest[:-1])
+        tops = np.flatnonzero(rising[:-1] & ~rising[1:])
+        if tops.size:
+            self._peak = float(times[tops[-1]])
+        self._largest, self._rising = float(largest[-1]), bool(rising[-1])
+        passed = np.append(self._next, turns)
+        self._even += times[passed[1:] > passed[:-1]].tolist()
+        self._next = int(passed[-1])
 
     def values(self) -> dict[str, Any]:
         """Variables of the response; the state seen last must still be the committed one."""
         even = self._even
         if self._last is not None and even[-1] != self._last:
             even = [*even, self._last]
-            self._draw({self._last: -1})
+            if self._last not in self._pictures:
+                self._draw({self._last: -1})
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
         shown = sorted({*even, *(() if self._peak is None else (self._peak,))})

@@ -6,7 +6,9 @@ members' states; everything else happens here.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Self, cast
 
 import numpy as np
 
@@ -48,6 +50,12 @@ class MemberReader(ABC):
     def of_member(self, number: int) -> slice:
         """Elements of a member."""
         return slice(int(self._first[number]), int(self._first[number + 1]))
+
+    def reading(self, elements: ElementGroup) -> Self:
+        """The same reader of a copy of the elements."""
+        other = copy(self)
+        other.elements = cast(MemberElements, elements)
+        return other
 
     @abstractmethod
     def plastic_rotations(self) -> Array:
@@ -106,6 +114,12 @@ class FrameStructure:
     start: Array
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     hinges: Sequence[str] = ()
+
+    def fresh(self) -> Self:
+        """The same structure in a state of its own, which a run may change."""
+        assembly = self.assembly.copy()
+        members = self.members.reading(assembly.groups[0])
+        return replace(self, assembly=assembly, members=members)
 
     def dof(self, node: str, direction: str) -> tuple[int, float]:
         """Dof and sign of a node's motion along `direction` (x, y or rotation, with a sign)."""

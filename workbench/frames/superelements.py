@@ -239,43 +239,39 @@ class SuperelementMembers(MemberReader):
     `coordinates` (nodes, 2) of the nodes in m.
     """
 
+    elements: HingedElements
+
     def __init__(self, group: HingedElements, coordinates: Array, parts: Sequence[int]) -> None:
         super().__init__(group, np.concatenate([[0], np.cumsum(parts)]))
-        self._group, self._parts = group, np.array(parts)
         self._side: Indices = np.where(self._at_start, 0, 1)
-        self._origin: Array = coordinates[group.nodes[:, 0]]
+        along = np.multiply.outer(parts, POINTS)  # of every member, where its shape is drawn
+        piece = np.minimum(along.astype(np.int64), np.array(parts)[:, None] - 1)
+        self._drawn: Indices = self._first[:-1, None] + piece
+        self._along: Array = along - piece
+        self._origin: Array = coordinates[group.nodes[self._drawn, 0]]
 
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
-        plastic = self._group.plastic[..., self._ends, :]
+        plastic = self.elements.plastic[..., self._ends, :]
         return np.where(self._at_start, -plastic[..., 1], plastic[..., 3])
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""
-        return np.asarray(self._group.utilisation()[..., self._ends, self._side])
+        return np.asarray(self.elements.utilisation()[..., self._ends, self._side])
 
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
-        shear = np.abs(self._group.shear_forces)
+        shear = np.abs(self.elements.shear_forces)
         return np.asarray(np.maximum.reduceat(shear, self._first[:-1], axis=-1))
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""
-        moved = assembly.displacement
-        shapes = np.empty((*moved.shape[:-1], len(self._parts), len(POINTS), 2))
-        for parts in np.unique(self._parts):
-            along = POINTS * parts
-            piece = np.minimum(along.astype(int), parts - 1)
-            members = np.flatnonzero(self._parts == parts)
-            elements = self._first[members, None] + piece
-            drawn = self._group.shapes(moved, along - piece)
-            drawn = drawn[..., elements, np.arange(len(POINTS)), :]
-            shapes[..., members, :, :] = self._origin[elements] + drawn
-        return shapes
+        drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
+        return np.asarray(self._origin + drawn)
 
     def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
         """As that of all members; nothing but these rows is drawn."""
-        moved, group = assembly.displacement, self._group
+        moved, group = assembly.displacement, self.elements
         if moved.ndim == 1 or not isinstance(group, Superelements):
             return super().pictures(assembly, rows)
         states = group.states[0]

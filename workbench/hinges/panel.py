@@ -125,16 +125,6 @@ class ShearSurface(Declared, table="shear_surface"):
         left = np.interp(wanted, [0.0, *share[::-1], 1.0], [1.0, *web[::-1], 0.0])
         return np.asarray(self.record["flange_moment"] + self.record["web_moment"] * left)
 
-    def utilisation(self, forces: Array, length: float) -> Array:
-        """Largest of |V| / V_pl, |N| over what V leaves and |M| over what both leave; 1: yields.
-
-        Of the two ends (..., 2) of panels of a `length` (m) under `forces` (..., 3): N, M_1, M_4.
-        """
-        flat = np.ascontiguousarray(forces, dtype=float).reshape(-1, 3)
-        used = np.empty((len(flat), 2))
-        panel_kernels.utilisation(self.record, length, flat, used)
-        return used.reshape(*forces.shape[:-1], 2)
-
     def moment_capacity(self, axial_force: ArrayLike, shear_force: ArrayLike) -> Array:
         """M_c (N m) beside axial and shear forces (N) of any shapes that fit; NaN outside."""
         own = self.record

@@ -129,7 +129,11 @@ def moment_capacity(web, N, rho):
 
 @njit(cache=True, error_model="numpy")
 def utilisation(web, length, forces, used):
-    """Write how far both ends (n, 2) of panels of a `length` are used by forces (n, 3)."""
+    """Write how far both ends (n, 2) of panels of a `length` (m) are used by forces (n, 3).
+
+    Forces are N, M_1, M_4. Largest of |V| / V_pl, |N| over what V leaves and |M| over what both
+    leave; 1: yields.
+    """
     for i in range(forces.shape[0]):
         N = abs(forces[i, 0])
         share = min(abs(forces[i, 1] + forces[i, 2]) / (length * web.shear), 1.0)

@@ -112,6 +112,11 @@ class FrameModel(ABC, Declared, table="option"):
         return OPEN_LEDGER
 
     @property
+    def tells_start(self) -> bool:
+        """Whether the steps of an impact tell of its start as well."""
+        return False
+
+    @property
     def halvings(self) -> int:
         """How often the steps are halved."""
         return 0
@@ -162,7 +167,8 @@ class FrameModel(ABC, Declared, table="option"):
             response = run_static(scenario, structure, path)
         elif isinstance(scenario, FrameImpact):
             steps = clock.timed(self._hit(scenario, structure))
-            response = run_impact(scenario, structure, steps, self.largest_error, least)
+            error, begun = self.largest_error, self.tells_start
+            response = run_impact(scenario, structure, steps, error, least, begun=begun)
         elif isinstance(scenario, FramePulse):
             pattern = structure.pattern(scenario.loads)
             pattern += structure.line_load(scenario.members, scenario.direction)

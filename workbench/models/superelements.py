@@ -19,8 +19,9 @@ hinges return to the surface at the midpoint of a step.
 """
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import ceil, inf
 from typing import ClassVar
 
@@ -41,11 +42,13 @@ from workbench.frames.superelements import (
 from workbench.frames.timing import wave_times
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.impact.pace import Pace
+from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
 from workbench.models.frame_model import as_frame
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
+from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 from workbench.structures.superelements.march import follow_impact
@@ -97,7 +100,10 @@ class _HingedBars(BarFrames):
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
         told = as_frame(scenario)
-        frame, parts = told.frame, self.parts(told)
+        return _standing(self, told.frame, tuple(self.parts(told))).fresh()
+
+    def bring_up(self, frame: Frame, parts: Sequence[int]) -> FrameStructure:
+        """A frame with so many elements of every member, under its dead loads."""
         coordinates, nodes, pieces = cut_members(frame, parts)
         surfaces = {m.name: self._ellipse(frame, m) for m in frame.members}
         elements = []
@@ -119,29 +125,30 @@ class _HingedBars(BarFrames):
     def _web(self, frame: Frame, member: Member) -> ShearSurface | None:
         """The web of a member that yields in shear, if it does."""
         section = frame.strength_section(member)
-        if self.shear == "none" or not has_webs(section):
-            return None
-        return ShearSurface(section, frame.steel)
+        return None if self.shear == "none" else _web_of(section, frame.steel)
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, of shear only where members are rigid in it."""
         told = as_frame(scenario)
-        frame, findings = told.frame, super().domain(scenario)
-        webs = {m.name: self._web(frame, m) for m in frame.members}
-        if any(webs.values()):
-            rigid = {name for name, web in webs.items() if web is None}
+        findings, (rigid, of_webs) = super().domain(scenario), _about_webs(self, told.frame)
+        if len(rigid) < len(told.frame.members):
             findings = [finding for finding in findings if finding.subject != "shear"]
-            findings += shear_findings(as_frame(scenario), rigid)
+            findings += shear_findings(told, rigid) if rigid else []
+        return findings + of_webs
+
+    def about_webs(self, frame: Frame) -> tuple[set[str], list[Finding]]:
+        """Names of the members that are rigid in shear; findings of the webs of the others."""
+        webs = {m.name: self._web(frame, m) for m in frame.members}
+        findings: list[Finding] = []
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
             text = "exponents do not apply to members with webs, whose N-M-V domain is of plates"
             remedy = "take shear = none for a super-elliptic surface"
             findings.append(Finding("exponents", text, remedy=remedy))
-        for member in frame.members:
-            web = webs[member.name]
+        for name, web in webs.items():
             if web is not None:
-                found = panel_findings(web, frame.properties(member), f"member {member.name}")
+                found = panel_findings(web, frame.properties(name), f"member {name}")
                 findings += [f for f in found if f not in findings]
-        return findings
+        return {name for name, web in webs.items() if web is None}, findings
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:
@@ -161,14 +168,37 @@ class _HingedBars(BarFrames):
         first = min(first, longest)
         return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
+    @property
+    def tells_start(self) -> bool:
+        """Those of the compiled march do."""
+        return self.integrator == MIDPOINT
+
     def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
         """Time steps of an impact, compiled ones where the scheme is the midpoint one."""
-        if self.integrator != MIDPOINT:
+        if not self.tells_start:
             return super()._hit(scenario, structure)
         striker, pace = scenario.striker, self.pace(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
         mass = PointMass(striker.mass, striker.velocity, striker.restitution)
         return follow_impact(structure.assembly, dof, mass, pace, sign=sign)
+
+
+@lru_cache(maxsize=16)
+def _standing(model: _HingedBars, frame: Frame, parts: tuple[int, ...]) -> FrameStructure:
+    """The frame under its dead loads: what many strikers hit is brought up once."""
+    return model.bring_up(frame, parts)
+
+
+@lru_cache(maxsize=64)
+def _about_webs(model: _HingedBars, frame: Frame) -> tuple[set[str], list[Finding]]:
+    """What many strikers share of the domain."""
+    return model.about_webs(frame)
+
+
+@lru_cache(maxsize=64)
+def _web_of(section: Section, steel: Steel) -> ShearSurface | None:
+    """The web of a section, if it has one."""
+    return ShearSurface(section, steel) if has_webs(section) else None
 
 
 @dataclass(frozen=True)

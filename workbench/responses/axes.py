@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from xarray.indexes import PandasIndex
@@ -27,6 +28,18 @@ def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Vari
     """`axis_of` the names of parts, whose index many responses share."""
     index, axis = _kept(name, values)
     return index, axis.copy(deep=False)
+
+
+def counted_axis(name: str, size: int) -> tuple[PandasIndex, xr.Variable]:
+    """`axis_of` points along members, evenly spaced, or of numbers from 0; many share it."""
+    index, axis = _counted(name, size)
+    return index, axis.copy(deep=False)
+
+
+@lru_cache(maxsize=256)
+def _counted(name: str, size: int) -> tuple[PandasIndex, xr.Variable]:
+    values: Any = np.linspace(0.0, 1.0, size) if name == "point" else np.arange(size)
+    return axis_of(name, values)
 
 
 @lru_cache(maxsize=256)

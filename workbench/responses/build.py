@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.axes import axis_of, names_axis
+from workbench.responses.axes import axis_of, counted_axis, names_axis
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
@@ -48,7 +48,7 @@ def build_response(
     if instants is not None:
         along["time"] = instants
     elif steps is not None:
-        along["step"] = np.arange(steps)
+        along["step"] = steps
     data: dict[Any, xr.Variable] = {}
     sizes: dict[Any, int] = {}
     for name, value in values.items():
@@ -62,14 +62,14 @@ def build_response(
         if array.shape != tuple([sizes.get(dim) for dim in dims]):
             raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
         data[name] = xr.Variable(dims, array, variable.attributes, fastpath=True)
-    if "point" in sizes:
-        along["point"] = np.linspace(0.0, 1.0, sizes["point"])
-    if "snapshot" in sizes:
-        along["snapshot"] = np.arange(sizes["snapshot"])
+    for name in filter(sizes.__contains__, ("point", "snapshot")):
+        along[name] = sizes[name]
     indexes: dict[Any, Any] = {}
     coordinates: dict[Any, xr.Variable] = {}
     for name in filter(along.__contains__, COORDINATES):
-        index, axis = (names_axis if name in named else axis_of)(name, along[name])
+        number = name in ("point", "snapshot", "step")
+        make = names_axis if name in named else counted_axis if number else axis_of
+        index, axis = make(name, along[name])
         if sizes.setdefault(name, axis.size) != axis.size:
             raise ValueError(f"{name}: {axis.size} coordinates of {sizes[name]} values")
         indexes[name], coordinates[name] = index, axis
@@ -156,7 +156,7 @@ def check_response(response: Response) -> None:
     Raises `WorkbenchError` naming the variable.
     """
     coordinates = set(response.coords)
-    for name, array in response.variables.items():  # plain variables: no index is built
+    for name, array in dict(response.variables).items():  # plain ones: no index is built
         if name in coordinates:
             continue
         own = "." in str(name)
@@ -193,8 +193,9 @@ def places_of(response: Response) -> dict[str, str]:
 
 def energy_error(response: Response) -> float | None:
     """Largest error of the energy ledger, see `open_share`; None where there is none."""
-    if not {"balance_error", "input_energy"} <= set(response.data_vars):
+    known = response.variables  # plain ones: no index is built
+    if not {"balance_error", "input_energy"} <= known.keys():
         return None
-    stored = float(response["elastic"].values[0]) if "elastic" in response else 0.0
-    given = float(response["input_energy"])
-    return open_share(response["balance_error"].values, given, stored) if given else None
+    stored = float(known["elastic"].values[0]) if "elastic" in known else 0.0
+    given = float(known["input_energy"].values)
+    return open_share(known["balance_error"].values, given, stored) if given else None

@@ -13,6 +13,7 @@ from workbench.scenarios.pulse import UNIFORM, MemberPulse
 HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
 
 
+@lru_cache(maxsize=64)
 def frame_of(column: Column) -> Frame:
     """A column as a frame: nodes base, hit and head, members below and above the hit point.
 

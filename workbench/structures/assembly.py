@@ -1,8 +1,9 @@
 """A planar structure: dof numbering, band storage, supports, springs, masses, loads, state."""
 
 from collections.abc import Iterable, Sequence
+from copy import copy
 from math import isfinite
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,6 +60,15 @@ class PlanarAssembly:
         self._force: Array = np.zeros(self.size)
         self._duration = np.inf
         self.largest_force = 1e-6
+
+    def copy(self) -> Self:
+        """The same structure in the same state, both of its own."""
+        other = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray | dict):
+                setattr(other, name, value.copy())
+        other.groups = tuple(group.copy() for group in self.groups)
+        return other
 
     # -- numbering ---------------------------------------------------------------------------
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, NamedTuple
+from copy import copy
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,6 +82,14 @@ class ElementGroup(ABC):
         """Take its place in a structure from the assembly."""
         self.bars = bars
 
+    def copy(self) -> Self:
+        """The same elements in the same place, with states of their own."""
+        other = copy(self)
+        for name in ("_old", "_new"):
+            state = getattr(self, name)
+            setattr(other, name, type(state)(*(values.copy() for values in state)))
+        return other
+
     @abstractmethod
     def assemble(self, step: Step) -> None:
         """Add forces and tangent of a step from the committed state; keep the trial state."""
@@ -156,22 +165,26 @@ class MemberElements(ElementGroup):
         chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
         return np.asarray((self._old.local[..., 1] + self._old.local[..., 2]) / chord)
 
-    def bent(self, displacement: Array, points: ArrayLike, bends: Array, moments: Array) -> Array:
-        """Displaced axis (elements, points, 2) less the initial position of the first node, in m.
+    def bent(
+        self, displacement: Array, elements: Indices, points: Array, bends: Array, moments: Array
+    ) -> Array:
+        """Displaced axis (points, 2) less the initial position of the first node, in m.
 
-        Arguments: displacements (dofs,); `points` (points,) in 0..1 along each element; flexibility
-        1 / EI (elements,) of the bars, 0 of straight ones; end `moments` (elements, 2).
+        Arguments: displacements (dofs,); `elements` (points,), and the `points` along them in
+        0..1; flexibility 1 / EI (elements,) of the bars, 0 of straight ones; end `moments`
+        (elements, 2).
         """
-        x = np.asarray(points, dtype=float)
-        first = displacement[..., self.bars.dofs[:, 0:2]]
-        d = self.bars.chords + displacement[..., self.bars.dofs[:, 3:5]] - first
-        m1, m4 = moments[..., 0], moments[..., 1]
-        turn1 = self.lengths / 6.0 * bends * (2.0 * m1 - m4)
-        turn4 = self.lengths / 6.0 * bends * (2.0 * m4 - m1)
-        across = turn1[..., None] * x * (1.0 - x) ** 2 - turn4[..., None] * x**2 * (1.0 - x)
-        normal = np.stack([-d[..., 1], d[..., 0]], axis=-1)[..., None, :]
-        first, d = first[..., None, :], d[..., None, :]
-        return np.asarray(first + x[:, None] * d + across[..., None] * normal)
+        x, dofs, bars = points, self.bars.dofs[elements], self.bars
+        first = displacement[..., dofs[..., 0:2]]
+        d = bars.chords[elements] + displacement[..., dofs[..., 3:5]] - first
+        place = first + x[..., None] * d
+        if np.any(bends):
+            m1, m4 = moments[..., elements, 0], moments[..., elements, 1]
+            soft = (bars.lengths / 6.0 * bends)[elements] * x * (1.0 - x)
+            across = soft * ((1.0 - x) * (2.0 * m1 - m4) - x * (2.0 * m4 - m1))
+            place[..., 0] -= across * d[..., 1]
+            place[..., 1] += across * d[..., 0]
+        return np.asarray(place)
 
 
 class HingedElements(MemberElements):
@@ -190,5 +203,5 @@ class HingedElements(MemberElements):
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
 
     @abstractmethod
-    def shapes(self, displacement: Array, points: ArrayLike) -> Array:
-        """Displaced axis (elements, points, 2), see `bent`."""
+    def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
+        """Displaced axis (points, 2), see `bent`."""

@@ -202,10 +202,10 @@ class BarElements(HingedElements):
             ]
         )
 
-    def shapes(self, displacement: Array, points: ArrayLike) -> Array:
+    def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
         """Displaced axis (elements, points, 2), bent by the committed moments."""
         bends = np.array([1.0 / bar.bending_stiffness for bar in self._own])
-        return self.bent(displacement, points, bends, self._old.local[:, 1:])
+        return self.bent(displacement, elements, points, bends, self._old.local[:, 1:])
 
 
 class HingedBars(BarElements):

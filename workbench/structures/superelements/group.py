@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array, Flags
+from workbench.arrays import Array, Flags, Indices
 from workbench.hinges.panel_kernels import WEB
 from workbench.structures.elements import Bars, HingedElements
 from workbench.structures.superelements import kernels
@@ -171,9 +171,9 @@ class Superelements(HingedElements):
     @property
     def shear_forces(self) -> Array:
         """Committed shear force of the elements (elements,), in N; in panels that of the web."""
-        carried = self._old.carried
+        webs, carried = self._hinges.webs["stiffness"] > 0.0, self._old.carried
         sliding = (carried[..., 1] + carried[..., 2]) / self.lengths
-        return np.where(self._hinges.webs["stiffness"] > 0.0, sliding, super().shear_forces)
+        return sliding if webs.all() else np.where(webs, sliding, super().shear_forces)
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
@@ -182,16 +182,15 @@ class Superelements(HingedElements):
         axial, moment = carried[..., :1], carried[..., 1:]
         n = np.abs(axial) / np.where(axial >= 0.0, bounds[..., 0], bounds[..., 1])
         m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
-        used = np.asarray(m ** exponents[..., 0] + n ** exponents[..., 1])
-        for e, section in enumerate(self._own):
-            if section.web is not None:
-                used[..., e, :] = section.web.utilisation(carried[..., e, :], self.lengths[e])
+        used = np.ascontiguousarray(m ** exponents[..., 0] + n ** exponents[..., 1])
+        rows = -1, len(self._own)
+        kernels.use_webs(self._hinges, carried.reshape(*rows, 3), used.reshape(*rows, 2))
         return used
 
-    def shapes(self, displacement: Array, points: ArrayLike) -> Array:
-        """Displaced axis (elements, points, 2), bent by committed moments where it is flexible."""
+    def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
+        """Displaced axis (points, 2), bent by committed moments where it is flexible."""
         bends = np.array([1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own])
-        return self.bent(displacement, points, bends, self._old.carried[..., 1:])
+        return self.bent(displacement, elements, points, bends, self._old.carried[..., 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:

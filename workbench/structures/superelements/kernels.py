@@ -13,7 +13,7 @@ from numba import njit
 
 from workbench.hinges.pair_kernels import Pair, project_pair
 from workbench.hinges.panel_elements import project_condensed
-from workbench.hinges.panel_kernels import Panel
+from workbench.hinges.panel_kernels import Panel, utilisation
 from workbench.structures.corotation.kernels import add_moved_element, chord_at, chord_before
 
 
@@ -182,6 +182,14 @@ def turn_chord(step, bars, e, chord, gradients, inertia, change):
             step.band[positions[first + 1]] += sign * xy
             step.band[positions[first + 6]] += sign * yx
             step.band[positions[first + 7]] += sign * yy
+
+
+@njit(cache=True, error_model="numpy")
+def use_webs(hinges, carried, used):
+    """Write how far ends (n, e, 2) with webs are used by the forces `carried` (n, e, 3)."""
+    for e in range(hinges.webs.size):
+        if hinges.webs[e].stiffness > 0.0:
+            utilisation(hinges.webs[e], hinges.lengths[e], carried[:, e], used[:, e])
 
 
 @njit(cache=True, error_model="numpy")

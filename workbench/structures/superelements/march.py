@@ -37,10 +37,10 @@ def follow_impact(
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
     Arguments as there, but the `pace` of the steps. The only group of the `assembly` are
-    superelements. Yields several records at a time: the numbers of a `TimeStep` are arrays
-    (records,), and the displacement, velocity and stored energy of the assembly and the states of
-    its elements have the records as their first axis while a step is looked at. Raises
-    `SolverError`.
+    superelements. Yields several records at a time, the first one of the start: the numbers of a
+    `TimeStep` are arrays (records,), and the displacement, velocity and stored energy of the
+    assembly and the states of its elements have the records as their first axis while a step is
+    looked at. Raises `SolverError`.
     """
     (group,) = assembly.groups
     assert isinstance(group, Superelements)
@@ -64,11 +64,16 @@ def follow_impact(
     work = Work._make([assembly.band, *scratch, np.zeros(assembly.size, np.int64)])
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
-    rows = max(8, min(256, NUMBERS // (2 * x.size + sum(values.size for values in old))))
+    rows = max(8, min(1024, NUMBERS // (2 * x.size + sum(values.size for values in old))))
     status = GOING
     while status == GOING:
         records = np.zeros(rows, RECORD)
         stack = _stack(motion, rows)
+        if clock["steps"] == 0:
+            start = {"stored": assembly.stored, "kinetic": assembly.kinetic_energy()}
+            start |= {"striker_position": striker.position, "striker_velocity": striker.velocity}
+            for name, value in start.items():
+                records[name][0] = value
         status, count = advance(body, pace, motion, work, clock, records, stack)
         if count:
             group.show(SuperelementState(*(values[:count] for values in stack.old)))

@@ -43,10 +43,16 @@ def _keep(motion, stack, row):
 
 @njit(cache=True, error_model="numpy")
 def advance(body, pace, motion, work, clock, records, stack):
-    """Go on until the records are full or the impact is over; returns (status, records)."""
+    """Go on until the records are full or the impact is over; returns (status, records).
+
+    The first record of all is that of the start.
+    """
     row, d, end = 0, body.dof, pace.duration * (1.0 - 1e-12)
     controlled, scale = pace.error < np.inf, abs(body.speed)
     energy = 0.5 * body.striker * body.speed**2
+    if clock.steps == 0:
+        _keep(motion, stack, row)
+        row += 1
     while clock.time < end:
         record = records[row]
         gap, gamma = gap_of(body, motion)
