@@ -84,7 +84,7 @@ def against_opensees(impact: ColumnImpact) -> None:
     for kind in ("hinges", "fibers"):
         try:
             spent = cheapest(
-                f"OpenSeesPy, {kind}, steps", partial(opensees.column, impact, kind), 4000, 9
+                f"OpenSeesPy, {kind}, steps", partial(opensees.column, impact, kind), 4000, 30
             )
         except (ImportError, RuntimeError) as failure:
             print(f"OpenSeesPy, {kind}: {failure}")
@@ -109,7 +109,7 @@ def cheapest(
     good: dict[float, tuple[float, float]] = {}
     for setting in settings:
         try:
-            peak, spent = solve(setting)
+            spent, peak = min(solve(setting)[::-1] for _ in range(3))
         except RuntimeError:
             peak, spent = inf, inf
         if abs(peak / converged - 1.0) >= 0.01:

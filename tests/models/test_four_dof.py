@@ -24,6 +24,7 @@ from workbench.responses import (
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find
+from workbench.structures.kernels import solve_four
 
 ELASTIC = {"plastic_moment": 9e8, "squash_load": 9e9}
 
@@ -94,6 +95,19 @@ def test_time_of_peak_and_peak_converge_at_least_first_order(thesis_impact) -> N
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert slope > 0.9
     assert errors[-1] < 1.2e-4 * fine  # measured 6.1e-5
+
+
+@pytest.mark.parametrize("shift", [4.0, 0.0])
+def test_four_equations_are_solved_with_pivots_where_they_need_them(shift: float) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(100):
+        A, x = rng.standard_normal((4, 4)) + shift * np.eye(4), rng.standard_normal(4)
+        if shift == 0.0:
+            A[0, 0] = 0.0
+        right = A @ x
+        assert solve_four(A, right)
+        np.testing.assert_allclose(right, x, rtol=1e-9, atol=1e-9)
+    assert not solve_four(np.zeros((4, 4)), np.ones(4))
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,29 @@ def solve_dense(A, b):
 
 
 @njit(cache=True, error_model="numpy")
+def solve_four(A, b):
+    """As `solve_dense` with four unknowns, in registers as long as all pivots are positive."""
+    p, u01, u02, u03 = A[0, 0], A[0, 1], A[0, 2], A[0, 3]
+    l1, l2, l3 = A[1, 0] / p, A[2, 0] / p, A[3, 0] / p
+    u11, u12, u13 = A[1, 1] - l1 * u01, A[1, 2] - l1 * u02, A[1, 3] - l1 * u03
+    a21, u22, u23 = A[2, 1] - l2 * u01, A[2, 2] - l2 * u02, A[2, 3] - l2 * u03
+    a31, a32, u33 = A[3, 1] - l3 * u01, A[3, 2] - l3 * u02, A[3, 3] - l3 * u03
+    y1, y2, y3 = b[1] - l1 * b[0], b[2] - l2 * b[0], b[3] - l3 * b[0]
+    l2, l3 = a21 / u11, a31 / u11
+    u22, u23, y2 = u22 - l2 * u12, u23 - l2 * u13, y2 - l2 * y1
+    a32, u33, y3 = a32 - l3 * u12, u33 - l3 * u13, y3 - l3 * y1
+    l3 = a32 / u22
+    u33, y3 = u33 - l3 * u23, y3 - l3 * y2
+    if not (p > 0.0 and u11 > 0.0 and u22 > 0.0 and 0.0 < u33 < np.inf):
+        return solve_dense(A, b)
+    b[3] = y3 / u33
+    b[2] = (y2 - u23 * b[3]) / u22
+    b[1] = (y1 - u12 * b[2] - u13 * b[3]) / u11
+    b[0] = (b[0] - u01 * b[1] - u02 * b[2] - u03 * b[3]) / p
+    return True
+
+
+@njit(cache=True, error_model="numpy")
 def allowed_residual(least: float, band: Array, width: int, size: float) -> float:
     """Largest residual entry with which a step counts as solved.
 

@@ -12,7 +12,7 @@ from workbench.impact import restitution as law
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures.kernels import copy, solve_dense
+from workbench.structures.kernels import copy, solve_four
 
 _EPS = 2.220446049250313e-16
 _TOLERANCE = 1e-8  # of the squash load: the error of a step is far larger
@@ -98,7 +98,7 @@ def predict(column, dt, closed, jump, state, work):
     if statics.rotation_is_free(column, work.K0):
         step[BETA] = dt * work.rate[BETA]
         statics.hold(J, BETA)
-    if not solve_dense(J, step):
+    if not solve_four(J, step):
         return
     q[V], q[U1], q[BETA], q[U2] = q0[V] + step[V], q0[U1] + step[U1], q0[BETA] + step[BETA], q0[U2]
     if not column.free_head or column.small_rotations:
@@ -131,7 +131,7 @@ def solve_step(column, dt, nested, closed, jump, state, work):
             return True, norm
         for i in range(4):
             step[i], old[i] = -work.R[i], q[i]
-        solved = solve_dense(work.J, step)
+        solved = solve_four(work.J, step)
         if solved and norm <= max(work.nearly, tolerance):
             step_along_tangent(column, state, work)
             return True, norm * norm

@@ -70,12 +70,13 @@ def energy(column, state):
 
 
 @njit(cache=True, error_model="numpy")
-def impact(column, scheme, pace, records, work):
+def impact(columns, scheme, pace, records, room):
     """Follow the impact; returns (status, last record, time, residual, cuts).
 
-    `records` of STATE begin with the preloaded column and the velocity of the striker. A step that
-    does not converge is halved.
+    `columns` and `room` have one row, of COLUMN and of WORK; `records` of STATE begin with the
+    preloaded column and the velocity of the striker. A step that does not converge is halved.
     """
+    column, work = columns[0], room[0]
     statics.internal_forces(column, records[0], work)
     records[0].force = work.F[V]
     scale, given = abs(records[0].striker_velocity), energy(column, records[0])

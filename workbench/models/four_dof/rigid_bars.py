@@ -117,8 +117,13 @@ class RigidBars(Declared, table="option"):
 
     def bars(self, column: Column) -> tuple[Any, Array]:
         """The column as the kernels take it, and its preloaded (straight) state q."""
-        bars, q = _kept(self, column)
-        return bars.copy(), q.copy()
+        bars, q = self._bars_of(column)
+        return bars[0], q
+
+    def _bars_of(self, column: Column) -> tuple[Any, Array]:
+        """As `bars`, the column in a table of one row: kernels are called faster with tables."""
+        kept, q = _kept(self, column)
+        return np.frombuffer(bytearray(kept), statics.COLUMN), q.copy()
 
     def _bars(self, column: Column) -> tuple[Any, Array]:
         properties = column.properties
@@ -257,12 +262,13 @@ class RigidBars(Declared, table="option"):
     def _march(self, scenario: ColumnImpact, pace: Pace) -> tuple[Any, Any]:
         """The bars and the records of one run."""
         striker = scenario.striker
-        bars, q = self.bars(scenario.column)
+        table, q = self._bars_of(scenario.column)
+        bars, work = table[0], np.zeros(1, statics.WORK)
         bars["striker_mass"], bars["restitution"] = striker.mass, striker.restitution
         records = np.zeros(pace.records, statics.STATE)
         records["q"][0], records["striker_velocity"][0] = q, striker.velocity
         status, last, time, residual, cuts = march.impact(
-            bars, _SCHEMES[self.integrator], pace, records, np.zeros(1, statics.WORK)[0]
+            table, _SCHEMES[self.integrator], pace, records, work
         )
         records = records[: last + 1]
         if status == statics.COLLAPSE:
@@ -277,9 +283,10 @@ class RigidBars(Declared, table="option"):
 
 
 @lru_cache(maxsize=256)
-def _kept(model: RigidBars, column: Column) -> tuple[Any, Array]:
-    """The bars of a column, for the next strike."""
-    return model._bars(column)
+def _kept(model: RigidBars, column: Column) -> tuple[bytes, Array]:
+    """The bars of a column, for the next strike: records of many fields are slow to copy."""
+    bars, q = model._bars(column)
+    return bars.tobytes(), q
 
 
 def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:

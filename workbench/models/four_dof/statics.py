@@ -13,7 +13,7 @@ from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
-from workbench.structures.kernels import copy, solve_dense
+from workbench.structures.kernels import copy, solve_four
 
 OK, NO_CONVERGENCE, COLLAPSE = 0, 1, 2
 TOLERANCE = 1e-10  # of the squash load
@@ -231,7 +231,7 @@ def axial_equilibrium(column, free_u1, free_u2, state, work):
                 if not ((i == U1 and free_u1) or (i == U2 and free_u2)):
                     hold(J, i)
             factor = 1.0
-            for _half in range(12 if solve_dense(J, step) else 0):
+            for _half in range(12 if solve_four(J, step) else 0):
                 for i in range(4):
                     q[i] = old[i] + factor * step[i]
                 balance_rotation(column, state, work)
