@@ -10,7 +10,7 @@ mass m1 (a third of the column) sits at the hit point, the head mass at the head
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf
+from math import inf, prod
 from time import perf_counter
 from typing import Any, ClassVar
 
@@ -31,6 +31,7 @@ from workbench.responses import Finding, Response, build_response, open_share
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
 HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
+_BARS, _PLACES = np.array(list(HINGES.values())).T
 SEGMENTS = ("below", "above")
 _SCHEMES = {
     "midpoint": dynamics.MIDPOINT,
@@ -190,8 +191,8 @@ class RigidBars(Declared, table="option"):
 
     def pushed(
         self, column: Column, displacement: float, least: float = -inf
-    ) -> tuple[Any, dict[str, Any]]:
-        """The records of a pushed column and their histories.
+    ) -> tuple[dict[str, Array], dict[str, Any]]:
+        """The records of a pushed column, by name, and their histories.
 
         Arguments: the `displacement` to which it is pushed (m); the force (N) below which the push
         may end, `least`. Raises `SolverError` where equilibrium is lost before.
@@ -208,8 +209,8 @@ class RigidBars(Declared, table="option"):
         if status != statics.OK:
             where, tried = f"displacement {path[last]:.5g} m", "increments down to 1/1024"
             raise SolverError(where, residual, tried)
-        records = records[: last + 2]
-        return records, _histories(column, bars, records)
+        histories = _by_name(records[: last + 2])
+        return histories, _histories(column, bars, histories)
 
     def _pushover(self, scenario: ColumnPushover) -> Response:
         column = scenario.column
@@ -222,7 +223,7 @@ class RigidBars(Declared, table="option"):
         values["input_energy"] = external[-1]
         return build_response(
             values,
-            steps=len(records),
+            steps=len(force),
             hinges=tuple(HINGES),
             segments=SEGMENTS,
             warnings=self._reached(column, values),
@@ -241,16 +242,17 @@ class RigidBars(Declared, table="option"):
         else:
             raise SolverError("the energy balance", error, "steps down to a 256th in length")
         solved = perf_counter() - started
+        records = _by_name(records)
         values = {
             **_histories(scenario.column, bars, records),
             **{name: records[name] for name in _LEDGER},
             "balance_error": records["balance"],
             "external_work": _dead_work(scenario.column, records),
-            "velocity": records["w"][:, V],
+            "velocity": records["w"][V],
             "striker_velocity": records["striker_velocity"],
             "percussion": records["percussion"],
             "input_energy": scenario.input_energy,
-            "plastic_rotation": _at_hinges(records["plastic"]),
+            "plastic_rotation": records["plastic"][_BARS, _PLACES],
         }
         warnings = self._reached(scenario.column, values)
         response = build_response(
@@ -303,33 +305,39 @@ def _collapsed(bars: Any, state: Any, time: float) -> CollapseError:
     return CollapseError(Collapse(Mechanism.SQUASH, SEGMENTS, reached, time), reason)
 
 
-def _dead_work(column: Column, records: Any) -> Array:
+def _by_name(records: Any) -> dict[str, Array]:
+    """The histories of a table of records as arrays of their own, time last."""
+    flat = records.view(float).reshape(len(records), -1).T.copy()
+    return {
+        name: flat[at // 8 : at // 8 + prod(of.shape)].reshape(*of.shape, -1)
+        for name, (of, at) in records.dtype.fields.items()
+    }
+
+
+def _dead_work(column: Column, records: dict[str, Array]) -> Array:
     """Work of the axial load, in J."""
-    return np.asarray(-column.axial_load * (records["q"][:, U2] - records["q"][0, U2]))
+    head = records["q"][U2]
+    return np.asarray(-column.axial_load * (head - head[0]))
 
 
-def _at_hinges(values: Array) -> Array:
-    """Moments or rotations of the four hinges out of the records of the bars."""
-    return np.stack([values[:, bar, j] for bar, j in HINGES.values()])
-
-
-def _histories(column: Column, bars: Any, records: Any) -> dict[str, Any]:
+def _histories(column: Column, bars: Any, records: dict[str, Array]) -> dict[str, Any]:
     """What pushovers and impacts have in common: displacements, forces, shear of the two bars."""
-    v, u1, u2 = (records["q"][:, i] for i in (V, U1, U2))
+    v, u1, _, u2 = records["q"]
     stress = records["stress"]
-    along = np.stack([column.length_below + u1, column.length_above + u2 - u1])
-    shear = np.abs(stress[:, :, 1] - stress[:, :, 2]).T / np.hypot(along, v[None, :])
     resistance, slides = column.properties.shear_resistance, {}
     if bars["sliding"] != panels.RIGID_IN_SHEAR:
-        shear, resistance = np.abs(stress[:, :, 3]).T, bars["web"]["shear"]
-        slides["sliding"] = records["plastic"][:, :, 3].T
+        shear, resistance = np.abs(stress[:, 3]), bars["web"]["shear"]
+        slides["sliding"] = records["plastic"][:, 3]
+    else:
+        along = np.stack([column.length_below + u1, column.length_above + u2 - u1])
+        shear = np.abs(stress[:, 1] - stress[:, 2]) / np.hypot(along, v)
     return {
         **slides,
         "displacement": v,
         "force": records["force"],
         "shortening": -u2,
         "dissipated": records["dissipated"],
-        "axial_force": np.stack([stress[:, bar, 0] for bar, _ in HINGES.values()]),
-        "moment": _at_hinges(stress),
+        "axial_force": stress[_BARS, 0],
+        "moment": stress[_BARS, _PLACES],
         "shear_utilisation": shear.max(axis=1) / resistance,
     }
