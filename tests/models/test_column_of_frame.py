@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from workbench.cli import run
 from workbench.errors import InputError, OutOfDomainError
-from workbench.frames.collapse_load import collapse_factor
+from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_estimate import HEAD_MASSES, SAME
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.findings import dead_load_state
@@ -331,6 +331,41 @@ def test_collapse_loads_by_hand() -> None:
     assert collapse_factor(portal, (Load("A1", x=1.0),), (Load("B1", x=1e7),)) is None
     sprung = changed(portal, _A1={"spring_x": 1e3}, _B1={"locked": "y"})
     assert collapse_factor(sprung, (Load("A1", x=1.0),)) == inf
+
+
+def test_dead_loads_soften_the_sway_of_a_portal_by_their_turn() -> None:
+    """Two columns that carry P turn by w / h: P w^2 / h of work, each."""
+    load = 1e5
+    dead = tuple(Load(name, y=-load) for name in ("A1", "B1"))
+    portal = replace(regular_frame((6.0,), (4.0,), SECTION, SECTION), loads=dead)
+    found = collapse_mechanism(portal, (Load("A1", x=1.0),), dead)
+    assert found is not None
+    assert found.factor == pytest.approx(4 * MOMENT / 4.0, rel=1e-8)  # measured: round-off
+    axial = dead_load_state(portal).axial
+    assert found.softening(portal, axial) == pytest.approx(2.0 * load / 4.0, rel=1e-6)
+
+
+def test_a_hit_that_dead_loads_carry_on_is_told() -> None:
+    """Hit half-way up, the lower half turns by 2 w / h, the column on pins beside it by w / h."""
+    load, height = 4e5, 4.0
+
+    def striker(velocity: float) -> FrameStriker:
+        return FrameStriker(1500.0, velocity, node="hit")
+
+    dead = tuple(Load(name, y=-load) for name in ("A1", "B1"))
+    stiff = regular_frame((6.0,), (height,), SECTION, find("HEB 400"), base="pinned")
+    frame = replace(stiff, loads=dead).split("A0-A1", 0.5 * height, "hit")
+    slow = ColumnOfFrame().estimate(FrameImpact("hit", frame, striker(1.0), 0.05))
+    resistance = 3.0 * MOMENT / height  # hinges at the hit and at the other head
+    assert slow.frame_resistance == pytest.approx(resistance, rel=1e-8)  # measured: round-off
+    energy = 750.0 / (1.0 + SECTION.area * 7850.0 * height / 3.0 / 1500.0)
+    softening = 3.0 * load / height
+    assert slow.fall == pytest.approx(2.0 * softening * energy / resistance**2, rel=1e-4)
+    for factor, told in ((0.98, False), (1.02, True)):
+        faster = striker(factor / slow.fall**0.5)
+        hit_again = FrameImpact("hit", frame, faster, 0.05)
+        subjects = [found.subject for found in ColumnOfFrame().domain(hit_again)]
+        assert ("fall" in subjects) is told
 
 
 def test_joints_bound_the_collapse_load_by_sign() -> None:

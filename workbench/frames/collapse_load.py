@@ -7,8 +7,10 @@ The largest factor is the collapse load (Livesley 1975, chapter 3).
 
 from collections.abc import Collection, Sequence
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
 from workbench.arrays import Array
@@ -31,6 +33,39 @@ def collapse_factor(
     Springs to the ground and locks never yield. Infinite if nothing that yields is in the way;
     None if the strength does not reach for the dead loads alone.
     """
+    found = collapse_mechanism(frame, pattern, dead, members)
+    return None if found is None else found.factor
+
+
+class CollapseMechanism(NamedTuple):
+    """Collapse load `factor` and displacements (nodes, 3) per unit of work of the pattern."""
+
+    factor: float
+    shape: Array
+
+    def softening(self, frame: Frame, axial: ArrayLike) -> float:
+        """Loss of the factor per unit of the mechanism's work by forces `axial` (members,) in N.
+
+        Second-order work of what members carry (tension positive) as their chords turn.
+        """
+        number = {node.name: i for i, node in enumerate(frame.nodes)}
+        total = 0.0
+        for member, force in zip(frame.members, np.asarray(axial), strict=True):
+            start, end = frame.node(member.start), frame.node(member.end)
+            dx, dy = end.x - start.x, end.y - start.y
+            moved = self.shape[number[member.end]] - self.shape[number[member.start]]
+            turn = (dx * moved[1] - dy * moved[0]) / (dx**2 + dy**2)
+            total -= force * turn**2 * frame.length(member)
+        return float(total)
+
+
+def collapse_mechanism(
+    frame: Frame,
+    pattern: Sequence[Load],
+    dead: Sequence[Load] = (),
+    members: Collection[str] | None = None,
+) -> CollapseMechanism | None:
+    """`collapse_factor` and how the frame moves there: displacements are the dual variables."""
     counted = [m for m in frame.members if members is None or m.name in members]
     first = {node.name: 3 * i for i, node in enumerate(frame.nodes)}
     strengths = [member_strength(frame, member) for member in counted]
@@ -59,9 +94,14 @@ def collapse_factor(
         bounds=bounds,
         method="highs",
     )
+    shape = np.zeros(len(balance))
     if found.status == UNBOUNDED:
-        return inf
-    return float(found.x[-1] * force) if found.success and found.x[-1] >= 0.0 else None
+        return CollapseMechanism(inf, shape.reshape(-1, 3))
+    if not found.success or found.x[-1] < 0.0:
+        return None
+    shape[free] = found.eqlin.marginals / units[free]
+    work = float(nodal_loads(frame, pattern).ravel() @ shape)
+    return CollapseMechanism(float(found.x[-1] * force), (shape / work).reshape(-1, 3))
 
 
 def _free(frame: Frame) -> list[int]:

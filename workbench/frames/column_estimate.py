@@ -6,17 +6,28 @@ all from elastic analyses for unit loads; and from limit analyses, where these e
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, sqrt
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
-from workbench.frames.collapse_load import collapse_factor
+from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import ColumnLine, column_line
 from workbench.frames.elastic import ElasticFrame
+from workbench.frames.findings import dead_load_state
 from workbench.responses import Finding
-from workbench.scenarios import Column, ColumnImpact, Frame, FrameImpact, Load, Striker, frame_of
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    Frame,
+    FrameImpact,
+    FrameStriker,
+    Load,
+    Striker,
+    frame_of,
+)
 from workbench.scenarios.members import OVERRIDES
 
 HEADS = ("joined", "pinned")
@@ -36,7 +47,8 @@ class ColumnEstimate:
     `frame_resistance` and `column_resistance` under a force in place of the striker (None:
     likewise); `bent`, largest moment of the dead loads at its ends over the plastic moment;
     `hit_mass` (kg), point mass at the struck node; elastic flexibility (m/N) of frame and column
-    there, `yielding` (None of the frame: it moves without resistance).
+    there, `yielding` (None of the frame: it moves without resistance); `softening` (N/m), what the
+    mechanism of the frame loses of its resistance to the dead loads per displacement there.
     """
 
     column: ColumnImpact
@@ -47,6 +59,25 @@ class ColumnEstimate:
     bent: float
     hit_mass: float
     yielding: tuple[float | None, float]
+    softening: float
+
+    @property
+    def _energy(self) -> float:
+        """Energy (J) after a first collision with the lumped mass of the column."""
+        lumped = self.column.column.properties.impact_mass / self.column.striker.mass
+        return self.column.input_energy / (1.0 + lumped)
+
+    @property
+    def fall(self) -> float:
+        """Energy after the hit over that which the frame takes until its dead loads carry it on.
+
+        A rigid-plastic mechanism that resists R - c w falls from w = R / c on, R^2 / 2c. Zero where
+        the column's own mechanism governs.
+        """
+        ratio, resistance = self.collapse_ratio, self.frame_resistance
+        if not ratio or not resistance or ratio > 1.0 - SAME:
+            return 0.0
+        return 2.0 * max(self.softening, 0.0) * self._energy / resistance**2
 
     @property
     def collapse_ratio(self) -> float | None:
@@ -66,8 +97,7 @@ class ColumnEstimate:
         frame, column = self.yielding
         if frame is None or self.column_resistance is None or self.frame_resistance is None:
             return None
-        lumped = self.column.column.properties.impact_mass / self.column.striker.mass
-        energy = self.column.input_energy / (1.0 + lumped)
+        energy = self._energy
         limits = self.column_resistance, min(self.frame_resistance, self.column_resistance)
         own, whole = (
             sqrt(2.0 * energy * soft)
@@ -98,6 +128,15 @@ class ColumnEstimate:
                 "peak, less while their mass holds them: it comes out too small by that",
                 remedy="take flexible-superelement on the frame",
                 number=missing,
+            )
+        if self.fall > 1.0:
+            yield Finding(
+                "fall",
+                f"the hit brings {self.fall:.2f} times the energy that the mechanism of the frame "
+                "takes before its dead loads carry it on: the frame may fall, which the column "
+                "cannot say",
+                remedy="take flexible-superelement on the frame",
+                number=self.fall,
             )
         if self.bent > BENT:
             yield Finding(
@@ -138,6 +177,52 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
     `head`, ``joined`` (as the joint there says) or ``pinned``. Raises `OutOfDomainError` where
     there is no such column.
     """
+    frame, strike = scenario.frame, _strike(scenario.striker)
+    impact, line, axial, bent = _column(scenario, head_mass, head)
+    alone = frame_of(impact.column)
+    swaying = collapse_mechanism(frame, [strike], frame.loads)
+    return ColumnEstimate(
+        impact,
+        line,
+        collapse_factor(frame, line.pull(1.0), (*frame.loads, *line.pull(axial)), line.rest),
+        None if swaying is None else swaying.factor,
+        collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
+        bent,
+        frame.node(scenario.striker.node).mass,
+        (_yielding(frame, strike), _yielding(alone, Load("hit", x=1.0)) or 0.0),
+        0.0 if swaying is None else swaying.softening(frame, dead_load_state(frame).axial),
+    )
+
+
+def column_like(scenario: FrameImpact) -> ColumnImpact | None:
+    """The struck column of a frame by the rules that go without saying, None if it is none."""
+    own = scenario.striker
+    unit = replace(own, mass=1.0, velocity=1.0, restitution=0.0)
+    found = _column_of_unit(replace(scenario, name="unit", striker=unit, duration=1.0))
+    if found is None:
+        return None
+    return replace(found, striker=Striker(own.mass, own.velocity, own.restitution))
+
+
+@lru_cache(maxsize=64)
+def _column_of_unit(scenario: FrameImpact) -> ColumnImpact | None:
+    """The column whatever hits it: one frame is asked for many strikers."""
+    try:
+        return _column(scenario, HEAD_MASSES[0], HEADS[0])[0]
+    except OutOfDomainError:
+        return None
+
+
+def _strike(striker: FrameStriker) -> Load:
+    """A unit force in the place of a striker."""
+    towards = -1.0 if striker.direction.startswith("-") else 1.0
+    return Load(striker.node, **{striker.direction[-1]: towards})
+
+
+def _column(
+    scenario: FrameImpact, head_mass: str, head: str
+) -> tuple[ColumnImpact, ColumnLine, float, float]:
+    """The column, its line, and the dead load state of that, see `_dead_state`."""
     frame, line = scenario.frame, column_line(scenario)
     if head == "pinned":
         line = replace(line, fixed=(line.fixed[0], False))
@@ -177,19 +262,7 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
         Striker(striker.mass, striker.velocity, striker.restitution),
         scenario.duration,
     )
-    alone = frame_of(column)
-    towards = -1.0 if striker.direction.startswith("-") else 1.0
-    strike = Load(striker.node, **{striker.direction[-1]: towards})
-    return ColumnEstimate(
-        impact,
-        line,
-        collapse_factor(frame, line.pull(1.0), (*frame.loads, *line.pull(axial)), line.rest),
-        collapse_factor(frame, [strike], frame.loads),
-        collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
-        bent,
-        extra,
-        (_yielding(frame, strike), _yielding(alone, Load("hit", x=1.0)) or 0.0),
-    )
+    return impact, line, axial, bent
 
 
 def _yielding(frame: Frame, load: Load) -> float | None:

@@ -44,6 +44,7 @@ class Record:
         }
         self._shear = np.zeros(len(structure.frame.members))
         self._drift = np.zeros(len(upright_names(structure.frame)))
+        self._unyielding = self._shear
         self._spent: dict[str, Array] = {}
         self.shear_strain: Array | None = None
         self._snapshots = Snapshots(structure, end)
@@ -87,6 +88,7 @@ class Record:
         self._tables["moment"].append(np.atleast_2d(members.moments()))
         self._tables["plastic_rotation"].append(np.atleast_2d(members.plastic_rotations()))
         self._shear = _most(self._shear, members.shear_forces())
+        self._unyielding = _most(self._unyielding, members.unyielding_shear())
         self._drift = _most(self._drift, self.watch.drifts(moved))
         strains = members.shear_strains()
         if strains is not None:
@@ -128,9 +130,16 @@ class Record:
 
     def shear_utilisation(self) -> Array:
         """Largest shear force of each member (members,) over its plastic shear resistance."""
+        return self._shear / self._resistance
+
+    def unyielding_shear(self) -> Array:
+        """The same of the mean along members in which shear does not yield (members,)."""
+        return self._unyielding / self._resistance
+
+    @property
+    def _resistance(self) -> Array:
         frame = self.structure.frame
-        resistance = [frame.properties(member).shear_resistance for member in frame.members]
-        return np.asarray(self._shear / np.array(resistance))
+        return np.array([frame.properties(member).shear_resistance for member in frame.members])
 
     def spent(self, name: str) -> Array:
         """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""

@@ -11,6 +11,7 @@ from workbench.errors import CollapseError, SolverError
 from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
+from workbench.frames.shear import shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.scenarios import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
@@ -228,12 +229,5 @@ def _shear_reached(record: Record) -> list[Finding]:
         )
         remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
         return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
-    ratios = record.shear_utilisation()
-    above = [names[i] for i in np.argsort(-ratios) if ratios[i] > 1.0 + 1e-9]  # panels reach 1
-    if not above:
-        return []
-    text = (
-        f"V/Vpl = {ratios.max():.2f} was reached in {named(above)}, but shear does not yield in "
-        "this model: it overestimates the resistance"
-    )
-    return [Finding("shear-reached", text, number=float(ratios.max()))]
+    reached = zip(names, record.unyielding_shear().tolist(), strict=True)
+    return shear_reached(record.structure.frame, dict(reached))

@@ -69,6 +69,13 @@ class MemberReader(ABC):
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
 
+    def unyielding_shear(self) -> Array:
+        """Shear force of each member (members,), mean along it; zero where shear yields.
+
+        Its end moments over its length: waves that run along it leave the mean.
+        """
+        return self.shear_forces()
+
     def shear_strains(self) -> Array | None:
         """Mean shear strain of each member (members,), without sign; None unless shear yields."""
         return None

@@ -76,18 +76,22 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-def struck_parts(scenario: FrameScenario, multiple: int) -> list[int]:
-    """Parts of every member where none are asked for: of struck ones a `multiple`, mostly one else.
+def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> list[int]:
+    """Parts of every member where none are asked for: of struck ones a `multiple`.
+
+    Arguments: `far`, of members of a struck frame that are neither struck nor meet struck ones.
 
     A node shares its velocity with a third of each bar beside it at once, of which the beam knows
     nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
     and so short that two of them take some `_SHARED`, unless they were shorter than high. Joints at
     the far ends of struck members turn against the inertia of what meets them there, which one bar
-    has at its ends alone: such members are `_NEIGHBOURS` bars. Members under a line load, which
+    has at its ends alone: such members are `_NEIGHBOURS` bars. So do members beyond, by less: their
+    beam's own swinging needs a node between their ends. Members under a line load, which
     acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
     counts = [1] * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
+        counts = [far] * len(counts)
         struck = _struck(scenario)
         ends = {node for _, m in struck for node in (m.start, m.end)} - {scenario.striker.node}
         for number, member in enumerate(scenario.frame.members):
@@ -263,6 +267,14 @@ class SuperelementMembers(MemberReader):
         """Largest shear force of each member (members,), without sign."""
         shear = np.abs(self.elements.shear_forces)
         return np.asarray(np.maximum.reduceat(shear, self._first[:-1], axis=-1))
+
+    def unyielding_shear(self) -> Array:
+        """Shear force of each member (members,), mean along its equal parts; zero of panels."""
+        slide, parts = self.elements.slide, np.diff(self._first)
+        if slide.all():
+            return np.zeros(len(parts))
+        shear = np.where(slide, 0.0, self.elements.shear_forces)
+        return np.asarray(np.abs(np.add.reduceat(shear, self._first[:-1], axis=-1)) / parts)
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""

@@ -46,6 +46,7 @@ class BarFrames(FrameModel):
     geometry: str = checked(Choice(GEOMETRIES), "co-rotational")
 
     least_parts: ClassVar[int] = 1  # of a struck member, and what their number is a multiple of
+    far_parts: ClassVar[int] = 2  # of members far from the struck one; of one, mass is at the ends
 
     @property
     def scheme(self) -> tuple[float | None, str]:
@@ -83,7 +84,7 @@ class BarFrames(FrameModel):
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Elements of every member."""
         if self.elements is None:
-            return struck_parts(scenario, self.least_parts)
+            return struck_parts(scenario, self.least_parts, self.far_parts)
         return [self.elements] * len(scenario.frame.members)
 
     def stand(

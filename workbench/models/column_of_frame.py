@@ -79,7 +79,7 @@ class ColumnOfFrame(Declared, table="option"):
     restraint: str = checked(Choice(RESTRAINTS), "elastic")
 
     name: ClassVar[str] = "column-of-frame"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (FrameImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Those of the column model.",

@@ -19,7 +19,7 @@ from workbench.frames.structure import FrameStructure
 from workbench.frames.timing import Spans
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
-from workbench.responses import Finding, Response
+from workbench.responses import Finding, Response, findings_of, set_findings
 from workbench.scenarios import (
     ColumnImpact,
     ColumnPushover,
@@ -135,8 +135,16 @@ class FrameModel(ABC, Declared, table="option"):
             return member_findings(scenario)
 
     def simulate(self, scenario: Scenario) -> Response:
-        """Answer a static loading, an impact or a motion of the ground, of a frame or a column."""
-        return respond(self, scenario, self.solve)
+        """Answer a static loading, an impact or a motion of the ground, of a frame or a column.
+
+        What a hit on a frame needs of its webs a run knows better than the mechanism of members
+        between joints that hold still: its finding takes the place of that one.
+        """
+        response = respond(self, scenario, self.solve)
+        if isinstance(scenario, FrameImpact) and "shear_utilisation" in response:
+            known = findings_of(response)
+            set_findings(response, [found for found in known if found.subject != "shear"])
+        return response
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain.

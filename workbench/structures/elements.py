@@ -165,6 +165,11 @@ class MemberElements(ElementGroup):
         chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
         return np.asarray((self._old.local[..., 1] + self._old.local[..., 2]) / chord)
 
+    @property
+    def slide(self) -> Array:
+        """Whether webs yield in shear (elements,)."""
+        return np.zeros(len(self.lengths), dtype=bool)
+
     def bent(
         self, displacement: Array, elements: Indices, points: Array, bends: Array, moments: Array
     ) -> Array:

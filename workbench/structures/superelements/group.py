@@ -171,9 +171,14 @@ class Superelements(HingedElements):
     @property
     def shear_forces(self) -> Array:
         """Committed shear force of the elements (elements,), in N; in panels that of the web."""
-        webs, carried = self._hinges.webs["stiffness"] > 0.0, self._old.carried
+        webs, carried = self.slide, self._old.carried
         sliding = (carried[..., 1] + carried[..., 2]) / self.lengths
         return sliding if webs.all() else np.where(webs, sliding, super().shear_forces)
+
+    @property
+    def slide(self) -> Array:
+        """Whether webs yield in shear (elements,)."""
+        return np.asarray(self._hinges.webs["stiffness"] > 0.0)
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
