@@ -49,6 +49,6 @@ def test_the_table_counts_pairs() -> None:
     assert section is not None
     text = " ".join(render_text(*section.blocks).split())
     assert "50 of 60" in text
-    assert "50 of 58 columns (1e-08)" in text
+    assert "50 of 58 pairs (1e-08)" in text
     assert "itself" in text
     assert ranking.table(stored()) is None

@@ -17,6 +17,7 @@ from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import ColumnLine, column_line
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.findings import dead_load_state
+from workbench.frames.head_mass import HEAD_MASSES, mass_of_head
 from workbench.responses import Finding
 from workbench.scenarios import (
     Column,
@@ -31,11 +32,9 @@ from workbench.scenarios import (
 from workbench.scenarios.members import OVERRIDES
 
 HEADS = ("joined", "pinned")
-HEAD_MASSES = ("column-line", "joint", "deflected-shape", "none")
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
 SAME = 1e-3  # relative difference of collapse loads that counts as none
 SWAYED = 0.08  # of a peak, missing by an estimate; told a little below what counts as off
-STRAIGHT_ON = 0.02  # sine of the largest kink in the line above the head
 
 
 @dataclass(frozen=True)
@@ -248,7 +247,7 @@ def _column(
             head="fixed" if flexibility == 0.0 else "guided" if line.fixed[1] else "pinned",
             axial_load=-axial,
             restraint_stiffness=0.0 if flexibility in (0.0, inf) else 1.0 / flexibility,
-            head_mass=0.0 if flexibility == 0.0 else _head_mass(head_mass, line, shape),
+            head_mass=0.0 if flexibility == 0.0 else mass_of_head(head_mass, line, shape),
             **{key: getattr(own, key) for key in OVERRIDES},
         )
         if extra > 0.0:
@@ -301,59 +300,3 @@ def _dead_state(line: ColumnLine) -> tuple[float, float]:
     own = [2 * names.index(name) + side for name in line.members for side in (0, 1)]
     plastic = frame.properties(line.members[0]).plastic_moment
     return float(np.mean(axial[own])), float(np.max(np.abs(moments[own]))) / plastic
-
-
-# -- the mass that moves with the head ---------------------------------------------------------
-
-
-def _head_mass(rule: str, line: ColumnLine, shape: Array | None) -> float:
-    """Mass (kg) at the head by a rule of `HEAD_MASSES`.
-
-    Joint: point mass of the head and half of the other members that meet there. Column line: the
-    same for all joints of the line that goes on beyond the head, its members whole; that line is
-    far stiffer along its axis than the beams that hold it, and moves with the head. Deflected
-    shape: generalised mass of the frame without the column in the deflection that its spring has.
-    """
-    if rule == "none":
-        return 0.0
-    if rule != "deflected-shape":
-        nodes = [line.head] if rule == "joint" else _line_above(line)
-        return _mass_of(line.frame, nodes, line.members)
-    if shape is None:
-        raise OutOfDomainError(
-            "head_mass = deflected-shape: without the column nothing resists a movement of its "
-            "head along it, so that there is no such shape; take another rule"
-        )
-    return float(shape @ ElasticFrame(line.frame, line.rest).mass @ shape)
-
-
-def _mass_of(frame: Frame, nodes: list[str], without: tuple[str, ...]) -> float:
-    """Point masses of `nodes` and half a member's mass per end there."""
-    total = sum(frame.node(name).mass for name in nodes)
-    for member in frame.members:
-        if member.name not in without:
-            ends = (member.start in nodes) + (member.end in nodes)
-            mass = frame.properties(member).mass_per_length * frame.length(member)
-            total += 0.5 * ends * mass
-    return total
-
-
-def _line_above(line: ColumnLine) -> list[str]:
-    """Names of the nodes from the head on along the axis of the column."""
-    frame, nodes = line.frame, [line.head]
-    axis = np.array(line.axis)
-    while True:
-        at = frame.node(nodes[-1])
-        if at.held:
-            return nodes
-        beyond = []
-        for member in frame.members:
-            if at.name in (member.start, member.end):
-                far = frame.node(member.end if member.start == at.name else member.start)
-                chord = np.array([far.x - at.x, far.y - at.y])
-                across = abs(float(axis[0] * chord[1] - axis[1] * chord[0]))
-                if axis @ chord > 0.0 and across < STRAIGHT_ON * float(np.hypot(*chord)):
-                    beyond.append(far.name)
-        if not beyond:
-            return nodes
-        nodes.append(beyond[0])

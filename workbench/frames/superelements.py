@@ -112,14 +112,14 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> list[i
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
     """Warning of elements whose lumped mass takes much of the energy in the first collision."""
-    if not isinstance(scenario, FrameImpact) or scenario.striker.restitution > 0.0:
+    if not isinstance(scenario, FrameImpact):
         return []
     frame, striker = scenario.frame, scenario.striker
     shared = sum(
         frame.properties(member).mass_per_length * frame.length(member) / parts[number] / 3.0
         for number, member in _struck(scenario)
     )
-    lost = shared / (shared + striker.mass)
+    lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
     if lost <= _MUCH_SHARED:
         return []
     text = (

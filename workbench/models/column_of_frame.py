@@ -14,8 +14,9 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Declared, checked
-from workbench.frames.column_estimate import HEAD_MASSES, HEADS, ColumnEstimate, estimate_column
+from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
 from workbench.frames.findings import frame_findings
+from workbench.frames.head_mass import HEAD_MASSES
 from workbench.models.base import respond
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear

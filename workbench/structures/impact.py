@@ -148,7 +148,7 @@ class _Stepper:
             tried = self._attempt(dt, closed, gap, gamma0)
             solution = tried.trial.solution
             evaluations += solution.evaluations
-            residual = max(residual, solution.residual)
+            residual = max(solution.residual, residual)  # not a number stays one
             if not solution.converged:
                 continue
             # a closed contact that pulls must open, whatever the open solution says of velocities

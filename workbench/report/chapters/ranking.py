@@ -67,7 +67,7 @@ def table(stored: Stored) -> Section | None:
     if not rows:
         return None
     caption = (
-        f"Drawn columns by group: peaks within {100 * BEYOND:g} % of the best reference, too small "
+        f"Cases by group: peaks within {100 * BEYOND:g} % of the best reference, too small "
         "and too large ones (a model that survives where the reference collapses counts as too "
         "small: false safe; the other way round: false alarm), and the pairs of answers in "
         "which the first model of the group errs less, with the chance of as many if both were "
@@ -89,7 +89,7 @@ def table(stored: Stored) -> Section | None:
 
 
 def _expected(row: Row) -> str:
-    """The median error and where nine of ten columns lie."""
+    """The median error and where nine of ten cases lie."""
     if row["median"] is None:
         return "no number"
     middle, *ends = (percent(row[name] - 1.0, rough=True) for name in ("median", "least", "most"))
@@ -100,7 +100,7 @@ def _pairs(row: Row) -> str:
     if row["against"] == row["label"]:
         return "itself"
     chance = "" if row["chance"] is None else f" ({row['chance']:.2g})"
-    return f"{row['wins']} of {count(row['pairs'], 'column')}{chance}"
+    return f"{row['wins']} of {count(row['pairs'], 'pair')}{chance}"
 
 
 def _surely(row: Row) -> bool:

@@ -3,10 +3,12 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from workbench.content.formatting import brief, several
+from workbench.content.formatting import brief, count, several
 from workbench.content.tree import Block, Paragraph
-from workbench.scenarios import ColumnImpact, FrameImpact, Striker
+from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker
 from workbench.study.definition import Study
+
+FORMS = 4  # of frames, that are all told
 
 
 def subject(study: Study) -> Iterator[Block]:
@@ -50,21 +52,24 @@ def _columns(impacts: Sequence[ColumnImpact]) -> Iterator[str]:
 
 
 def _frames(impacts: Sequence[FrameImpact]) -> Iterator[str]:
-    for frame in dict.fromkeys(impact.frame for impact in impacts):
-        members = _names([member.section.name for member in frame.members])
-        width = max(n.x for n in frame.nodes) - min(n.x for n in frame.nodes)
-        height = max(n.y for n in frame.nodes) - min(n.y for n in frame.nodes)
-        size = f"{brief(width)} m wide and {brief(height)} m high"
-        yield f"a frame {size} of {len(frame.members)} members ({members})"
-        break
-    places = {
-        f"{brief(node.y)} m above the ground"
-        for impact in impacts
-        for node in impact.frame.nodes
-        if node.name == impact.striker.node
-    }
-    yield f"hit {_names(sorted(places))}"
-    yield _strikers([impact.striker for impact in impacts])
+    """Frames of one form in one part each: where they are hit, and by what."""
+    forms: dict[str, list[FrameImpact]] = {}
+    for impact in impacts:
+        forms.setdefault(_form(impact.frame), []).append(impact)
+    for form, alike in list(forms.items())[:FORMS]:
+        places = [f"{brief(each.frame.node(each.striker.node).y)} m" for each in alike]
+        where = f"hit {_names(places)} above the ground"
+        yield ", ".join((form, where, _strikers([each.striker for each in alike])))
+    if len(forms) > FORMS:
+        yield f"{count(len(forms) - FORMS, 'frame')} of other forms"
+
+
+def _form(frame: Frame) -> str:
+    members = _names([member.section.name for member in frame.members])
+    x, y = ([getattr(node, axis) for node in frame.nodes] for axis in "xy")
+    width, height = max(x) - min(x), max(y) - min(y)
+    size = f"{brief(width)} m wide and {brief(height)} m high"
+    return f"a frame {size} of {count(len(frame.members), 'member')} ({members})"
 
 
 def _strikers(strikers: Sequence[Striker]) -> str:
