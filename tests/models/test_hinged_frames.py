@@ -167,6 +167,25 @@ def test_events_outside_the_domain_are_warned_of() -> None:
     assert not subjects(PlasticHinge(), hit) | subjects(PlasticHinge(), cycles)
 
 
+def test_catenary_action_is_warned_of_where_members_were_pulled() -> None:
+    """Between clamped ends the hit column is pulled; of a portal on pins the head gives way."""
+    laid = Frame(
+        (
+            Node("a", 0.0, 0.0, support="clamped"),
+            Node("hit", 0.0, 2.0),
+            Node("b", 0.0, 4.0, support="clamped"),
+        ),
+        (Member("low", "a", "hit", HEB), Member("high", "hit", "b", HEB)),
+    )
+    sways = regular_frame((5.0,), (4.0,), HEB, find("IPE 300"), base="pinned")
+    for frame, pulled in ((laid, True), (sways.split("A0-A1", 2.0, "hit"), False)):
+        hit = FrameImpact("hit", frame, FrameStriker(1500.0, 8.0, node="hit"), 0.06)
+        response = Giberson().simulate(hit)
+        assert response.attrs["outcome"] == "ok", response.attrs["message"]
+        assert "catenary" in {told.subject for told in Giberson().domain(hit)}
+        assert ("catenary" in {told.subject for told in warnings_of(response)}) is pulled
+
+
 def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
     """One element per member is 11 % off here; the peak of a fine mesh is within 3 % of fibers."""
     frame = regular_frame((5.0,), (4.0,), HEB, find("IPE 300")).split("A0-A1", 2.0, "hit")

@@ -90,7 +90,7 @@ def shear_reached(frame: Frame, reached: Mapping[str, float]) -> list[Finding]:
 
     Arguments: V/Vpl by member, as a run without shear yielding found it. The mean is that of the
     end moments; a wave that runs along a member passes V_pl for moments, which webs hardly feel: of
-    36 frames (`fiber-reissner` against `fiber-shear`) all ten that were more than 7 % off had a
+    34 frames (`fiber-reissner` against `fiber-shear`) all ten that were more than 7 % off had a
     mean above 1, and three others.
     """
     return _told("shear-reached", frame, reached, "the mean along the member reaches")

@@ -137,14 +137,21 @@ class FrameModel(ABC, Declared, table="option"):
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column.
 
-        What a hit on a frame needs of its webs a run knows better than the mechanism of members
-        between joints that hold still: its finding takes the place of that one.
+        What the run of a hit on a frame has `settled` is no longer announced.
         """
         response = respond(self, scenario, self.solve)
         if isinstance(scenario, FrameImpact) and "shear_utilisation" in response:
+            settled = self.settled(scenario, response)
             known = findings_of(response)
-            set_findings(response, [found for found in known if found.subject != "shear"])
+            set_findings(response, [found for found in known if found.subject not in settled])
         return response
+
+    def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
+        """Subjects of findings, said before the run, that it knows better.
+
+        Such as the shear of a mechanism of members between joints that hold still.
+        """
+        return {"shear"}
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """Answer a scenario that is in the domain.

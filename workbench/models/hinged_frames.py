@@ -25,7 +25,7 @@ from workbench.hinges import YieldSurface
 from workbench.hinges.interaction import RULES, polyline
 from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
-from workbench.responses import Finding
+from workbench.responses import Finding, Response
 from workbench.scenarios import (
     ColumnScenario,
     Frame,
@@ -47,6 +47,7 @@ SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must n
 REMEDY = "take plastic-hinge"
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
+NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
 AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section then loses some moment
 
 
@@ -77,6 +78,14 @@ class BarHinges(BarFrames):
         if self.in_cycles and _reverses(told):
             said.append(Finding("cycles", self.in_cycles, remedy=REMEDY))
         return super().domain(scenario) + said
+
+    def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
+        """Also catenary action, which joints that give way may have kept from any member."""
+        frame = scenario.frame
+        squash = [frame.properties(member).squash_load for member in frame.members]
+        tension = response["axial_force"].values / np.repeat(squash, 2)[:, None]
+        pulled = float(np.max(tension)) > NO_MOMENT_LOST
+        return super().settled(scenario, response) | (set() if pulled else {"catenary"})
 
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Bars per member: `elements`, and more where the squash load nears the Euler load."""

@@ -241,7 +241,7 @@ class RigidSuperelement(_HingedBars):
     name: ClassVar[str] = "rigid-superelement"
     version: ClassVar[int] = 10
     least_parts: ClassVar[int] = 2
-    far_parts: ClassVar[int] = 1  # with two rigid bars two of 36 frames were 11 and 18 % low
+    far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
         "Rigid bars; all flexibility in hinges of 6EI/L: exact in sway, three times too stiff "
         "under uniform bending.",
