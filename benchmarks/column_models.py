@@ -109,7 +109,7 @@ def cheapest(
     good: dict[float, tuple[float, float]] = {}
     for setting in settings:
         try:
-            spent, peak = min(solve(setting)[::-1] for _ in range(3))
+            spent, peak = min(solve(setting)[::-1] for _ in range(repeats))
         except RuntimeError:
             peak, spent = inf, inf
         if abs(peak / converged - 1.0) >= 0.01:
@@ -119,8 +119,8 @@ def cheapest(
     if not good:
         raise RuntimeError("no setting keeps 1 %")
     setting = min(good, key=lambda each: good[each][0])
-    spent = min(solve(setting)[1] for _ in range(repeats))
-    error = good[setting][1] / converged - 1.0
+    spent, peak = good[setting]
+    error = peak / converged - 1.0
     print(f"{f'{label}, {setting:g}':<32}{error:>8.2%}{1e3 * spent:>10.3f} ms")
     return spent
 
