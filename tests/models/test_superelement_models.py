@@ -555,6 +555,15 @@ def test_only_members_that_are_rigid_in_shear_are_named() -> None:
     assert "A0-" in " ".join(str(f) for f in everything if f.subject == "shear")
 
 
+def test_members_alike_are_told_of_once() -> None:
+    """Root fillets are left out of panels: one sentence for the columns, none for squares."""
+    frame = portal(section=find("HEB 220"))
+    mixed = replace(frame, members=(*frame.members[:2], replace(frame.members[2], section=SQUARE)))
+    hit = FrameImpact("hit", mixed, FrameStriker(1000.0, 5.0, node="A1"), 0.02)
+    (told,) = (f.text for f in RigidSuperelement().domain(hit) if f.subject == "plates")
+    assert "member A0-A1 (and 1 alike)" in told
+
+
 def test_a_short_i_section_member_warns_of_shear(thesis_impact) -> None:
     frame = frame_of(thesis_impact.column)
     impact = FrameImpact("hit", frame, FrameStriker(1500.0, 10.0, node="hit"), 0.03)

@@ -148,10 +148,14 @@ class _HingedBars(BarFrames):
             text = "exponents do not apply to members with webs, whose N-M-V domain is of plates"
             remedy = "take shear = none for a super-elliptic surface"
             findings.append(Finding("exponents", text, remedy=remedy))
+        alike: dict[tuple[ShearSurface, float, float], list[str]] = {}
         for name, web in webs.items():
             if web is not None:
-                found = panel_findings(web, frame.properties(name), f"member {name}")
-                findings += [f for f in found if f not in findings]
+                own = frame.properties(name)
+                alike.setdefault((web, own.plastic_moment, own.squash_load), []).append(name)
+        for (web, *_), names in alike.items():
+            more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
+            findings += panel_findings(web, frame.properties(names[0]), f"member {names[0]}{more}")
         return {name for name, web in webs.items() if web is None}, findings
 
     def _measured(self, scenario: FrameImpact) -> list[Finding]:
