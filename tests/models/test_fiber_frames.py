@@ -9,7 +9,11 @@ import pytest
 from test_hinged_frames import MP, cantilever
 
 from workbench.models.fiber_frames import FiberHinge, ForceBasedBeam
+from workbench.models.hinged_frames import PlasticHinge
 from workbench.references.fiber_corotational import FiberCorotational
+from workbench.responses import Outcome, outcome_of
+from workbench.scenarios import FrameImpact, FrameStriker, Load, regular_frame
+from workbench.sections import find
 
 pytestmark = pytest.mark.usefixtures("few_load_steps")
 FINE = {"smallest_element": 0.05, "largest_element": 0.2, "levels": 1, "refinement": 0}
@@ -51,6 +55,16 @@ def test_displacement_based_elements_with_lobatto_points_overestimate_as_told() 
         response = model.simulate(cantilever(4.0, 0.0, 0.2))
         expected = MP / (4.0 - model.sampled * size)
         assert float(response["resistance"]) == pytest.approx(expected, rel=0.01)
+
+
+def test_fibers_that_switch_at_one_strain_do_not_end_a_run() -> None:
+    """A laden portal falls sideways, as fiber-reissner and plastic-hinge say; steps stalled."""
+    portal = regular_frame((4.59,), (4.72,), find("HEB 300"), find("IPE 240"))
+    loads = tuple(Load(name, y=-1920334.8656668947) for name in ("A1", "B1"))
+    frame = replace(portal, loads=loads).split("B0-B1", 3.266, "hit")
+    hit = FrameImpact("falls", frame, FrameStriker(7591.3, 5.32, node="hit"), 0.1519)
+    for model in (FiberHinge(), PlasticHinge()):
+        assert outcome_of(model.simulate(hit)) is Outcome.COLLAPSE
 
 
 def _curve(response) -> tuple[np.ndarray, np.ndarray]:

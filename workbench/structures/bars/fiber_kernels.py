@@ -17,6 +17,8 @@ from workbench.structures.fibers.kernels import section_energies, section_respon
 ITERATIONS = 200
 CUTS = 12
 CLOSED = 1e-10  # of squash load and elastic moment
+# fibers that switch between elastic and plastic at one strain keep steps from closing further
+PATIENT, STALLED = 60, 1e-5
 
 
 @njit(cache=True, error_model="numpy")
@@ -93,7 +95,7 @@ def force_law(own, e, duration, q, Q, strains, old, new, k):
             break
         k[:] = np.linalg.inv(F)
         step = k @ gap
-        if count > 0 and worst <= CLOSED:
+        if count > 0 and worst <= (CLOSED if count < PATIENT else STALLED):
             for i in range(1, 3):
                 if pinned[i - 1]:
                     k[i, i] = 0.0
