@@ -37,8 +37,8 @@ class HingeTables(NamedTuple):
     and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
     rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
     (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
-    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels, (3, 3),
-    (7, 4), (3,), (3,) and (5,).
+    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels,
+    (e, 3, 3), (7, 4), (3,), (3,), (5,) and (e, 5).
     """
 
     bending: Array
@@ -51,7 +51,7 @@ class HingeTables(NamedTuple):
     pinned: Flags
     rotary: Array
     eta: float
-    scratch: tuple[Array, Array, Array, Array, Array]
+    scratch: tuple[Array, ...]
 
 
 class Superelements(HingedElements):
@@ -104,7 +104,7 @@ class Superelements(HingedElements):
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
-            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(3), np.empty(5)),
+            tuple(map(np.empty, ((len(own), 3, 3), (7, 4), 3, 3, 5, (len(own), 5)))),
         )
 
     def _rotary_inertias(self, kind: str) -> Array:
