@@ -357,7 +357,10 @@ def test_steps_that_no_memory_holds_are_refused_with_what_to_do(
     assert "column.head_mass" in finding.remedy
 
 
-@pytest.mark.parametrize("model", [FourDof(), FourDofShear(), RigidSuperelement(elements=1)])
+TOUCHED = [FourDof(), FourDofShear(), *(RigidSuperelement(elements=n) for n in (1, 3, 4))]
+
+
+@pytest.mark.parametrize("model", [*TOUCHED, RigidSuperelement(elements=2, shear="none")])
 def test_a_touch_under_dead_load_is_answered(thesis_impact: ColumnImpact, model: FourDof) -> None:
     column = replace(thesis_impact.column, axial_load=2e6)
     slow, slower = (

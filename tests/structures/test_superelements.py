@@ -32,7 +32,7 @@ from workbench.structures.superelements import (
     kernels,
     sway_stiffness,
 )
-from workbench.structures.superelements.group import HingeTables, SuperelementState
+from workbench.structures.superelements.group import HingeTables, SuperelementState, scratch
 
 FIRST_ORDER = {"first_order": True, "exponents": (1.0, 1.3), "flexible": True}
 GEOMETRIES = {**VARIANTS, "first order": FIRST_ORDER}
@@ -146,20 +146,18 @@ def test_forces_are_those_of_the_condensed_internal_degrees_of_freedom(kind):
             np.zeros((1, 2), bool),
             np.zeros(1),
             0.0,
-            (np.empty((3, 3)), np.empty((7, 4)), np.empty(3), np.empty(3), np.empty(5)),
+            scratch(1),
         )
         for _ in range(40 if kind == "flexible" else 20):  # Newton's method is slow for rigid bars
             plastic = rng.normal(size=4) * [3e-3, 0.02, 3e-3, 0.02]
             size = 10.0 ** rng.uniform(-0.5, 1.0)
             total = np.array([plastic[0] + plastic[2], plastic[1], plastic[3]])
             total += size * rng.normal(size=3) * [1.5e-3, 8e-3, 8e-3]
-            k = np.zeros((3, 3))
             empty = (np.zeros((1, 4)), np.zeros((1, 3)), np.zeros((1, 3)))
             state = SuperelementState(*empty, total[None].copy(), np.zeros(1))
             old = SuperelementState(plastic[None], *empty[1:], np.zeros((1, 3)), np.zeros(1))
-            scratch = np.zeros(3), np.zeros(3), np.zeros(5)
-            kernels.hinge_bar_law(0, tables, 1.0, old, state, k, *scratch)
-            local, carried = state.local[0], state.carried[0]
+            kernels.obey(1.0, tables, old, state, tables.scratch[0])
+            local, carried, k = state.local[0], state.carried[0], tables.scratch[0][0]
             pair = plastic.reshape(2, 2)
             if kind == "rigid":
                 forces, tangent = rigid((hinge, hinge), total, pair), None
@@ -188,10 +186,9 @@ def on_a_circle(rate: np.ndarray, start: np.ndarray, steps: int, weight: float) 
     unit, at = np.array([NP, MP]), [0, 2]
     old.carried[0, at] = start * unit
     old.deformation[0, at] = start * work / unit
-    scratch = [tables.scratch[i] for i in (0, 2, 3, 4)]
     for _ in range(steps):
         new.deformation[0, at] = old.deformation[0, at] + rate / steps * work / unit
-        kernels.hinge_bar_law(0, tables, weight, old, new, *scratch)
+        kernels.obey(weight, tables, old, new, tables.scratch[0])
         plastic, ideal = np.array(kernels.settle(weight, tables, old, new))[[1, 3]]
         assert plastic <= ideal * (1.0 + 1e-12)
         if weight == 0.5:

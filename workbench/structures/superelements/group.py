@@ -37,8 +37,7 @@ class HingeTables(NamedTuple):
     and its inverse `stiffness` (e, 4), zero for pins; `webs` (e,), records of WEB, all zero where
     rigid in shear, and the `lengths` (e,) of these panels; `bounds` (e, 2, 4), `exponents`
     (e, 2, 2) and whether `pinned` (e, 2) of both hinges; inertia `rotary` (e,) of the turning chord
-    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels,
-    (e, 3, 3), (7, 4), (3,), (3,), (5,) and (e, 5).
+    in kg m2; share `eta` of elastic stiffness beside them; `scratch` of the kernels.
     """
 
     bending: Array
@@ -52,6 +51,12 @@ class HingeTables(NamedTuple):
     rotary: Array
     eta: float
     scratch: tuple[Array, ...]
+
+
+def scratch(elements: int) -> tuple[Array, ...]:
+    """What the kernels need room for: of all elements tangents and chords, else of one."""
+    shapes = (elements, 3, 3), (7, 4), (3,), (3,), (5,), (elements, 5)
+    return tuple(np.empty(shape) for shape in shapes)
 
 
 class Superelements(HingedElements):
@@ -104,7 +109,7 @@ class Superelements(HingedElements):
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
-            tuple(map(np.empty, ((len(own), 3, 3), (7, 4), 3, 3, 5, (len(own), 5)))),
+            scratch(len(own)),
         )
 
     def _rotary_inertias(self, kind: str) -> Array:
