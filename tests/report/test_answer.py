@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from builders import portal
 from synthetic_study import Synthetic, store_of, sweep_study
 
 from workbench.content.terminal import render_text
@@ -13,11 +14,13 @@ from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
 from workbench.report.chapters.results import numbers
-from workbench.report.chapters.subject import in_labels
+from workbench.report.chapters.subject import in_labels, subject
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.stored import Stored
+from workbench.scenarios import FrameImpact, FrameStriker
+from workbench.study import Case
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +81,22 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
     assert isinstance(first, Bullets)
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     assert first.items[0].startswith("hit low: no model stays within 10")
+
+
+def test_every_form_of_frame_is_named_with_its_hits() -> None:
+    low, high = (portal(height=height) for height in (3.0, 4.0))
+    hits = [
+        FrameImpact("a", low.split("A0-A1", 1.0, "hit"), FrameStriker(500.0, 5.0, node="hit"), 0.1),
+        FrameImpact("b", low.split("A0-A1", 2.0, "hit"), FrameStriker(500.0, 9.0, node="hit"), 0.1),
+        FrameImpact("c", high.split("B0-B1", 2.5, "hit"), FrameStriker(80.0, 7.0, node="hit"), 0.1),
+    ]
+    cases = tuple(Case(hit.name, hit) for hit in hits)
+    (said,) = subject(replace(sweep_study(), cases=cases, groups={}))
+    first, second = str(said).split("; ")
+    assert "3 m high of 4 members" in first
+    assert "hit 1 m, 2 m above the ground, by a rigid striker of 500 kg at 5 and 9 m/s" in first
+    assert "4 m high of 4 members" in second
+    assert "hit 2.5 m above the ground, by a rigid striker of 80 kg at 7 m/s" in second
 
 
 def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:
