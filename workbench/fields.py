@@ -211,6 +211,19 @@ class Declared:
 
     def __init_subclass__(cls, table: str = "", label: str = "") -> None:
         cls.TABLE, cls.LABEL = table or cls.TABLE, label or cls.LABEL
+        cls.__hash__ = Declared.__hash__  # type: ignore[method-assign]  # that of its own is slow
+
+    def __hash__(self) -> int:
+        """Hash of all fields, found once: whole frames are asked for by what is kept of them."""
+        kept: int | None = self.__dict__.get("_hash")
+        if kept is None:
+            kept = hash(tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare))
+            self.__dict__["_hash"] = kept
+        return kept
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy takes along: hashes of words mean nothing in another process."""
+        return {name: value for name, value in self.__dict__.items() if name != "_hash"}
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import pickle
+import subprocess
+import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -204,3 +208,15 @@ def test_published_columns_keep_the_hash_that_keys_their_stored_answers() -> Non
         for name in ("impact", "clamped")
     }
     assert hashes == {"impact": "92bd2ecb9e9762e2", "clamped": "8e3b63c40ab43604"}
+
+
+def test_equal_parts_are_found_in_other_processes(good: Path) -> None:
+    scenario = load_scenario(good)
+    assert {scenario, load_scenario(good)} == {scenario}  # both have told their hash by now
+    code = (
+        "import pickle, sys; from workbench.scenarios import load_scenario; "
+        "assert pickle.load(sys.stdin.buffer) in {load_scenario(sys.argv[1])}"
+    )
+    seed = {**os.environ, "PYTHONHASHSEED": "1"}  # words hash otherwise there
+    call = [sys.executable, "-c", code, str(good)]
+    subprocess.run(call, input=pickle.dumps(scenario), env=seed, check=True)

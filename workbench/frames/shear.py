@@ -98,8 +98,9 @@ def shear_reached(frame: Frame, reached: Mapping[str, float]) -> list[Finding]:
 
 def _told(subject: str, frame: Frame, ratios: Mapping[str, float], source: str) -> list[Finding]:
     """Findings of V/Vpl by member, `source` in words: above one, and above the bound."""
-    bounds = {name: shear_bound(frame.strength_section(name)) for name in ratios}
-    worst = sorted(ratios, key=lambda name: -ratios[name])
+    worst = [name for name in ratios if ratios[name] > SOLID_BOUND]  # which is the least of all
+    worst.sort(key=lambda name: -ratios[name])
+    bounds = {name: shear_bound(frame.strength_section(name)) for name in worst}
     findings = []
     above = [name for name in worst if ratios[name] > 1.0 + ROUND_OFF]
     if above:

@@ -52,8 +52,8 @@ COLUMN_HINGES = ("base", "hit-below", "hit-above", "head")
 
 @cache
 def _libraries() -> ThreadpoolController:
-    """The libraries that have threads of their own; to look for them takes some ms."""
-    return ThreadpoolController()
+    """The libraries of linear algebra with threads; to look for them takes some ms."""
+    return ThreadpoolController().select(user_api="blas")
 
 
 def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
@@ -131,7 +131,7 @@ class FrameModel(ABC, Declared, table="option"):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings common to all member models."""
-        with _libraries().limit(limits=1, user_api="blas"):  # small eigenvalue problems as well
+        with _libraries().limit(limits=1):  # small eigenvalue problems as well
             return member_findings(scenario)
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -162,9 +162,7 @@ class FrameModel(ABC, Declared, table="option"):
         a frame with the opposite sign: positive at the base.
         """
         told = as_frame(scenario)
-        with _libraries().limit(
-            limits=1, user_api="blas"
-        ):  # band solves are far too small for threads
+        with _libraries().limit(limits=1):  # band solves are far too small for threads
             structure = self.structure(scenario)
             if not isinstance(scenario, COLUMNS):
                 return self._run(told, structure)

@@ -16,6 +16,11 @@ from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
 
 Response = xr.Dataset
+_TOLD = {"units", "long_name"}  # of every variable
+_DIMENSIONS = {
+    of: {n: tuple(of if d == HISTORY else d for d in v.dims) for n, v in VARIABLES.items()}
+    for of in ("time", "step")
+}
 
 
 def build_response(
@@ -40,9 +45,9 @@ def build_response(
     is not in the table.
     """
     instants = None if time is None else np.asarray(time, dtype=float)
-    derived, findings = implied(values, instants)
-    values = {**derived, **values}
-    history = "time" if time is not None else "step"
+    given = {n: None if v is None else np.asarray(v, dtype=float) for n, v in values.items()}
+    derived, findings = implied(given, instants)
+    dims_of = _DIMENSIONS["time" if time is not None else "step"]
     named = {"hinge": hinges, "segment": segments, "member": members, "upright": uprights}
     along: dict[str, Any] = {name: tuple(names) for name, names in named.items() if len(names)}
     if instants is not None:
@@ -51,17 +56,15 @@ def build_response(
         along["step"] = steps
     data: dict[Any, xr.Variable] = {}
     sizes: dict[Any, int] = {}
-    for name, value in values.items():
+    for name, value in {**derived, **given}.items():
         if value is None:
             continue
-        variable = VARIABLES[name]
-        dims = tuple(history if dim == HISTORY else dim for dim in variable.dims)
-        array = np.asarray(value, dtype=float)
+        dims, array = dims_of[name], np.asarray(value, dtype=float)
         for dim, size in zip(dims, array.shape, strict=False):
             sizes.setdefault(dim, size)
         if array.shape != tuple([sizes.get(dim) for dim in dims]):
             raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
-        data[name] = xr.Variable(dims, array, variable.attributes, fastpath=True)
+        data[name] = xr.Variable(dims, array, VARIABLES[name].attributes, fastpath=True)
     for name in filter(sizes.__contains__, ("point", "snapshot")):
         along[name] = sizes[name]
     indexes: dict[Any, Any] = {}
@@ -156,16 +159,19 @@ def check_response(response: Response) -> None:
     Raises `WorkbenchError` naming the variable.
     """
     coordinates = set(response.coords)
+    standard: dict[Any, Array] = {}
     for name, array in dict(response.variables).items():  # plain ones: no index is built
         if name in coordinates:
             continue
-        own = "." in str(name)
-        if name not in VARIABLES and not own:
+        if name in VARIABLES:
+            standard[name] = array.values.ravel()
+        elif "." not in str(name):
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
-        if "units" not in array.attrs or "long_name" not in array.attrs:
+        if not array.attrs.keys() >= _TOLD:
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-        if not own and not _finite(array.values):
-            raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
+    if standard and not _finite(np.concatenate(list(standard.values()))):  # all at once
+        name = next(name for name, values in standard.items() if not _finite(values))
+        raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if "time" in coordinates:
         time = response.variables["time"].values
         if (time[1:] <= time[:-1]).any():

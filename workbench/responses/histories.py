@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.responses.outcome import Finding
@@ -25,7 +24,7 @@ FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this
 
 
 def implied(
-    values: Mapping[str, ArrayLike | None], time: Array | None
+    values: Mapping[str, Array | None], time: Array | None
 ) -> tuple[dict[str, Any], list[Finding]]:
     """What the histories among the `values` of a response imply, and what has to be said of it.
 
@@ -34,7 +33,7 @@ def implied(
     residual displacement; energies imply how far
     their balance is open. What takes time to find is left out where the values give it.
     """
-    given = {name: np.asarray(v, dtype=float) for name, v in values.items() if v is not None}
+    given = {name: array for name, array in values.items() if array is not None}
     blow = "percussion" in given
     hit = blow or "load" in given
     found: dict[str, Any] = {}

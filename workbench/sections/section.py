@@ -138,9 +138,13 @@ class Section(Declared, table="section"):
 
     def without_fillets(self) -> Section:
         """Return the section as plates only; itself if it has no fillets."""
+        return self._plates or self
+
+    @cached_property
+    def _plates(self) -> Section | None:
         shape = self.shape
         if not isinstance(shape, ISection) or shape.fillet == 0.0:
-            return self
+            return None
         plates = ISection(shape.height, shape.width, shape.web, shape.flange)
         return Section(f"{self.name} without fillets", plates)
 

@@ -3,7 +3,7 @@
 All are doubly symmetric, so each states the layers of its upper half only.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import pi, sin
 from typing import ClassVar
 
@@ -51,7 +51,7 @@ class Shape(Declared, table="section"):
     @property
     def dimensions(self) -> dict[str, float]:
         """The dimensions by name, in m; those that are zero are left out."""
-        return {name: size for name, size in vars(self).items() if size}
+        return {f.name: size for f in fields(self) if (size := getattr(self, f.name))}
 
     def describe(self) -> str:
         """Name for sections outside the catalogue, dimensions in millimetres."""
