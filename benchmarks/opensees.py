@@ -7,6 +7,9 @@ Lobatto points each ("fibers"). The striker sticks to the node that it hits.
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from time import perf_counter
 
 from workbench.scenarios import ColumnImpact
@@ -21,6 +24,20 @@ ATTEMPTS = (
 )
 
 
+@contextmanager
+def quiet() -> Iterator[None]:
+    """OpenSees prints five lines for every attempt that fails; its status tells us."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+
+
+@quiet()
 def peak_of(hit: int, duration: float, steps: float, tolerance: float = 1e-7) -> float:
     """Largest displacement of the node `hit` along x; equal steps, cut where they fail.
 
@@ -34,6 +51,7 @@ def peak_of(hit: int, duration: float, steps: float, tolerance: float = 1e-7) ->
     ops.system("BandGeneral")
     ops.test("NormDispIncr", tolerance, 25)
     ops.integrator("Newmark", 0.5, 0.25)
+    ops.algorithm("Newton")
     ops.analysis("Transient")
     begin, peak = ops.getTime(), 0.0
     for step in range(1, int(steps) + 1):
@@ -85,6 +103,7 @@ def column(
     ops.pattern("Plain", 1, 1)
     ops.load(3, 0.0, -own.axial_load, 0.0)
     ops.constraints("Plain")
+    ops.numberer("RCM")
     ops.system("BandGeneral")
     ops.test("NormDispIncr", 1e-9, 25)
     ops.algorithm("Newton")
