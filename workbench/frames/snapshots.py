@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array, Indices
+from workbench.arrays import Array, Flags, Indices
 from workbench.frames.structure import FrameStructure
 
-Picture = tuple[Array, Array]  # shapes and utilisation
 FARTHER = 1.0 + 1e-9  # cycles of equal size: the first one counts
 EVENLY = 60  # snapshots over the record; one more at the peak
+_SHARES = np.linspace(0.0, 1.0 - 1e-9, EVENLY)
 
 
 class Snapshots:
@@ -23,10 +23,10 @@ class Snapshots:
 
     def __init__(self, structure: FrameStructure, end: float | None) -> None:
         self._structure = structure
-        self._turns = None if end is None else np.linspace(0.0, end, EVENLY) * (1.0 - 1e-9)
+        self._turns = None if end is None else end * _SHARES
         self._even: list[float] = []
         self._peak: float | None = None
-        self._pictures: dict[float, Picture] = {}
+        self._pictures: list[tuple[Array, Array, Array]] = []  # times, shapes, utilisation
         self._seen, self._stride, self._next = 0, 1, 0
         self._last: float | None = None
         self._largest = 0.0
@@ -39,31 +39,33 @@ class Snapshots:
         """
         times, size = np.atleast_1d(at), np.abs(np.atleast_1d(displacement))
         if self._turns is None:
-            self._count(float(at), float(size[0]), turns)
+            kept = self._count(float(at), float(size[0]), turns)
         else:
-            self._follow(times, size, np.searchsorted(self._turns, times, side="right"))
+            kept = self._follow(times, size, np.searchsorted(self._turns, times, side="right"))
         self._last = float(times[-1])
-        kept = {*self._even, self._peak}
         if len(times) > 1:  # which may be all there are
-            kept.add(self._last)
-        rows = {when: row for row, when in enumerate(times.tolist()) if when in kept}
-        if rows.keys() - self._pictures.keys():
-            self._draw(rows)
-            self._pictures = {when: p for when, p in self._pictures.items() if when in kept}
+            kept[-1] = True
+        self._draw(times, np.flatnonzero(kept))
 
-    def _count(self, at: float, size: float, turns: bool) -> None:
-        """Look at a load step with a displacement of that size."""
-        if turns and size > self._largest * FARTHER:
+    def _count(self, at: float, size: float, turns: bool) -> Flags:
+        """Look at a load step with a displacement of that size; whether it is to be drawn."""
+        peak = turns and size > self._largest * FARTHER
+        if peak:
             self._largest, self._peak = size, at
         if len(self._even) == 2 * EVENLY:
             self._even = self._even[::2]
             self._stride *= 2
-        if self._seen % self._stride == 0:
+        even = self._seen % self._stride == 0
+        if even:
             self._even.append(at)
         self._seen += 1
+        return np.array([peak or even])
 
-    def _follow(self, times: Array, size: Array, turns: Indices) -> None:
-        """Look at times (s) with displacements of that size (m), each after so many `turns`."""
+    def _follow(self, times: Array, size: Array, turns: Indices) -> Flags:
+        """Look at times (s) with displacements of that size (m), each after so many `turns`.
+
+        Tells which are to be drawn.
+        """
         largest = np.maximum.accumulate(np.append(self._largest, size))
         rising = np.append(self._rising, size >= largest[:-1])
         tops = np.flatnonzero(rising[:-1] & ~rising[1:])
@@ -71,30 +73,35 @@ class Snapshots:
             self._peak = float(times[tops[-1]])
         self._largest, self._rising = float(largest[-1]), bool(rising[-1])
         passed = np.append(self._next, turns)
-        self._even += times[passed[1:] > passed[:-1]].tolist()
+        kept = passed[1:] > passed[:-1]
+        self._even += times[kept].tolist()
         self._next = int(passed[-1])
+        kept[tops[-1:]] = True
+        return kept
 
     def values(self) -> dict[str, Any]:
         """Variables of the response; the state seen last must still be the committed one."""
         even = self._even
         if self._last is not None and even[-1] != self._last:
             even = [*even, self._last]
-            if self._last not in self._pictures:
-                self._draw({self._last: -1})
+            if self._pictures[-1][0][-1] != self._last:
+                self._draw(np.array([self._last]), np.array([-1]))
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
         shown = sorted({*even, *(() if self._peak is None else (self._peak,))})
-        shapes, used = zip(*(self._pictures[at] for at in shown), strict=True)
-        stacked = np.stack(shapes, axis=-1)
+        times, shapes, used = (np.concatenate(parts) for parts in zip(*self._pictures, strict=True))
+        rows = np.searchsorted(times, shown)
+        drawn = shapes[rows].T  # (2, points, members, snapshots)
         return {
             "snapshot_at": shown,
-            "shape_x": stacked[:, :, 0],
-            "shape_y": stacked[:, :, 1],
-            "utilisation": np.stack(used, axis=-1),
+            "shape_x": drawn[0].swapaxes(0, 1),
+            "shape_y": drawn[1].swapaxes(0, 1),
+            "utilisation": used[rows].T,
         }
 
-    def _draw(self, rows: dict[float, int]) -> None:
+    def _draw(self, times: Array, rows: Indices) -> None:
         """Draw the pictures of some of the records that are looked at, by their rows."""
-        structure = self._structure
-        drawn = structure.members.pictures(structure.assembly, list(rows.values()))
-        self._pictures |= dict(zip(rows, zip(*drawn, strict=True), strict=True))
+        if rows.size:
+            structure = self._structure
+            drawn = structure.members.pictures(structure.assembly, rows)
+            self._pictures.append((times[rows], *drawn))

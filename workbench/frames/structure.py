@@ -99,7 +99,7 @@ class MemberReader(ABC):
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
 
-    def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
+    def pictures(self, assembly: PlanarAssembly, rows: Indices) -> tuple[Array, Array]:
         """`shapes` and `utilisation` of some of the states shown at once, rows first."""
         shapes, used = self.shapes(assembly), self.utilisation()
         return shapes.reshape(-1, *shapes.shape[-3:])[rows], np.atleast_2d(used)[rows]

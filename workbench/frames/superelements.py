@@ -281,15 +281,15 @@ class SuperelementMembers(MemberReader):
         drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
         return np.asarray(self._origin + drawn)
 
-    def pictures(self, assembly: PlanarAssembly, rows: Sequence[int]) -> tuple[Array, Array]:
+    def pictures(self, assembly: PlanarAssembly, rows: Indices) -> tuple[Array, Array]:
         """As that of all members; nothing but these rows is drawn."""
         moved, group = assembly.displacement, self.elements
         if moved.ndim == 1 or not isinstance(group, Superelements):
             return super().pictures(assembly, rows)
         states = group.states[0]
         assembly.show(moved[rows], assembly.velocity, assembly.stored)
-        group.show(type(states)(*(values[rows] for values in states)))
-        pictures = super().pictures(assembly, range(len(rows)))
+        group.show(states._replace(carried=states.carried[rows]))
+        pictures = self.shapes(assembly), self.utilisation()
         assembly.show(moved, assembly.velocity, assembly.stored)
         group.show(states)
         return pictures

@@ -30,7 +30,7 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
     axial = steel.elastic_modulus * properties.area / column.length
     return {
         DEMAND: max(shear_demand(scenario).values()),
-        YIELDING: scenario.input_energy / (1.0 + lumped) / elastic_energy(scenario),
+        YIELDING: scenario.input_energy / (1.0 + lumped) / elastic_energy(column),
         "below_over_height": column.length_below / section.height,
         "above_over_height": column.length_above / section.height,
         "axial_over_squash": column.axial_load / properties.squash_load,

@@ -1,13 +1,14 @@
 """Where member models stop applying: stability of the column and plastic shear demand."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import pi, sqrt
 
 from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding
-from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
+from workbench.scenarios import Column, ColumnScenario, FrameScenario, MemberPulse
 from workbench.scenarios.members import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
@@ -33,12 +34,18 @@ def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
     point only (pinned end) V = M / length; M is the plastic moment without axial force. Under a
     line load half of what stands on the segment comes on top, q the line load of the mechanism.
     """
-    column = scenario.column
+    uniform = isinstance(scenario, MemberPulse) and scenario.load == UNIFORM
+    return dict(mechanism_demand(scenario.column, uniform=uniform))
+
+
+@lru_cache(maxsize=256)
+def mechanism_demand(column: Column, *, uniform: bool = False) -> Mapping[str, float]:
+    """The same of a column under a `uniform` load, or a force at the hit point."""
     properties = column.properties
     below = (2.0 if column.base == "clamped" else 1.0) / column.length_below
     above = (1.0 if column.head == "pinned" else 2.0) / column.length_above
     ratio = properties.plastic_moment / properties.shear_resistance
-    if isinstance(scenario, MemberPulse) and scenario.load == UNIFORM:
+    if uniform:
         line = 2.0 * (below + above) / column.length  # q over M, by virtual work
         below += 0.5 * line * column.length_below
         above += 0.5 * line * column.length_above

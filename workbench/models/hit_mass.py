@@ -31,10 +31,11 @@ the argument is weak.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from math import pi, sqrt
 
 from workbench.fields import Choice
-from workbench.models.domain import shear_demand
+from workbench.models.domain import mechanism_demand
 from workbench.scenarios import Column, ColumnImpact
 
 THESIS, WAVES = "thesis", "waves"
@@ -53,10 +54,10 @@ def with_hit_mass(scenario: ColumnImpact, rule: str) -> ColumnImpact:
 def wave_mass(scenario: ColumnImpact) -> float:
     """Mass (kg) that shares the velocity of the striker at once, by the rule "waves"."""
     column, properties = scenario.column, scenario.column.properties
-    lumped, demand = properties.impact_mass, shear_demand(scenario)
+    lumped, demand = properties.impact_mass, mechanism_demand(column)
     ratio = lumped / scenario.striker.mass
     sliding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
-    plastic = 1.0 - elastic_energy(scenario) * (1.0 + ratio) / scenario.input_energy
+    plastic = 1.0 - elastic_energy(column) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
     for bar, (length, clamped) in bars_of(column).items():
         left = max(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
@@ -80,14 +81,14 @@ def bars_of(column: Column) -> dict[str, tuple[float, bool]]:
 def front_velocity(scenario: ColumnImpact) -> float:
     """Velocity (m/s) of a hit whose elastic shear wave carries the plastic shear resistance."""
     properties = scenario.column.properties
-    return properties.shear_resistance / sqrt(shear_rigidity(scenario) * properties.mass_per_length)
+    rigidity = shear_rigidity(scenario.column)
+    return properties.shear_resistance / sqrt(rigidity * properties.mass_per_length)
 
 
-def shear_rigidity(scenario: ColumnImpact) -> float:
+def shear_rigidity(column: Column) -> float:
     """G A_w (N) of what carries the plastic shear resistance."""
-    steel = scenario.column.steel
-    area = sqrt(3.0) * scenario.column.properties.shear_resistance / steel.yield_stress
-    return float(steel.shear_modulus * area)
+    area = sqrt(3.0) * column.properties.shear_resistance / column.steel.yield_stress
+    return float(column.steel.shear_modulus * area)
 
 
 def late_work(scenario: ColumnImpact, length: float) -> float:
@@ -104,14 +105,15 @@ def late_work(scenario: ColumnImpact, length: float) -> float:
     return min(1.0, share)
 
 
-def elastic_energy(scenario: ColumnImpact) -> float:
+@lru_cache(maxsize=256)
+def elastic_energy(column: Column) -> float:
     """Energy (J) of the column at its plastic mechanism if it were elastic until then."""
-    column, properties = scenario.column, scenario.column.properties
+    properties = column.properties
     bending = column.steel.elastic_modulus * properties.second_moment
     stiffness = resistance = 0.0
-    demand = shear_demand(scenario)
+    demand = mechanism_demand(column)
     for bar, (length, clamped) in bars_of(column).items():
         flexible = length**3 / ((12.0 if clamped else 3.0) * bending)
-        stiffness += 1.0 / (flexible + length / shear_rigidity(scenario))
+        stiffness += 1.0 / (flexible + length / shear_rigidity(column))
         resistance += min(demand[bar], 1.0) * properties.shear_resistance
     return 0.5 * resistance**2 / stiffness

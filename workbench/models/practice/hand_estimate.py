@@ -75,7 +75,7 @@ class HandEstimate(Declared, table="option"):
                 "leaves out: the peak comes out too large"
             )
             findings.append(Finding("catenary", text, remedy=_MEND, number=tension))
-        elastic = elastic_energy(scenario) / energy
+        elastic = elastic_energy(scenario.column) / energy
         if elastic > _MUCH:
             text = (
                 f"the column takes {elastic:.2f} of the energy elastically, for which a "

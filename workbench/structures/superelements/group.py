@@ -187,12 +187,14 @@ class Superelements(HingedElements):
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
-        carried = self._old.carried
+        carried = np.ascontiguousarray(self._old.carried)
         bounds, exponents = self._hinges.bounds, self._hinges.exponents
         axial, moment = carried[..., :1], carried[..., 1:]
-        n = np.abs(axial) / np.where(axial >= 0.0, bounds[..., 0], bounds[..., 1])
-        m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
-        used = np.ascontiguousarray(m ** exponents[..., 0] + n ** exponents[..., 1])
+        used = np.zeros_like(moment)
+        if not self.slide.all():
+            n = np.abs(axial) / np.where(axial >= 0.0, bounds[..., 0], bounds[..., 1])
+            m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
+            used[:] = m ** exponents[..., 0] + n ** exponents[..., 1]
         rows = -1, len(self._own)
         kernels.use_webs(self._hinges, carried.reshape(*rows, 3), used.reshape(*rows, 2))
         return used
