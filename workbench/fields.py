@@ -213,17 +213,23 @@ class Declared:
         cls.TABLE, cls.LABEL = table or cls.TABLE, label or cls.LABEL
         cls.__hash__ = Declared.__hash__  # type: ignore[method-assign]  # that of its own is slow
 
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What was found of it once, by name."""
+        found: dict[str, Any] = self.__dict__.setdefault("_kept", {})
+        return found
+
     def __hash__(self) -> int:
         """Hash of all fields, found once: whole frames are asked for by what is kept of them."""
-        kept: int | None = self.__dict__.get("_hash")
-        if kept is None:
-            kept = hash(tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare))
-            self.__dict__["_hash"] = kept
-        return kept
+        kept = self.kept
+        if "hash" not in kept:
+            compared = (f.name for f in dataclasses.fields(self) if f.compare)
+            kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
+        return int(kept["hash"])
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy takes along: hashes of words mean nothing in another process."""
-        return {name: value for name, value in self.__dict__.items() if name != "_hash"}
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):

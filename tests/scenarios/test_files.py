@@ -11,9 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import tomli_w
 from builders import examples
 from hypothesis import given
 from hypothesis import strategies as st
+from scenario_tables import SCENARIOS
 
 from workbench.datafiles import data_directory
 from workbench.errors import InputError
@@ -94,6 +96,16 @@ def test_canonical_toml_reads_back_as_an_equal_scenario(scenario) -> None:
     assert again == scenario
     assert to_toml(again) == to_toml(scenario)
     assert scenario_hash(again) == scenario_hash(scenario)
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_canonical_toml_says_what_the_tables_say(name: str) -> None:
+    scenario = scenario_from(SCENARIOS[name])
+    tables = to_tables(scenario)
+    head = {key: tables.pop(key) for key in ("kind", "name")}
+    for told in (scenario, replace(scenario, name="x")):  # the other's parts are written by now
+        head["name"] = told.name
+        assert to_toml(told) == f"{tomli_w.dumps(head)}\n{tomli_w.dumps(tables)}"
 
 
 def test_hash_ignores_the_name_and_sees_everything_else(good: Path) -> None:

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
+import tomli_w
+
 from workbench.errors import InputError
 from workbench.fields import Declared, Instance, Many, check_keys, path_of
 
@@ -54,6 +56,37 @@ def write(part: Any, *, entry: bool = False) -> dict[str, Any]:
     tables: dict[str, Any] = {}
     _fill(tables, part, entry)
     return tables
+
+
+def write_text(whole: Any, without: str) -> str:
+    """The nested tables of a declared object as TOML, one field left out.
+
+    What its parts say is written once: the same column is hit by many strikers.
+    """
+    texts = [text for _, text in _texts(whole, without).values()]
+    plain = [text for text in texts if not text.startswith("[")]  # TOML wants them first
+    tables = (text for text in texts if text.startswith("["))
+    return "\n".join(filter(None, ("".join(plain), *tables)))
+
+
+def _texts(whole: Any, without: str = "") -> dict[str, tuple[Any, str]]:
+    """What stands at every top key of an object, and its TOML."""
+    own: dict[str, Any] = {}
+    found: dict[str, tuple[Any, str]] = {}
+    kind: Any = type(whole)
+    for place in _written(kind, False):
+        value = getattr(whole, place.field.name)
+        if place.part and value is not None:
+            if "toml" not in value.kept:
+                value.kept["toml"] = _texts(place.part.of(value) if place.rule.form else value)
+            found |= value.kept["toml"]
+        elif place.field.name != without:
+            _put(own, place, value, entry=False)
+            found.setdefault(place.table or place.key, ({}, ""))
+    for key, value in own.items():  # some beside those of a part
+        whole_table = {**found[key][0], **value} if isinstance(value, dict) else value
+        found[key] = whole_table, tomli_w.dumps({key: whole_table})
+    return found
 
 
 def label_of(entry: Mapping[str, Any], number: int) -> str:
@@ -129,19 +162,24 @@ def _fill(tables: dict[str, Any], whole: Any, entry: bool) -> None:
     kind: Any = type(whole)
     for place in _written(kind, entry):
         value = getattr(whole, place.field.name)
-        if value is None or (entry and value == place.field.default):
-            continue
-        if place.part:
+        if place.part and value is not None:
             _fill(tables, place.part.of(value) if place.rule.form else value, entry)
-            continue
-        if place.entries:
-            value = tuple(write(part, entry=True) for part in value)
-            if not value:
-                continue
-        elif isinstance(place.rule, Instance) and place.rule.write:
-            value = place.rule.write(value)
-        holder = tables.setdefault(place.table, {}) if place.table else tables
-        holder[place.key] = list(value) if isinstance(value, tuple) else value
+        else:
+            _put(tables, place, value, entry)
+
+
+def _put(tables: dict[str, Any], place: Place, value: Any, entry: bool) -> None:
+    """Put a value in its place."""
+    if value is None or (entry and value == place.field.default):
+        return
+    if place.entries:
+        value = tuple(write(part, entry=True) for part in value)
+        if not value:
+            return
+    elif isinstance(place.rule, Instance) and place.rule.write:
+        value = place.rule.write(value)
+    holder = tables.setdefault(place.table, {}) if place.table else tables
+    holder[place.key] = list(value) if isinstance(value, tuple) else value
 
 
 def _is_given(place: Place, tables: Mapping[str, Any]) -> bool:

@@ -3,7 +3,6 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import tomli_w
 from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.scenarios.codec import label_of, read, write
+from workbench.scenarios.codec import label_of, read, write, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.impact_problem import ImpactProblem
@@ -131,11 +130,12 @@ def scenario_hash(scenario: Scenario) -> str:
     return canonical(scenario)[1]
 
 
-@lru_cache(maxsize=64)
 def canonical(scenario: Scenario) -> tuple[str, str]:
     """The canonical TOML text of a scenario and the hash of what happens in it."""
-    tables = to_tables(scenario)
-    head = {"kind": tables.pop("kind"), "name": tables.pop("name")}
-    body = tomli_w.dumps(tables)
-    digest = hashlib.sha256(f"{head['kind']}\n{body}".encode()).hexdigest()[:16]
-    return f"{tomli_w.dumps(head)}\n{body}", digest
+    if "canonical" not in scenario.kept:
+        head = tomli_w.dumps({"kind": scenario.KIND, "name": scenario.name})
+        body = write_text(scenario, without="name")
+        digest = hashlib.sha256(f"{scenario.KIND}\n{body}".encode()).hexdigest()[:16]
+        scenario.kept["canonical"] = f"{head}\n{body}", digest
+    text, digest = scenario.kept["canonical"]
+    return text, digest
