@@ -78,6 +78,9 @@ class CollapseWatch:
         """
         left, across = self._structure.members.lengths_left(), self._apart(now=True)
         lost = self._structure.members.contractions() @ self._lines.chained.T
+        turned, squashed = across.max() > COLLAPSE_SIDEWAYS, lost.max() > COLLAPSE_CONTRACTION
+        if left.min() >= LEAST_LENGTH and (time is None or not (turned or squashed)):
+            return  # as almost always
         over = left.min(axis=-1) < LEAST_LENGTH
         if time is not None:
             over = over | (across.max(axis=-1) > COLLAPSE_SIDEWAYS)

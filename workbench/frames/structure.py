@@ -12,7 +12,7 @@ from typing import Self, cast
 
 import numpy as np
 
-from workbench.arrays import Array, Flags, Indices
+from workbench.arrays import Array, Indices
 from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
@@ -36,7 +36,8 @@ class MemberReader(ABC):
     def __init__(self, elements: MemberElements, first: Indices) -> None:
         self.elements, self._first = elements, first
         self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
-        self._at_start: Flags = np.resize([True, False], len(self._ends))
+        self._signs: Array = np.resize([-1.0, 1.0], len(self._ends))
+        self._side: Indices = np.resize([0, 1], len(self._ends))
 
     def axial_forces(self) -> Array:
         """Axial forces (hinges,)."""
@@ -44,8 +45,7 @@ class MemberReader(ABC):
 
     def moments(self) -> Array:
         """Bending moments (hinges,)."""
-        local = self.elements.local_forces[..., self._ends, :]
-        return np.where(self._at_start, -local[..., 1], local[..., 2])
+        return self._signs * self.elements.local_forces[..., self._ends, 1 + self._side]
 
     def of_member(self, number: int) -> slice:
         """Elements of a member."""

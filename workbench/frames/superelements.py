@@ -247,7 +247,6 @@ class SuperelementMembers(MemberReader):
 
     def __init__(self, group: HingedElements, coordinates: Array, parts: Sequence[int]) -> None:
         super().__init__(group, np.concatenate([[0], np.cumsum(parts)]))
-        self._side: Indices = np.where(self._at_start, 0, 1)
         along = np.multiply.outer(parts, POINTS)  # of every member, where its shape is drawn
         piece = np.minimum(along.astype(np.int64), np.array(parts)[:, None] - 1)
         self._drawn: Indices = self._first[:-1, None] + piece
@@ -256,8 +255,7 @@ class SuperelementMembers(MemberReader):
 
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
-        plastic = self.elements.plastic[..., self._ends, :]
-        return np.where(self._at_start, -plastic[..., 1], plastic[..., 3])
+        return self._signs * self.elements.plastic[..., self._ends, 1 + 2 * self._side]
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""

@@ -61,8 +61,9 @@ class FiberMembers(MemberReader):
         Of the joint there, if more of its strength is used.
         """
         local = self._beams.local_forces[self._ends]
-        near = np.where(self._at_start, -local[:, 1], local[:, 2])
-        far = np.where(self._at_start, local[:, 2], -local[:, 1])
+        rows = np.arange(len(local))
+        near = self._signs * local[rows, 1 + self._side]
+        far = -self._signs * local[rows, 2 - self._side]
         moment = (1.0 - self._sampled) * near + self._sampled * far
         n, m = np.abs(local[:, 0]) / self._squash, np.abs(moment) / self._plastic
         at = np.arctan2(n, m) / (0.5 * np.pi) * (ENVELOPE - 1)

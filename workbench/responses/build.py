@@ -158,13 +158,13 @@ def check_response(response: Response) -> None:
     Names with dots are a model's own results: words, or numbers that are NaN where not known.
     Raises `WorkbenchError` naming the variable.
     """
-    coordinates = set(response.coords)
+    variables = dict(response.variables)  # plain ones: no index is built
     standard: dict[Any, Array] = {}
-    for name, array in dict(response.variables).items():  # plain ones: no index is built
-        if name in coordinates:
-            continue
+    for name, array in variables.items():
         if name in VARIABLES:
             standard[name] = array.values.ravel()
+        elif name in COORDINATES or name in response.coords:
+            continue
         elif "." not in str(name):
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
         if not array.attrs.keys() >= _TOLD:
@@ -172,8 +172,8 @@ def check_response(response: Response) -> None:
     if standard and not _finite(np.concatenate(list(standard.values()))):  # all at once
         name = next(name for name, values in standard.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
-    if "time" in coordinates:
-        time = response.variables["time"].values
+    if "time" in variables:
+        time = variables["time"].values
         if (time[1:] <= time[:-1]).any():
             raise WorkbenchError("response time does not increase")
 

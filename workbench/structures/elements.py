@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array, Indices
+from workbench.arrays import Array, Flags, Indices
 
 
 class Bars(NamedTuple):
@@ -166,7 +166,7 @@ class MemberElements(ElementGroup):
         return np.asarray((self._old.local[..., 1] + self._old.local[..., 2]) / chord)
 
     @property
-    def slide(self) -> Array:
+    def slide(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
         return np.zeros(len(self.lengths), dtype=bool)
 

@@ -97,6 +97,9 @@ class Superelements(HingedElements):
         for e, section in enumerate(self._own):
             if section.web is not None:
                 webs[e] = section.web.record
+        self._slide: Flags = webs["stiffness"] > 0.0
+        flexible = [1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own]
+        self._bends: Array = np.array(flexible)
         pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
         self._hinges = HingeTables(
             bending,
@@ -181,9 +184,9 @@ class Superelements(HingedElements):
         return sliding if webs.all() else np.where(webs, sliding, super().shear_forces)
 
     @property
-    def slide(self) -> Array:
+    def slide(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
-        return np.asarray(self._hinges.webs["stiffness"] > 0.0)
+        return self._slide
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
@@ -201,8 +204,7 @@ class Superelements(HingedElements):
 
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
         """Displaced axis (points, 2), bent by committed moments where it is flexible."""
-        bends = np.array([1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own])
-        return self.bent(displacement, elements, points, bends, self._old.carried[..., 1:])
+        return self.bent(displacement, elements, points, self._bends, self._old.carried[..., 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:
