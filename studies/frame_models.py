@@ -21,6 +21,7 @@ from workbench.models.hinged_frames import (
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
+from workbench.references.fiber_shear import FiberShear
 from workbench.scenarios import (
     Frame,
     FrameGroundMotion,
@@ -62,8 +63,8 @@ FRAMES = {
 TOP = {PORTAL: "A1", STOREYS: "A2", THESIS: "A2"}
 DRIFT = {PORTAL: 0.16, STOREYS: 0.3, THESIS: 0.32}  # m: 4 %
 STRUCK = {  # member, height above its foot (m), mass (kg), velocity (m/s), record (s)
-    PORTAL: ("A0-A1", 2.0, 1500.0, 12.0, 0.12),
-    STOREYS: ("B0-B1", 2.0, 1500.0, 12.0, 0.12),
+    PORTAL: ("A0-A1", 2.0, 1500.0, 12.0, 0.2),
+    STOREYS: ("B0-B1", 2.0, 1500.0, 12.0, 0.2),
     THESIS: ("C0-C1", 0.8, 1500.0, 50.0, 0.06),
 }
 SWING = {PORTAL: 7.0, STOREYS: 5.0, THESIS: 12.0}  # m/s2, amplitude of the ground
@@ -91,7 +92,7 @@ def scenario(place: str, event: str) -> FrameScenario:
     return FrameGroundMotion(name, frame, tuple(wave), STEP, top, "x", LASTS + PERIOD)
 
 
-REFERENCE = "fiber frame"
+REFERENCE, WEB = "fiber frame", "web-yielding frame"
 RIGID, FLEXIBLE = "rigid superelement", "flexible superelement"
 GIBERSON, HINGE, AISC = "Giberson", "plastic hinge, exact", "plastic hinge, AISC"
 QUASI, REFINED, FORCE, FIBER = (
@@ -102,6 +103,7 @@ QUASI, REFINED, FORCE, FIBER = (
 )
 CUBIC = "displacement-based fibers, 4 per member"
 models = {
+    WEB: FiberShear(),
     REFERENCE: FiberReissner(),
     GIBERSON: Giberson(),
     HINGE: PlasticHinge(),
@@ -118,7 +120,13 @@ models = {
 }
 EVENTS = (PUSH, CYCLES, HIT, SHAKEN)
 cases = tuple(
-    Case(f"{place}, {event}", scenario(place, event), figure=event, quick=place == PORTAL)
+    Case(
+        f"{place}, {event}",
+        scenario(place, event),
+        models=tuple(label for label in models if label != WEB or event == HIT),
+        figure=event,
+        quick=place == PORTAL,
+    )
     for place in FRAMES
     for event in EVENTS
 )
@@ -208,16 +216,16 @@ study = Study(
     cases=cases,
     models=models,
     reference=REFERENCE,
+    references=(WEB, REFERENCE),
     groups={event: of(event) for event in EVENTS},
     quantities=("resistance", "input_energy", "peak_displacement", "residual_displacement"),
     gates=gates,
     figures=figures,
     decisive="push",
-    quick_models=(REFERENCE, GIBERSON, HINGE, REFINED, FLEXIBLE, FIBER, FORCE),
+    quick_models=(WEB, REFERENCE, GIBERSON, HINGE, REFINED, FLEXIBLE, FIBER, FORCE),
     notes=(
-        "No model here yields in shear: the question is what lumping bending and axial plasticity "
-        "costs. The members that are hit need up to 0.8 of their plastic shear resistance, so "
-        "that real ones would give way a little more.",
+        "No model here yields in shear: the gates ask what lumping bending and axial plasticity "
+        "costs. The web-yielding frame, with which hits are compared on the first page, does.",
         f"Ground: a sine of {PERIOD:g} s that swells and fades within {LASTS:g} s, strong enough "
         "to make every frame yield; it stands for no earthquake.",
         f"Dead loads: {DEAD / 1e3:g} kN on each column of the portal, half of it on every joint of "
