@@ -196,16 +196,17 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
 def column_like(scenario: FrameImpact) -> ColumnImpact | None:
     """The struck column of a frame by the rules that go without saying, None if it is none."""
     own = scenario.striker
-    unit = replace(own, mass=1.0, velocity=1.0, restitution=0.0)
-    found = _column_of_unit(replace(scenario, name="unit", striker=unit, duration=1.0))
+    found = _column_of_unit(scenario.frame, own.node, own.direction)
     if found is None:
         return None
     return replace(found, striker=Striker(own.mass, own.velocity, own.restitution))
 
 
 @lru_cache(maxsize=64)
-def _column_of_unit(scenario: FrameImpact) -> ColumnImpact | None:
+def _column_of_unit(frame: Frame, node: str, direction: str) -> ColumnImpact | None:
     """The column whatever hits it: one frame is asked for many strikers."""
+    striker = FrameStriker(1.0, 1.0, node=node, direction=direction)
+    scenario = FrameImpact("unit", frame, striker, 1.0)
     try:
         return _column(scenario, HEAD_MASSES[0], HEADS[0])[0]
     except OutOfDomainError:

@@ -5,6 +5,7 @@ The element itself stands in `structures/superelements`, the two models in `mode
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import ceil, inf
 
@@ -76,7 +77,8 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> list[int]:
+@lru_cache(maxsize=64)
+def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[int, ...]:
     """Parts of every member where none are asked for: of struck ones a `multiple`.
 
     Arguments: `far`, of members of a struck frame that are neither struck nor meet struck ones.
@@ -107,7 +109,7 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> list[i
         for number, member in enumerate(scenario.frame.members):
             if member.name in scenario.members:
                 counts[number] = multiple * ceil(FEWEST_LOADED / multiple)
-    return counts
+    return tuple(counts)
 
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:

@@ -1,5 +1,6 @@
 """How long the events of a frame take, and the time steps that follow from that."""
 
+from functools import lru_cache
 from math import pi, sqrt
 
 import numpy as np
@@ -67,11 +68,12 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     return max(elastic, striker.mass * striker.velocity / resistance)
 
 
-def wave_times(frame: Frame) -> list[float]:
+@lru_cache(maxsize=64)
+def wave_times(frame: Frame) -> tuple[float, ...]:
     """Times (s) of an axial wave along every member."""
     modulus = frame.steel.elastic_modulus
     owns = [(frame.length(member), frame.properties(member)) for member in frame.members]
-    return [length / sqrt(modulus * own.area / own.mass_per_length) for length, own in owns]
+    return tuple(length / sqrt(modulus * own.area / own.mass_per_length) for length, own in owns)
 
 
 def line_wave_times(frame: Frame) -> list[float]:

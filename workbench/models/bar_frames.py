@@ -84,7 +84,7 @@ class BarFrames(FrameModel):
     def parts(self, scenario: FrameScenario) -> list[int]:
         """Elements of every member."""
         if self.elements is None:
-            return struck_parts(scenario, self.least_parts, self.far_parts)
+            return list(struck_parts(scenario, self.least_parts, self.far_parts))
         return [self.elements] * len(scenario.frame.members)
 
     def stand(
