@@ -14,7 +14,13 @@ from workbench.frames.record import Record
 from workbench.frames.shear import shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.responses import Finding, Response, build_response, energy_error
-from workbench.scenarios import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
+from workbench.scenarios import (
+    FrameGroundMotion,
+    FrameImpact,
+    FramePulse,
+    FrameScenario,
+    FrameStatic,
+)
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
@@ -43,7 +49,7 @@ def run_impact(
     striker, brought = scenario.striker, scenario.input_energy
     node, direction, end = striker.node, striker.direction, scenario.duration
     record = Record(structure, node, direction, end, begun=begun)
-    length = _follow(record, steps)
+    length = _follow(record, scenario, steps)
     values = {
         **record.columns("displacement", "velocity", "elastic"),
         "dissipated": record.dissipated,
@@ -55,7 +61,8 @@ def run_impact(
         "input_energy": brought,
     }
     warnings = _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
-    response = _response(record, values, warnings, time=record.column("at"), time_step=length)
+    time = record.column("at")
+    response = _response(record, scenario, values, warnings, time=time, time_step=length)
     _check_ledger(response, largest_error)
     return response
 
@@ -88,7 +95,7 @@ def run_static(
     }
     if leads:  # the displacement is an answer
         values["peak_displacement"] = np.max(np.abs(values["displacement"]))
-    return _response(record, values, _gone_far(record, imposed=not leads))
+    return _response(record, scenario, values, _gone_far(record, imposed=not leads))
 
 
 def run_driven(
@@ -106,7 +113,7 @@ def run_driven(
     the frame collapses.
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
-    length = _follow(record, steps)
+    length = _follow(record, scenario, steps)
     ground, damped = record.total(lambda s: s.input_energy), record.total(lambda s: s.damped)
     values = {
         **record.columns("displacement", "velocity", "elastic"),
@@ -119,12 +126,12 @@ def run_driven(
     if isinstance(scenario, FramePulse):
         values["load"] = scenario.pulse.force(at) * whole
     warnings = _softened(record, least_yield_ratio)
-    response = _response(record, values, warnings, time=at, time_step=length)
+    response = _response(record, scenario, values, warnings, time=at, time_step=length)
     _check_ledger(response, OPEN_LEDGER)
     return response
 
 
-def _follow(record: Record, steps: Iterator[TimeStep]) -> float:
+def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:
     """Take all time steps; the length of the longest one, in s."""
     lengths: list[Any] = []
     for taken in steps:
@@ -132,14 +139,14 @@ def _follow(record: Record, steps: Iterator[TimeStep]) -> float:
         try:
             record.take(taken, taken.time)
         except CollapseError as error:  # members that slid mean little before they fell
-            raise CollapseError(
-                error.collapse, error.reason, tuple(_shear_reached(record))
-            ) from error
+            told = tuple(_shear_reached(record, scenario))
+            raise CollapseError(error.collapse, error.reason, told) from error
     return float(np.max(np.hstack(lengths)))
 
 
 def _response(
     record: Record,
+    scenario: FrameScenario,
     values: dict[str, Any],
     warnings: list[Finding],
     time: Array | None = None,
@@ -155,7 +162,7 @@ def _response(
         segments=member_names(frame),
         members=member_names(frame),
         uprights=upright_names(frame),
-        warnings=_shear_reached(record) + warnings,
+        warnings=_shear_reached(record, scenario) + warnings,
     )
     response.attrs.update(record.diagnostics(), **numbers)
     return response
@@ -214,7 +221,7 @@ def _softened(record: Record, least: float) -> list[Finding]:
     return [Finding("yield-ratio", text, remedy="take a smaller time_step", number=ratio)]
 
 
-def _shear_reached(record: Record) -> list[Finding]:
+def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
     """Members that passed their plastic shear resistance or, where shear yields, that slide."""
     names = [member.name for member in record.structure.frame.members]
     strains = record.shear_strain
@@ -230,4 +237,4 @@ def _shear_reached(record: Record) -> list[Finding]:
         remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
         return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
     reached = zip(names, record.unyielding_shear().tolist(), strict=True)
-    return shear_reached(record.structure.frame, dict(reached))
+    return shear_reached(scenario, dict(reached))
