@@ -152,13 +152,14 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
         for (_, label), row in stored.errors(quantity, "relative_error", BEST).items():
             if label in shown and row["error"] is not None:
                 worst[label] = max(worst.get(label, 0.0), row["error"], key=abs)
-        if worst and max(map(abs, worst.values())) > FAIR:
-            told = [f"{label} {percent(error, rough=True)}" for label, error in worst.items()]
+        off = {label: error for label, error in worst.items() if abs(error) > FAIR}
+        if off:
+            told = [f"{label} {percent(error, rough=True)}" for label, error in off.items()]
             said.append(f"{title_of(quantity)}: {'; '.join(told)}")
     if said:
-        text = "Do not take from these models what is further off, at worst, from the same"
+        text = f"Do not take from these models what is more than {up(FAIR)} off, at worst, from"
         judged = "one quantity of a group" if _static(stored) else "displacements alone"
-        yield Paragraph(f"{text} references (the matrix judges {judged}):")
+        yield Paragraph(f"{text} the same references (the matrix judges {judged}):")
         yield Bullets(tuple(said))
 
 
