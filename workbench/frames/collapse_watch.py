@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array
+from workbench.arrays import Array, Indices
 from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure, upright_names
@@ -22,15 +22,16 @@ class Lines(NamedTuple):
 
     Over the length of each member, how far they move its ends apart `across` its axis and `along`
     it (members, dofs); names of the members of each straight line, its `chains`, and `chained`
-    (chains, members), 1 over its length; the drift of that of each upright member, `drifting`
-    (uprights, dofs).
+    (chains, members), 1 over its length; the dofs of upright members that are `swaying`, and what
+    of that is drift of the line of each, `sway` (swaying, uprights).
     """
 
     across: Array
     along: Array
     chains: list[tuple[str, ...]]
     chained: Array
-    drifting: Array
+    swaying: Indices
+    sway: Array
 
 
 @lru_cache(maxsize=16)
@@ -56,7 +57,8 @@ def _lines(frame: Frame, size: int, dofs: tuple[tuple[int, int], ...]) -> Lines:
     chained = members / (members @ lengths)[:, None]
     lines = ((chained * lengths) @ across)[members.argmax(axis=0)]
     drifting = lines[[place[name] for name in upright_names(frame)]]
-    return Lines(across, along, straight, chained, drifting)
+    swaying = np.flatnonzero(drifting.any(axis=0))
+    return Lines(across, along, straight, chained, swaying, drifting[:, swaying].T.copy())
 
 
 class CollapseWatch:
@@ -65,37 +67,29 @@ class CollapseWatch:
     def __init__(self, structure: FrameStructure) -> None:
         frame, assembly = structure.frame, structure.assembly
         self._structure = structure
-        nodes = range(len(frame.nodes))
-        dofs = tuple((assembly.dof(n, "u"), assembly.dof(n, "v")) for n in nodes)
-        self._lines = _lines(frame, assembly.size, dofs)
+        if "lines" not in structure.found:
+            nodes = range(len(frame.nodes))
+            dofs = tuple((assembly.dof(n, "u"), assembly.dof(n, "v")) for n in nodes)
+            structure.found["lines"] = _lines(frame, assembly.size, dofs)
+        self.lines: Lines = structure.found["lines"]
 
-    def check(self, displacement: Array | float, time: Array | float | None) -> None:
+    def check(self, displacement: float, time: float | None) -> None:
         """Raise `CollapseError` when the frame has collapsed, with the `displacement` (m) so far.
 
-        Of one record or of several. Without a `time` (s), on a static path, nothing collapses.
+        Without a `time` (s), on a static path, nothing collapses.
         Raises `CrumpledError` where an element crumples: that depends on its length, and other
         meshes may go on and survive.
         """
         left, across = self._structure.members.lengths_left(), self._apart(now=True)
-        lost = self._structure.members.contractions() @ self._lines.chained.T
+        lost = self._structure.members.contractions() @ self.lines.chained.T
         turned, squashed = across.max() > COLLAPSE_SIDEWAYS, lost.max() > COLLAPSE_CONTRACTION
-        if left.min() >= LEAST_LENGTH and (time is None or not (turned or squashed)):
-            return  # as almost always
-        over = left.min(axis=-1) < LEAST_LENGTH
-        if time is not None:
-            over = over | (across.max(axis=-1) > COLLAPSE_SIDEWAYS)
-            over = over | (lost.max(axis=-1) > COLLAPSE_CONTRACTION)
-        if np.any(over):
-            first = int(np.argmax(over))
-            left, across, lost = (np.atleast_2d(v)[first] for v in (left, across, lost))
-            at = float(np.atleast_1d(displacement)[first])
-            when = None if time is None else float(np.atleast_1d(time)[first])
-            self._tell(left, across, lost, at, when)
+        if left.min() < LEAST_LENGTH or (time is not None and (turned or squashed)):
+            self._tell(left, across, lost, float(displacement), time)
 
     def _tell(
         self, left: Array, across: Array, lost: Array, displacement: float, time: float | None
     ) -> None:
-        """Raise what the numbers of one record say."""
+        """Raise what the numbers of a state say."""
         names = [member.name for member in self._structure.frame.members]
 
         def fallen(mechanism: Mechanism, parts: Sequence[str], reason: str) -> CollapseError:
@@ -121,14 +115,14 @@ class CollapseWatch:
             f"has been squashed by {100.0 * lost[worst]:.3g} % of the length, more than "
             f"{100.0 * COLLAPSE_CONTRACTION:g} %"
         )
-        raise fallen(Mechanism.SQUASH, self._lines.chains[worst], reason)
+        raise fallen(Mechanism.SQUASH, self.lines.chains[worst], reason)
 
     def drifts(self, moved: Array) -> Array:
         """Drift of the straight line of members that each upright one belongs to (uprights,).
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved @ self._lines.drifting.T))
+        return np.asarray(np.abs(moved[self.lines.swaying] @ self.lines.sway))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""
@@ -143,7 +137,7 @@ class CollapseWatch:
         all of that, and may be too short to reach its first length.
         """
         displacement = self._structure.assembly.displacement
-        moved = np.abs(displacement @ self._lines.across.T)
+        moved = np.abs(displacement @ self.lines.across.T)
         if now:
-            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self._lines.along.T))
+            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self.lines.along.T))
         return np.asarray(moved)

@@ -1,7 +1,8 @@
 """What a run of a frame records at every committed step."""
 
 from collections.abc import Callable
-from typing import Any
+from functools import lru_cache
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from workbench.arrays import Array
 from workbench.frames.collapse_watch import CollapseWatch
 from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure, upright_names
+from workbench.scenarios import Frame
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
@@ -19,37 +21,31 @@ class Record:
     """Histories of a run: what its steps tell, and the states that they commit.
 
     Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
-    `end` of the record in s (None: load steps), see `Snapshots`; `begun`, whether the first steps
-    tell of the start as well, as those of `follow_impact` do. Read off as well: `shear_strain`,
+    `end` of the record in s (None: load steps), see `Snapshots`. Read off as well: `shear_strain`,
     the largest mean one of each member so far (members,), None unless shear yields.
     """
 
+    pictures: ClassVar[type[Snapshots]] = Snapshots
+
     def __init__(
-        self,
-        structure: FrameStructure,
-        node: str,
-        direction: str,
-        end: float | None,
-        *,
-        begun: bool = False,
+        self, structure: FrameStructure, node: str, direction: str, end: float | None
     ) -> None:
         self.structure = structure
         self.watch = CollapseWatch(structure)
         self._dof, self._sign = structure.dof(node, direction)
-        self._timed, self._begun = end is not None, begun
+        self._timed = end is not None
         self._steps: list[Any] = []
-        self._rows: dict[str, list[Array]] = {}
-        self._tables: dict[str, list[Array]] = {
-            name: [] for name in ("axial_force", "moment", "plastic_rotation")
-        }
-        self._shear = np.zeros(len(structure.frame.members))
-        self._drift = np.zeros(len(upright_names(structure.frame)))
-        self._unyielding = self._shear
+        self._rows: dict[str, list[Any]] = {}
+        self._most: Array = np.zeros((2, len(structure.frame.members)))  # shear, that of no panels
+        self._drift: Array = np.zeros(len(upright_names(structure.frame)))
         self._spent: dict[str, Array] = {}
         self.shear_strain: Array | None = None
-        self._snapshots = Snapshots(structure, end)
-        if not begun:
-            self._see(0.0, False)
+        self._snapshots = self.pictures(structure, end)
+        self._begin()
+
+    def _begin(self) -> None:
+        """See the state that is there at first."""
+        self._see(0.0, False)
 
     @property
     def displacement(self) -> Any:
@@ -61,9 +57,8 @@ class Record:
     def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
         """Append a step and the state that it has committed, at a time (s) or number of steps.
 
-        Or several steps, as `follow_impact` hands them over. `turns`, whether a static path ends
-        or turns back here. Raises `CollapseError` when the frame has collapsed,
-        `OutOfDomainError` when an element crumples.
+        `turns`, whether a static path ends or turns back here. Raises `CollapseError` when the
+        frame has collapsed, `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
         self._spent.clear()
@@ -72,33 +67,38 @@ class Record:
 
     def _see(self, at: Any, turns: bool) -> None:
         members, assembly = self.structure.members, self.structure.assembly
-        watched, displacement = self.structure.watched.items(), self.displacement
         moved = assembly.displacement - self.structure.start
-        seen = {
+        seen = self._committed() | {
             "at": at,
-            "displacement": displacement,
-            "velocity": self._sign * assembly.velocity[..., self._dof],
-            "elastic": assembly.stored,
             "dead_work": moved @ assembly.load,
-            **{name: sign * assembly.displacement[..., dof] for name, (dof, sign) in watched},
+            "axial_force": members.axial_forces(),
+            "moment": members.moments(),
+            "plastic_rotation": members.plastic_rotations(),
         }
         for name, values in seen.items():
-            self._rows.setdefault(name, []).append(np.atleast_1d(values))
-        self._tables["axial_force"].append(np.atleast_2d(members.axial_forces()))
-        self._tables["moment"].append(np.atleast_2d(members.moments()))
-        self._tables["plastic_rotation"].append(np.atleast_2d(members.plastic_rotations()))
-        self._shear = _most(self._shear, members.shear_forces())
-        self._unyielding = _most(self._unyielding, members.unyielding_shear())
-        self._drift = _most(self._drift, self.watch.drifts(moved))
+            self._rows.setdefault(name, []).append(values)
+        shear = [members.shear_forces(), members.unyielding_shear()]
+        self._most = np.maximum(self._most, shear)
+        self._drift = np.maximum(self._drift, self.watch.drifts(moved))
         strains = members.shear_strains()
         if strains is not None:
             known = 0.0 if self.shear_strain is None else self.shear_strain
-            self.shear_strain = _most(known, strains)
-        self._snapshots.see(at, displacement, turns=turns)
+            self.shear_strain = np.maximum(known, strains)
+        self._snapshots.see(at, seen["displacement"], turns=turns)
+
+    def _committed(self) -> dict[str, Any]:
+        """Scalars of the committed state, or of several, by the names of their histories."""
+        assembly, watched = self.structure.assembly, self.structure.watched.items()
+        return {
+            "displacement": self.displacement,
+            "velocity": self._sign * assembly.velocity[..., self._dof],
+            "elastic": assembly.stored,
+            **{name: sign * assembly.displacement[..., dof] for name, (dof, sign) in watched},
+        }
 
     def column(self, name: str) -> Array:
-        """History of a scalar (steps,)."""
-        return np.concatenate(self._rows[name])
+        """History of a scalar (steps,), or of one of each hinge (hinges, steps)."""
+        return np.stack(self._rows[name], axis=-1)
 
     def columns(self, *names: str) -> dict[str, Any]:
         """Histories of several scalars by name."""
@@ -106,12 +106,7 @@ class Record:
 
     def told(self, start: float, read: Callable[[Any], float]) -> Array:
         """History (steps,) of what is `read` off a step, from `start`."""
-        rows = [np.atleast_1d(read(step)) for step in self._steps]
-        if not self._begun:
-            return np.concatenate([[start], *rows])
-        told = np.concatenate(rows)
-        told[0] = start
-        return told
+        return np.array([start, *map(read, self._steps)])
 
     def total(self, read: Callable[[Any], float]) -> Array:
         """History (steps,) of the sum of what is `read` off all steps so far."""
@@ -119,10 +114,8 @@ class Record:
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
-        tables = {name: np.concatenate(rows).T for name, rows in self._tables.items()}
         return {
-            **self.columns(*self.structure.watched),
-            **tables,
+            **self.columns(*self.structure.watched, "axial_force", "moment", "plastic_rotation"),
             "shear_utilisation": self.shear_utilisation(),
             "drift": self._drift if len(self._drift) else None,
             **self._snapshots.values(),
@@ -130,16 +123,11 @@ class Record:
 
     def shear_utilisation(self) -> Array:
         """Largest shear force of each member (members,) over its plastic shear resistance."""
-        return self._shear / self._resistance
+        return np.asarray(self._most[0] / _resistances(self.structure.frame))
 
     def unyielding_shear(self) -> Array:
         """The same of the mean along members in which shear does not yield (members,)."""
-        return self._unyielding / self._resistance
-
-    @property
-    def _resistance(self) -> Array:
-        frame = self.structure.frame
-        return np.array([frame.properties(member).shear_resistance for member in frame.members])
+        return np.asarray(self._most[1] / _resistances(self.structure.frame))
 
     def spent(self, name: str) -> Array:
         """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""
@@ -174,6 +162,7 @@ class Record:
         return {name: value for name, value in numbers.items() if value is not None}
 
 
-def _most(known: Array | float, seen: Array) -> Array:
-    """The largest so far of values (..., parts)."""
-    return np.asarray(np.maximum(known, np.atleast_2d(seen).max(axis=0)))
+@lru_cache(maxsize=64)
+def _resistances(frame: Frame) -> Array:
+    """Plastic shear resistance of each member (members,), in N."""
+    return np.array([frame.properties(member).shear_resistance for member in frame.members])

@@ -37,18 +37,17 @@ def run_impact(
     steps: Iterator[TimeStep],
     largest_error: float | None,
     least_yield_ratio: float,
-    *,
-    begun: bool = False,
+    kept: type[Record] = Record,
 ) -> Response:
     """Follow `steps` of the impact driver on a frame under its dead loads.
 
     Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
-    `least_yield_ratio` without a warning; `begun`, see `Record`. Raises `SolverError`, and
+    `least_yield_ratio` without a warning; how its record is `kept`. Raises `SolverError`, and
     `CollapseError` when the frame collapses.
     """
     striker, brought = scenario.striker, scenario.input_energy
     node, direction, end = striker.node, striker.direction, scenario.duration
-    record = Record(structure, node, direction, end, begun=begun)
+    record = kept(structure, node, direction, end)
     length = _follow(record, scenario, steps)
     values = {
         **record.columns("displacement", "velocity", "elastic"),
@@ -133,15 +132,13 @@ def run_driven(
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:
     """Take all time steps; the length of the longest one, in s."""
-    lengths: list[Any] = []
     for taken in steps:
-        lengths.append(taken.length)
         try:
             record.take(taken, taken.time)
         except CollapseError as error:  # members that slid mean little before they fell
             told = tuple(_shear_reached(record, scenario))
             raise CollapseError(error.collapse, error.reason, told) from error
-    return float(np.max(np.hstack(lengths)))
+    return float(record.told(0.0, lambda s: s.length).max())
 
 
 def _response(

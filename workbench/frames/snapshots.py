@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.arrays import Array, Flags, Indices
+from workbench.arrays import Array
 from workbench.frames.structure import FrameStructure
 
 FARTHER = 1.0 + 1e-9  # cycles of equal size: the first one counts
@@ -26,28 +26,27 @@ class Snapshots:
         self._turns = None if end is None else end * _SHARES
         self._even: list[float] = []
         self._peak: float | None = None
-        self._pictures: list[tuple[Array, Array, Array]] = []  # times, shapes, utilisation
+        self._pictures: list[tuple[float, Array, Array]] = []  # times, shapes, utilisation
         self._seen, self._stride, self._next = 0, 1, 0
         self._last: float | None = None
         self._largest = 0.0
         self._rising = False
 
-    def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
+    def see(self, at: float, displacement: float, *, turns: bool = False) -> None:
         """Look at the committed state at a time (s) or step, with its displacement (m).
 
-        Or at several of them. `turns`, whether a static path ends or turns back here.
+        `turns`, whether a static path ends or turns back here.
         """
-        times, size = np.atleast_1d(at), np.abs(np.atleast_1d(displacement))
+        size = abs(displacement)
         if self._turns is None:
-            kept = self._count(float(at), float(size[0]), turns)
+            drawn = self._count(at, size, turns)
         else:
-            kept = self._follow(times, size, np.searchsorted(self._turns, times, side="right"))
-        self._last = float(times[-1])
-        if len(times) > 1:  # which may be all there are
-            kept[-1] = True
-        self._draw(times, np.flatnonzero(kept))
+            drawn = self._follow(self._turns, at, size)
+        self._last = at
+        if drawn:
+            self._draw(at)
 
-    def _count(self, at: float, size: float, turns: bool) -> Flags:
+    def _count(self, at: float, size: float, turns: bool) -> bool:
         """Look at a load step with a displacement of that size; whether it is to be drawn."""
         peak = turns and size > self._largest * FARTHER
         if peak:
@@ -59,49 +58,48 @@ class Snapshots:
         if even:
             self._even.append(at)
         self._seen += 1
-        return np.array([peak or even])
+        return peak or even
 
-    def _follow(self, times: Array, size: Array, turns: Indices) -> Flags:
-        """Look at times (s) with displacements of that size (m), each after so many `turns`.
-
-        Tells which are to be drawn.
-        """
-        largest = np.maximum.accumulate(np.append(self._largest, size))
-        rising = np.append(self._rising, size >= largest[:-1])
-        tops = np.flatnonzero(rising[:-1] & ~rising[1:])
-        if tops.size:
-            self._peak = float(times[tops[-1]])
-        self._largest, self._rising = float(largest[-1]), bool(rising[-1])
-        passed = np.append(self._next, turns)
-        kept = passed[1:] > passed[:-1]
-        self._even += times[kept].tolist()
-        self._next = int(passed[-1])
-        kept[tops[-1:]] = True
-        return kept
+    def _follow(self, turns: Array, at: float, size: float) -> bool:
+        """Look at a time (s) with a displacement of that size (m); whether it is to be drawn."""
+        peak = self._rising and size < self._largest
+        if peak:
+            self._peak = at
+        self._rising, self._largest = size >= self._largest, max(self._largest, size)
+        passed = int(np.searchsorted(turns, at, side="right"))
+        even = passed > self._next
+        if even:
+            self._even.append(at)
+        self._next = max(passed, self._next)
+        return peak or even
 
     def values(self) -> dict[str, Any]:
         """Variables of the response; the state seen last must still be the committed one."""
         even = self._even
         if self._last is not None and even[-1] != self._last:
             even = [*even, self._last]
-            if self._pictures[-1][0][-1] != self._last:
-                self._draw(np.array([self._last]), np.array([-1]))
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
         shown = sorted({*even, *(() if self._peak is None else (self._peak,))})
-        times, shapes, used = (np.concatenate(parts) for parts in zip(*self._pictures, strict=True))
-        rows = np.searchsorted(times, shown)
-        drawn = shapes[rows].T  # (2, points, members, snapshots)
+        shapes, used = self._drawn(shown)
         return {
             "snapshot_at": shown,
-            "shape_x": drawn[0].swapaxes(0, 1),
-            "shape_y": drawn[1].swapaxes(0, 1),
-            "utilisation": used[rows].T,
+            "shape_x": shapes[0],
+            "shape_y": shapes[1],
+            "utilisation": used,
         }
 
-    def _draw(self, times: Array, rows: Indices) -> None:
-        """Draw the pictures of some of the records that are looked at, by their rows."""
-        if rows.size:
-            structure = self._structure
-            drawn = structure.members.pictures(structure.assembly, rows)
-            self._pictures.append((times[rows], *drawn))
+    def _drawn(self, shown: list[float]) -> tuple[Array, Array]:
+        """Shapes (2, members, points, pictures) and utilisation (hinges, pictures) shown then."""
+        if self._last is not None and self._pictures[-1][0] != self._last:
+            self._draw(self._last)
+        times, shapes, used = zip(*self._pictures, strict=True)
+        rows = np.searchsorted(times, shown)
+        drawn = np.stack([shapes[row] for row in rows], axis=-1)  # (members, points, 2, pictures)
+        return drawn.transpose(2, 0, 1, 3), np.stack([used[row] for row in rows], axis=-1)
+
+    def _draw(self, at: float) -> None:
+        """Draw a picture of the committed state."""
+        members = self._structure.members
+        shape = members.shapes(self._structure.assembly)
+        self._pictures.append((at, shape, members.utilisation()))

@@ -8,7 +8,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Self, cast
+from functools import lru_cache
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -26,7 +27,6 @@ POINTS = np.linspace(0.0, 1.0, 9)  # along a member, where its deformed shape is
 class MemberReader(ABC):
     """Reads the committed state of all members off their elements, in SI units.
 
-    What is read has further axes first where the committed state has them, such as records.
     Two hinges per member, start and end. Axial forces are positive in tension, moments where they
     stretch the fibers on the right of somebody who looks from start to end.
     Arguments: the `elements`, one member after the other; `first` (members + 1,), where those of
@@ -99,11 +99,6 @@ class MemberReader(ABC):
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2) in m at the `POINTS` of each member."""
 
-    def pictures(self, assembly: PlanarAssembly, rows: Indices) -> tuple[Array, Array]:
-        """`shapes` and `utilisation` of some of the states shown at once, rows first."""
-        shapes, used = self.shapes(assembly), self.utilisation()
-        return shapes.reshape(-1, *shapes.shape[-3:])[rows], np.atleast_2d(used)[rows]
-
 
 @dataclass(frozen=True)
 class FrameStructure:
@@ -112,7 +107,8 @@ class FrameStructure:
     `assembly`, whose first nodes are those of the `frame`; `members` read their states;
     `start`, the displacements (dofs,) from which those of the response count; `watched`, further
     histories of the response by name: dof and sign of a displacement since the unloaded state;
-    names of its `hinges`, where they are not those of the members' ends.
+    names of its `hinges`, where they are not those of the members' ends; what was `found` of it
+    once, shared by its copies.
     """
 
     frame: Frame
@@ -121,10 +117,18 @@ class FrameStructure:
     start: Array
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     hinges: Sequence[str] = ()
+    found: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def fresh(self) -> Self:
         """The same structure in a state of its own, which a run may change."""
         assembly = self.assembly.copy()
+        members = self.members.reading(assembly.groups[0])
+        return replace(self, assembly=assembly, members=members)
+
+    def seen(self) -> Self:
+        """The same structure, of which other states can be shown."""
+        assembly = copy(self.assembly)
+        assembly.groups = tuple(map(copy, assembly.groups))
         members = self.members.reading(assembly.groups[0])
         return replace(self, assembly=assembly, members=members)
 
@@ -155,22 +159,25 @@ class FrameStructure:
         return forces
 
 
-def hinge_names(frame: Frame) -> list[str]:
+@lru_cache(maxsize=64)
+def hinge_names(frame: Frame) -> tuple[str, ...]:
     """Names of the two hinges of every member, in the order of the members."""
-    return [f"{member.name}:{end}" for member in frame.members for end in ("start", "end")]
+    return tuple(f"{member.name}:{end}" for member in frame.members for end in ("start", "end"))
 
 
-def member_names(frame: Frame) -> list[str]:
+@lru_cache(maxsize=64)
+def member_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members in their order."""
-    return [member.name for member in frame.members]
+    return tuple(member.name for member in frame.members)
 
 
-def upright_names(frame: Frame) -> list[str]:
+@lru_cache(maxsize=64)
+def upright_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members that stand upright, in their order."""
     ends = ((m.name, frame.node(m.start), frame.node(m.end)) for m in frame.members)
-    return [
+    return tuple(
         name for name, start, end in ends if abs(end.x - start.x) < UPRIGHT * abs(end.y - start.y)
-    ]
+    )
 
 
 def nodal_loads(frame: Frame, loads: Sequence[Load]) -> Array:

@@ -4,21 +4,26 @@ The element itself stands in `structures/superelements`, the two models in `mode
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from math import ceil, inf
+from typing import cast
 
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.frames.structure import POINTS, MemberReader
+from workbench.frames.collapse_watch import Lines
+from workbench.frames.struck_kernels import Places, draw
+from workbench.frames.structure import POINTS, FrameStructure, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd, Superelements
+from workbench.structures.superelements.group import SuperelementState
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
@@ -77,7 +82,6 @@ def hinge_ends(
     return ends[0], ends[1]
 
 
-@lru_cache(maxsize=64)
 def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[int, ...]:
     """Parts of every member where none are asked for: of struck ones a `multiple`.
 
@@ -91,24 +95,29 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     beam's own swinging needs a node between their ends. Members under a line load, which
     acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
-    counts = [1] * len(scenario.frame.members)
     if isinstance(scenario, FrameImpact):
-        counts = [far] * len(counts)
-        struck = _struck(scenario)
-        ends = {node for _, m in struck for node in (m.start, m.end)} - {scenario.striker.node}
-        for number, member in enumerate(scenario.frame.members):
-            if ends & {member.start, member.end}:
-                counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
-        for number, member in struck:
-            mass = scenario.frame.properties(member).mass_per_length
-            height = member.section.height
-            longest = min(_LONGEST * height, 1.5 * _SHARED * scenario.striker.mass / mass)
-            pairs = scenario.frame.length(member) / max(longest, height) / multiple
-            counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
-    if isinstance(scenario, FramePulse):
-        for number, member in enumerate(scenario.frame.members):
-            if member.name in scenario.members:
-                counts[number] = multiple * ceil(FEWEST_LOADED / multiple)
+        return _struck_parts(
+            scenario.frame, scenario.striker.node, scenario.striker.mass, multiple, far
+        )
+    pressed = scenario.members if isinstance(scenario, FramePulse) else ()
+    several = multiple * ceil(FEWEST_LOADED / multiple)
+    return tuple(several if m.name in pressed else 1 for m in scenario.frame.members)
+
+
+@lru_cache(maxsize=64)
+def _struck_parts(frame: Frame, node: str, mass: float, multiple: int, far: int) -> tuple[int, ...]:
+    """Those of a frame that a `mass` (kg) strikes at a node."""
+    counts = [far] * len(frame.members)
+    struck = _struck(frame, node)
+    ends = {end for _, m in struck for end in (m.start, m.end)} - {node}
+    for number, member in enumerate(frame.members):
+        if ends & {member.start, member.end}:
+            counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
+    for number, member in struck:
+        height, own = member.section.height, frame.properties(member).mass_per_length
+        longest = min(_LONGEST * height, 1.5 * _SHARED * mass / own)
+        pairs = frame.length(member) / max(longest, height) / multiple
+        counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
     return tuple(counts)
 
 
@@ -119,7 +128,7 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     frame, striker = scenario.frame, scenario.striker
     shared = sum(
         frame.properties(member).mass_per_length * frame.length(member) / parts[number] / 3.0
-        for number, member in _struck(scenario)
+        for number, member in _struck(frame, striker.node)
     )
     lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
     if lost <= _MUCH_SHARED:
@@ -133,11 +142,9 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     return [Finding("hit-mass", text, remedy=remedy, number=lost)]
 
 
-def _struck(scenario: FrameImpact) -> list[tuple[int, Member]]:
+def _struck(frame: Frame, node: str) -> list[tuple[int, Member]]:
     """Members at the struck node, and their numbers."""
-    node = scenario.striker.node
-    members = enumerate(scenario.frame.members)
-    return [(number, m) for number, m in members if node in (m.start, m.end)]
+    return [(number, m) for number, m in enumerate(frame.members) if node in (m.start, m.end)]
 
 
 def curvature_shares(parts: int) -> Array:
@@ -281,15 +288,48 @@ class SuperelementMembers(MemberReader):
         drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
         return np.asarray(self._origin + drawn)
 
-    def pictures(self, assembly: PlanarAssembly, rows: Indices) -> tuple[Array, Array]:
-        """As that of all members; nothing but these rows is drawn."""
-        moved, group = assembly.displacement, self.elements
-        if moved.ndim == 1 or not isinstance(group, Superelements):
-            return super().pictures(assembly, rows)
-        states = group.states[0]
-        assembly.show(moved[rows], assembly.velocity, assembly.stored)
-        group.show(states._replace(carried=states.carried[rows]))
-        pictures = self.shapes(assembly), self.utilisation()
-        assembly.show(moved, assembly.velocity, assembly.stored)
-        group.show(states)
-        return pictures
+    @property
+    def states(self) -> SuperelementState:
+        """The states that are shown."""
+        return cast(Superelements, self.elements).states[0]
+
+    def show(self, number: int) -> None:
+        """Go on with that of the states shown."""
+        one = SuperelementState(*(values[number] for values in self.states))
+        cast(Superelements, self.elements).show(one)
+
+    def pictures(self, moved: Array, carried: Array) -> tuple[Array, Array]:
+        """Shapes (2, members, points, pictures) and utilisation (hinges, pictures).
+
+        Where dofs have `moved` (pictures, dofs), of the forces `carried` (pictures, elements, 3).
+        """
+        group = copy(cast(Superelements, self.elements))
+        group.show(self.states._replace(carried=carried))
+        shapes = np.empty((2, *self._drawn.shape, len(moved)))
+        ends = np.ascontiguousarray(carried[..., 1:])
+        draw(self._drawn, self._along, self._origin, group.bends, group.bars, moved, ends, shapes)
+        return shapes, group.utilisation()[:, self._ends, self._side].T
+
+    def places(self, structure: FrameStructure, lines: Lines) -> Places:
+        """Where what a response holds stands in the states of these members of a structure."""
+        frame, assembly, elements = structure.frame, structure.assembly, self.elements
+        number = {node.name: i for i, node in enumerate(frame.nodes)}
+        ends = [(number[member.start], number[member.end]) for member in frame.members]
+        corners = [[assembly.dof(n, c) for n in pair for c in "uv"] for pair in ends]
+        rows = np.arange(len(ends))[:, None]
+        after = np.array(corners)[:, 2:]
+        return Places(
+            self._ends,
+            self._side,
+            self._signs,
+            self._first,
+            elements.lengths,
+            elements.slide,
+            elements.bars.first_order,
+            np.array(corners),
+            lines.across[rows, after],
+            lines.along[rows, after],
+            lines.chained,
+            lines.swaying,
+            structure.start[lines.swaying],
+        )

@@ -5,6 +5,7 @@ Regions in which models were measured, and the rules of validity found there, ar
 
 import dataclasses
 from collections.abc import Mapping
+from functools import lru_cache
 from math import inf, sqrt
 from typing import Any
 
@@ -99,6 +100,11 @@ def _between(low: float, high: float) -> str:
 
 def variant_of(model: Any) -> str:
     """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
+    return _variant(model)
+
+
+@lru_cache(maxsize=256)
+def _variant(model: Any) -> str:
     pairs = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))
     own = {name: value for name, usual, value in pairs if value != usual}
     return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)

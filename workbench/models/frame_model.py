@@ -2,11 +2,12 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import cache
 from math import pi, sqrt
 from time import perf_counter
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -14,6 +15,7 @@ from threadpoolctl import ThreadpoolController
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Declared
+from workbench.frames.record import Record
 from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
 from workbench.frames.structure import FrameStructure
 from workbench.frames.timing import Spans
@@ -56,9 +58,20 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
+def one_thread() -> AbstractContextManager[Any]:
+    """Band solves and small eigenvalue problems are far too small for several threads."""
+    limited: AbstractContextManager[Any] = _libraries().limit(limits=1)
+    return limited
+
+
 def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
     """A scenario of a frame; that of a column as what happens to the frame of its two members."""
-    return frame_scenario(scenario) if isinstance(scenario, COLUMNS) else scenario
+    if not isinstance(scenario, COLUMNS):
+        return scenario
+    if "frame" not in scenario.kept:
+        scenario.kept["frame"] = frame_scenario(scenario)
+    told: FrameScenario = scenario.kept["frame"]
+    return told
 
 
 class _Clock:
@@ -112,9 +125,9 @@ class FrameModel(ABC, Declared, table="option"):
         return OPEN_LEDGER
 
     @property
-    def tells_start(self) -> bool:
-        """Whether the steps of an impact tell of its start as well."""
-        return False
+    def record(self) -> type[Record]:
+        """How the record of an impact is kept."""
+        return Record
 
     @property
     def halvings(self) -> int:
@@ -130,9 +143,17 @@ class FrameModel(ABC, Declared, table="option"):
         """End times and time steps (s) of the parts of the record of an impact."""
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
-        """Findings common to all member models."""
-        with _libraries().limit(limits=1):  # small eigenvalue problems as well
-            return member_findings(scenario)
+        """Findings common to all member models; of impacts those of the structure, found once."""
+        if isinstance(scenario, ColumnImpact):
+            kept, key = scenario.column.kept, "findings"
+        elif isinstance(scenario, FrameImpact):
+            kept, key = scenario.frame.kept, f"findings at {scenario.striker.node}"
+        else:
+            kept, key = {}, ""
+        if key not in kept:
+            with one_thread():
+                kept[key] = member_findings(scenario)
+        return list(kept[key])
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a static loading, an impact or a motion of the ground, of a frame or a column.
@@ -161,14 +182,17 @@ class FrameModel(ABC, Declared, table="option"):
         The strike on a column flies along +x and the column goes up, so that moments are those of
         a frame with the opposite sign: positive at the base.
         """
+        with one_thread():
+            return self.run(scenario, self.structure(scenario))
+
+    def run(self, scenario: FrameScenario | ColumnScenario, structure: FrameStructure) -> Response:
+        """Answer it on the structure of `structure`, which is used up."""
         told = as_frame(scenario)
-        with _libraries().limit(limits=1):  # band solves are far too small for threads
-            structure = self.structure(scenario)
-            if not isinstance(scenario, COLUMNS):
-                return self._run(told, structure)
-            watched = {"shortening": structure.dof("head", "-y")}
-            structure = replace(structure, watched=watched, hinges=COLUMN_HINGES)
-            response = self._run(told, structure)
+        if not isinstance(scenario, COLUMNS):
+            return self._run(told, structure)
+        watched = {"shortening": structure.dof("head", "-y")}
+        structure = replace(structure, watched=watched, hinges=COLUMN_HINGES)
+        response = self._run(told, structure)
         for name in ("moment", "plastic_rotation"):
             response.variables[name].values *= -1.0
         return response
@@ -180,8 +204,8 @@ class FrameModel(ABC, Declared, table="option"):
             response = run_static(scenario, structure, path)
         elif isinstance(scenario, FrameImpact):
             steps = clock.timed(self._hit(scenario, structure))
-            error, begun = self.largest_error, self.tells_start
-            response = run_impact(scenario, structure, steps, error, least, begun=begun)
+            error, kept = self.largest_error, self.record
+            response = run_impact(scenario, structure, steps, error, least, kept)
         elif isinstance(scenario, FramePulse):
             pattern = structure.pattern(scenario.loads)
             pattern += structure.line_load(scenario.members, scenario.direction)

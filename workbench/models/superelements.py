@@ -29,7 +29,9 @@ import numpy as np
 
 from workbench.fields import Choice, Number, checked
 from workbench.frames.column_estimate import column_like
+from workbench.frames.record import Record
 from workbench.frames.shear import shear_findings
+from workbench.frames.struck import StruckRecord
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import (
     HingeSurfaces,
@@ -46,9 +48,9 @@ from workbench.impact.pace import Pace
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
-from workbench.models.frame_model import as_frame
+from workbench.models.frame_model import as_frame, one_thread
 from workbench.models.validity import SUBJECT, measured_findings
-from workbench.responses import Finding
+from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
@@ -101,8 +103,18 @@ class _HingedBars(BarFrames):
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
+        return self._standing(scenario).fresh()
+
+    def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
+        """The same, kept for many runs."""
         told = as_frame(scenario)
-        return _standing(self, told.frame, tuple(self.parts(told))).fresh()
+        return _standing(self, told.frame, tuple(self.parts(told)))
+
+    def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
+        """As all; compiled steps leave the kept structure as it is, and need no libraries."""
+        if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
+            return self.run(scenario, self._standing(scenario).seen())
+        return super().solve(scenario)
 
     def bring_up(self, frame: Frame, parts: Sequence[int]) -> FrameStructure:
         """A frame with so many elements of every member, under its dead loads."""
@@ -170,9 +182,9 @@ class _HingedBars(BarFrames):
     def pace(self, scenario: FrameImpact) -> Pace:
         """How the midpoint scheme steps through an impact: by the error, or with `time_step`."""
         duration, spacing = scenario.duration, (1.0 - 1e-6) * scenario.duration / RECORDS
-        waves = np.array(wave_times(scenario.frame)) / self.parts(scenario)
+        waves = zip(wave_times(scenario.frame), self.parts(scenario), strict=True)
         share = self.accuracy / ACCURACY
-        first = share * FIRST * float(waves.min())
+        first = share * FIRST * min(wave / parts for wave, parts in waves)
         if self.time_step is not None:
             step = duration / ceil(duration / self.time_step - 1e-9)
             return Pace(duration, min(first, step), step, inf, inf, inf, spacing, MOST_STEPS)
@@ -182,13 +194,13 @@ class _HingedBars(BarFrames):
         return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
     @property
-    def tells_start(self) -> bool:
-        """Those of the compiled march do."""
-        return self.integrator == MIDPOINT
+    def record(self) -> type[Record]:
+        """Read many states at a time, as the compiled march hands them over."""
+        return StruckRecord if self.integrator == MIDPOINT else Record
 
     def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
         """Time steps of an impact, compiled ones where the scheme is the midpoint one."""
-        if not self.tells_start:
+        if self.integrator != MIDPOINT:
             return super()._hit(scenario, structure)
         striker, pace = scenario.striker, self.pace(scenario)
         dof, sign = structure.dof(striker.node, striker.direction)
@@ -199,7 +211,8 @@ class _HingedBars(BarFrames):
 @lru_cache(maxsize=16)
 def _standing(model: _HingedBars, frame: Frame, parts: tuple[int, ...]) -> FrameStructure:
     """The frame under its dead loads: what many strikers hit is brought up once."""
-    return model.bring_up(frame, parts)
+    with one_thread():
+        return model.bring_up(frame, parts)
 
 
 @lru_cache(maxsize=64)

@@ -99,7 +99,7 @@ class Superelements(HingedElements):
                 webs[e] = section.web.record
         self._slide: Flags = webs["stiffness"] > 0.0
         flexible = [1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own]
-        self._bends: Array = np.array(flexible)
+        self.bends: Array = np.array(flexible)  # in 1 / (N m2)
         pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
         self._hinges = HingeTables(
             bending,
@@ -204,7 +204,7 @@ class Superelements(HingedElements):
 
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
         """Displaced axis (points, 2), bent by committed moments where it is flexible."""
-        return self.bent(displacement, elements, points, self._bends, self._old.carried[..., 1:])
+        return self.bent(displacement, elements, points, self.bends, self._old.carried[..., 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:

@@ -61,7 +61,7 @@ def follow_impact(
         np.array([assembly.largest_force]),
     )
     scratch: list[Array] = list(np.zeros((7, assembly.size)))
-    work = Work._make([assembly.band, *scratch, np.zeros(assembly.size, np.int64)])
+    work = Work._make([np.empty_like(assembly.band), *scratch, np.zeros(assembly.size, np.int64)])
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
     rows = max(8, min(1024, NUMBERS // (2 * x.size + sum(values.size for values in old))))
