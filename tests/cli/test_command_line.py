@@ -246,7 +246,7 @@ KEYS = {
     ),
     *("warnings", "refusals", "wall_time", "provenance", "numerical_uncertainty", "refinement"),
     *("largest_drift", "largest_plastic_rotation", "largest_compression", "largest_tension"),
-    *("places", "hinges", "drift", "struck"),
+    *("places", "hinges", "drift", "struck", "largest_sliding"),
 }
 
 

@@ -423,6 +423,13 @@ def test_joints_that_sway_are_told_with_the_energy_that_they_take() -> None:
     assert told.number > 0.3
     held = hit(changed(cross(), _1={"locked": "x"}), velocity=20.0)
     assert "sway" not in {f.subject for f in ColumnOfFrame().domain(held)}
+    told = {f.subject for f in warnings_of(ColumnOfFrame().simulate(held))}
+    assert "sway" not in told
+    assert told & {"measured", "measured-risk"}
+    # columns whose ends hold still tell nothing of one that sways; what helps knows frames
+    swayed = warnings_of(ColumnOfFrame().simulate(gentle))
+    assert not {f.subject for f in swayed} & {"measured", "measured-risk"}
+    assert all("on the frame" in f.remedy for f in swayed if f.remedy)
 
 
 def test_derived_column_can_be_read_again(tmp_path: Path) -> None:

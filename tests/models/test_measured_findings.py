@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isinf
 
 import pandas as pd
@@ -11,10 +12,11 @@ from workbench.evidence import load
 from workbench.models.descriptors import FEATURES, features
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.validity import TABLE, TOLERATED, measured_findings
+from workbench.models.validity import REFERENCE, TABLE, TOLERATED, measured_findings
 from workbench.registry import make_model
 from workbench.responses import warnings_of
-from workbench.scenarios import ColumnImpact
+from workbench.scenarios import Column, ColumnImpact, Striker, parse_value
+from workbench.sections import find
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +69,43 @@ def test_a_region_with_few_errors_is_not_warned_of(table) -> None:
     bounded = [name for name in FEATURES if not isinf(quiet.iloc[0][f"{name}_low"])]
     assert len(bounded) <= len(FEATURES)
     assert FourDofShear().name in set(table["model"])
+
+
+def test_remedies_end_at_the_reference_and_never_come_back(thesis_impact, table) -> None:
+    """From every model that was measured, over light and heavy, slow and fast hits."""
+    hits = [
+        replace(thesis_impact, striker=Striker(mass, velocity, 0.5))
+        for mass in (40.0, 100.0, 1500.0)
+        for velocity in (2.0, 8.0, 25.0)
+    ]
+    hits.append(replace(hits[5], column=Column(find("HEA 260"), 1.5, 3.0, fillets=False)))
+    longest = 0
+    for name, options in sorted(table.groupby(["model", "options"]).groups):
+        for hit in hits:
+            model, seen = make_model(name, options_of(options)), []
+            while found := measured_findings(model, hit):
+                words = found[0].remedy.removeprefix("take ").split(",")[0]
+                assert words not in seen
+                if words == REFERENCE:
+                    break
+                seen.append(words)
+                better, *given = words.split(" --option ")
+                model = make_model(better, options_of(" ".join(given)))
+            longest = max(longest, len(seen))
+    assert longest > 1
+
+
+def test_a_frame_is_sent_to_models_of_frames(thesis_impact) -> None:
+    light = replace(thesis_impact, striker=Striker(100.0, 25.0))
+    names = ("rigid-superelement", "flexible-superelement")
+    (found,) = measured_findings(FourDof(), light)
+    (told,) = measured_findings(FourDof(), light, names)
+    assert found.text == told.text
+    assert any(name in told.remedy for name in (*names, REFERENCE))
+    (only,) = measured_findings(FourDof(), light, ())
+    assert only.remedy == f"take {REFERENCE}"
+
+
+def options_of(variant: str) -> dict[str, object]:
+    pairs = (each.partition("=") for each in variant.split())
+    return {name: parse_value(value) for name, _, value in pairs}

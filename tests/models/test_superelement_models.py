@@ -122,6 +122,28 @@ def test_storeys_drift_as_a_whole_and_hinges_tell_their_extremes() -> None:
     assert float(response["largest_compression"]) == -response["axial_force"].values.min()
 
 
+@both
+def test_a_web_that_slides_turns_no_hinge(model) -> None:
+    """A stub whose flanges stay elastic slides; a cantilever of four times the length bends."""
+    for length, moved in ((0.5, 0.05), (2.0, 0.2)):
+        member = Member("m", "root", "tip", section=find("HEB 220"))
+        nodes = (Node("root", 0.0, 0.0, support="clamped"), Node("tip", length, 0.0))
+        frame = Frame(nodes, (member,), fillets=False)
+        push = FrameStatic("tip", frame, (Load("tip", y=1.0),), "tip", "y", (moved,))
+        response = answered(model.simulate(push))
+        force, path = response["force"].values, response["displacement"].values
+        plastic = moved - force[-1] * path[1] / force[1]
+        turned, slid = plastic / length, 0.0
+        if length == 0.5:
+            turned, slid = 0.0, plastic
+            shear = frame.properties("m").shear_resistance
+            assert force[-1] == pytest.approx(shear, rel=0.25)  # that of the web alone
+        found = float(response["largest_plastic_rotation"])
+        assert found == pytest.approx(turned, rel=0.02, abs=1e-9)
+        assert float(response["largest_sliding"]) == pytest.approx(slid, abs=0.015 * moved)
+        assert response["sliding"].dims[0] == "segment"
+
+
 @pytest.mark.parametrize("joint", [0.0, 1e5, 1e6, 1e7, None])
 def test_semi_rigid_joints(joint) -> None:
     """Portal with a beam on springs: k = 12 i / h^2 (1 + 6 r) / (2 + 3 r) and r by the springs."""

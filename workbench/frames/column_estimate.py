@@ -32,6 +32,7 @@ from workbench.scenarios import (
 from workbench.scenarios.members import OVERRIDES
 
 HEADS = ("joined", "pinned")
+FRAME_REMEDY = "take flexible-superelement on the frame"
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
 SAME = 1e-3  # relative difference of collapse loads that counts as none
 SWAYED = 0.08  # of a peak, missing by an estimate; told a little below what counts as off
@@ -125,7 +126,7 @@ class ColumnEstimate:
                 "sway",
                 f"joints that sway and turn, as the ends of the column do not, give {share} of the "
                 "peak, less while their mass holds them: it comes out too small by that",
-                remedy="take flexible-superelement on the frame",
+                remedy=FRAME_REMEDY,
                 number=missing,
             )
         if self.fall > 1.0:
@@ -134,7 +135,7 @@ class ColumnEstimate:
                 f"the hit brings {self.fall:.2f} times the energy that the mechanism of the frame "
                 "takes before its dead loads carry it on: the frame may fall, which the column "
                 "cannot say",
-                remedy="take flexible-superelement on the frame",
+                remedy=FRAME_REMEDY,
                 number=self.fall,
             )
         if self.bent > BENT:

@@ -74,6 +74,7 @@ class Record:
             "axial_force": members.axial_forces(),
             "moment": members.moments(),
             "plastic_rotation": members.plastic_rotations(),
+            "sliding": members.sliding(),
         }
         for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
@@ -114,10 +115,12 @@ class Record:
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
+        slid = () if self._rows["sliding"][0] is None else ("sliding",)
+        told = "axial_force", "moment", "plastic_rotation", *slid
         return {
-            **self.columns(*self.structure.watched, "axial_force", "moment", "plastic_rotation"),
+            **self.columns(*self.structure.watched, *told),
             "shear_utilisation": self.shear_utilisation(),
-            "drift": self._drift if len(self._drift) else None,
+            "drift": self._drift if len(self._drift) and not self.structure.is_column else None,
             **self._snapshots.values(),
         }
 

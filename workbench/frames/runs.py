@@ -158,7 +158,7 @@ def _response(
         hinges=record.structure.hinges or hinge_names(frame),
         segments=member_names(frame),
         members=member_names(frame),
-        uprights=upright_names(frame),
+        uprights=() if record.structure.is_column else upright_names(frame),
         warnings=_shear_reached(record, scenario) + warnings,
     )
     response.attrs.update(record.diagnostics(), **numbers)
@@ -231,7 +231,9 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
             f"{LARGEST_SHEAR_STRAIN}: the model lets members slide without stretching and misses "
             "the catenary action that then sets in"
         )
-        remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
+        remedy = "take flexible-superelement, whose bars stretch as they slide"
+        if record.structure.is_column:
+            remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
         return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
     reached = zip(names, record.unyielding_shear().tolist(), strict=True)
     return shear_reached(scenario, dict(reached))

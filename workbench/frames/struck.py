@@ -69,7 +69,8 @@ class StruckRecord(Record):
         tables = np.empty((len(TABLES), len(places.hinge), len(moved)))
         swayed = np.empty((len(moved), len(places.swaying)))
         lost = read(places, LOST, moved, states, tables, self._most, swayed)
-        seen = {**self._committed(), "at": at}
+        slid = members.sliding()
+        seen = {**self._committed(), "at": at, "sliding": None if slid is None else slid.T}
         for name, values in (*seen.items(), *zip(TABLES, tables, strict=True)):
             self._rows.setdefault(name, []).append(values)
         self._steps.append(step)

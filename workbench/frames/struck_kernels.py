@@ -61,7 +61,7 @@ def read(places, lost, x, states, tables, most, swayed):
             e, side, sign = places.hinge[h], places.side[h], places.sign[h]
             tables[0, h, r] = local[r, e, 0]
             tables[1, h, r] = sign * local[r, e, 1 + side]
-            tables[2, h, r] = sign * plastic[r, e, 1 + 2 * side]
+            tables[2, h, r] = sign * (plastic[r, e, 1 + 2 * side] - plastic[r, e, 4])
         for i in range(places.swaying.size):
             swayed[r, i] = x[r, places.swaying[i]] - places.start[i]
         gone = False

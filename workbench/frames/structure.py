@@ -61,6 +61,10 @@ class MemberReader(ABC):
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), those of the joints included."""
 
+    def sliding(self) -> Array | None:
+        """Plastic sliding of the web of each member (members,) in m; None where none yields."""
+        return None
+
     @abstractmethod
     def utilisation(self) -> Array:
         """Utilisation of the sections (hinges,) under N and M: 1 on the yield surface."""
@@ -118,6 +122,11 @@ class FrameStructure:
     watched: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     hinges: Sequence[str] = ()
     found: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def is_column(self) -> bool:
+        """Whether it is a column told as a frame: its head cannot drift."""
+        return bool(self.hinges)
 
     def fresh(self) -> Self:
         """The same structure in a state of its own, which a run may change."""

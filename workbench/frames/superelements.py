@@ -263,8 +263,16 @@ class SuperelementMembers(MemberReader):
         self._origin: Array = coordinates[group.nodes[self._drawn, 0]]
 
     def plastic_rotations(self) -> Array:
-        """Plastic rotations (hinges,), conjugate to the moments; of pins the whole rotation."""
+        """Plastic rotations (hinges,) by bending alone; of pins the whole rotation."""
         return self._signs * self.elements.plastic[..., self._ends, 1 + 2 * self._side]
+
+    def sliding(self) -> Array | None:
+        """That of the parts of each member in sum."""
+        group = self.elements
+        if not isinstance(group, Superelements) or not group.slide.any():
+            return None
+        slid = group.sliding * group.lengths
+        return np.asarray(np.add.reduceat(slid, self._first[:-1], axis=-1))
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""

@@ -7,6 +7,7 @@ that of what stands on it. What the ends do besides, sway and rotation, is left 
 strength of the frame, unless the restraint is said to yield.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -14,7 +15,12 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Declared, checked
-from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
+from workbench.frames.column_estimate import (
+    FRAME_REMEDY,
+    HEADS,
+    ColumnEstimate,
+    estimate_column,
+)
 from workbench.frames.findings import frame_findings
 from workbench.frames.head_mass import HEAD_MASSES
 from workbench.models.base import respond
@@ -22,6 +28,7 @@ from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
+from workbench.models.validity import RISK, SUBJECT
 from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
 from workbench.scenarios import (
     Column,
@@ -108,7 +115,7 @@ class ColumnOfFrame(Declared, table="option"):
             text = "without the column the frame collapses under its dead loads: nothing restrains"
             findings.append(Finding("restraint", text, refusal=True))
         inner = MODELS[self.model].domain(estimate.column)
-        return [*findings, *inner, *estimate.findings()]
+        return [*findings, *_on_frame(inner), *estimate.findings()]
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer an impact on a column of a frame."""
@@ -128,12 +135,20 @@ class ColumnOfFrame(Declared, table="option"):
             response = model.simulate(estimate.column)
             force = _spring_force(response, estimate.column.column)
         told = {finding.text for finding in model.domain(estimate.column)}
-        own = [finding for finding in warnings_of(response) if finding.text not in told]
+        own = _on_frame(found for found in warnings_of(response) if found.text not in told)
+        if any(found.subject == "sway" for found in estimate.findings()):
+            # those of the study, whose ends neither sway nor turn, are not like this column
+            own = [found for found in own if found.subject not in (SUBJECT, RISK)]
         if force is not None and self.restraint == "elastic":
             own = [*own, *estimate.restraint_findings(force)]
         set_findings(response, own)
         response.attrs["derived_column"] = to_toml(estimate.column)
         return response
+
+
+def _on_frame(findings: Iterable[Finding]) -> list[Finding]:
+    """Findings of the column model with a remedy that answers the frame."""
+    return [replace(found, remedy=found.remedy and FRAME_REMEDY) for found in findings]
 
 
 def _spring_force(response: Response, column: Column) -> float | None:

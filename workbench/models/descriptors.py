@@ -108,3 +108,8 @@ def _variant(model: Any) -> str:
     pairs = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))
     own = {name: value for name, usual, value in pairs if value != usual}
     return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)
+
+
+def asked_for(words: str) -> str:
+    """A model, its name and what `variant_of` tells of it, as the command line is asked for it."""
+    return " --option ".join(words.split())

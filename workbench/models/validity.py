@@ -5,12 +5,13 @@ a scenario says before anything is run, with what was measured there and the mod
 """
 
 import csv
+from collections.abc import Collection
 from functools import lru_cache
 from math import inf
 from typing import Any
 
 from workbench.datafiles import data_directory
-from workbench.models.descriptors import FEATURES, features, region_of, variant_of
+from workbench.models.descriptors import FEATURES, asked_for, features, region_of, variant_of
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact
 
@@ -19,17 +20,24 @@ BEYOND = 0.10  # error of the peak that is told
 TOLERATED = 0.04  # chance of a column to be beyond it that needs no warning, see the theory page
 SUBJECT = "measured"  # most columns of the region are off: outside the domain
 RISK = "measured-risk"  # some are
+REFERENCE = "fiber-shear"  # ends the chain of remedies
 
 
-def measured_findings(model: Any, scenario: Any) -> list[Finding]:
-    """Warning of a column in a region where the model was measured to be off."""
+def measured_findings(
+    model: Any, scenario: Any, others: Collection[str] | None = None
+) -> list[Finding]:
+    """Warning of a column in a region where the model was measured to be off.
+
+    `others`, names of the models that the remedy may name (None: all that were measured).
+    """
     if not isinstance(scenario, ColumnImpact):
         return []
     rules = _rules().get((model.name, variant_of(model)))
     if rules is None:
         return []
     own = features(scenario)
-    return [_told(row, own) for row in rules if _holds(row, own) and _chance(row) > TOLERATED]
+    held = [row for row in rules if _holds(row, own) and _chance(row) > TOLERATED]
+    return [_told(row, own, _remedy(row, own, others)) for row in held]
 
 
 @lru_cache(maxsize=1)
@@ -61,7 +69,31 @@ def _chance(row: dict[str, Any]) -> float:
     return float((row["low"] + row["high"] + 1.0) / (row["count"] + 2.0))
 
 
-def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
+def _remedy(row: dict[str, Any], own: dict[str, float], others: Collection[str] | None) -> str:
+    """The model to take instead of that of a row: one with less chance to be off here by its rule.
+
+    So no chain of remedies comes back. First the one that did best in the region of the row, then
+    the one with the least chance, then the reference.
+    """
+    chances = {
+        f"{name} {options}".rstrip(): _chance(other)
+        for (name, options), rows in _rules().items()
+        for other in rows
+        if (others is None or name in others) and _holds(other, own)
+    }
+    least, best = _chance(row), row["better"]
+    if chances.get(best, least) < least:
+        found = f"take {asked_for(best)}, off in {row['better_off']:.0f} of "
+        found += f"{row['better_count']:.0f} there"
+    else:
+        best = min(chances, key=lambda name: chances[name], default="")
+        if chances.get(best, least) >= least:
+            return f"take {REFERENCE}"
+        found = f"take {asked_for(best)}, less often off here"
+    return found if chances[best] <= TOLERATED else f"{found}, or {REFERENCE}"
+
+
+def _told(row: dict[str, Any], own: dict[str, float], remedy: str) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
     where = region_of(row["bounds"], own)
     beyond, apart = row["low"] + row["high"], row["falls"] + row["stands"]
@@ -80,12 +112,6 @@ def _told(row: dict[str, Any], own: dict[str, float]) -> Finding:
         text += (
             f"; {row['falls']:.0f} collapsed where the reference survives, {row['stands']:.0f} "
             "survived where it collapses"
-        )
-    remedy = ""
-    if row["better"]:
-        remedy = (
-            f"take {row['better']}, off in {row['better_off']:.0f} of {row['better_count']:.0f} "
-            "there"
         )
     share = float(beyond / row["count"])
     return Finding(SUBJECT if share > 0.5 else RISK, text, remedy=remedy, number=share)

@@ -17,6 +17,7 @@ _ROUNDED = 1e-4  # of the energy stored before an impact
 EXTREMES = {
     "largest_drift": ("drift", np.abs),
     "largest_plastic_rotation": ("plastic_rotation", np.abs),
+    "largest_sliding": ("sliding", np.abs),
     "largest_compression": ("axial_force", np.negative),
     "largest_tension": ("axial_force", np.positive),
 }
@@ -56,7 +57,7 @@ def implied(
 
 
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:
-    """Largest drift, plastic rotation (rad), compression and tension (N) of all parts."""
+    """Largest drift, plastic rotation (rad), sliding (m), compression, tension (N) of all parts."""
     return {
         name: float(np.max(counted(values[of]), initial=0.0))
         for name, (of, counted) in EXTREMES.items()

@@ -86,6 +86,7 @@ class FourDofShear(RigidBars):
     hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
+    version: ClassVar[int] = 5
     assumptions: ClassVar[tuple[str, ...]] = (
         *RigidBars.assumptions,
         "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "

@@ -32,6 +32,7 @@ from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScen
 
 HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
 _BARS, _PLACES = np.array(list(HINGES.values())).T
+_WITH_CHORD = np.array([[1.0], [-1.0], [-1.0], [1.0]])  # how a hinge turns as the web slides
 SEGMENTS = ("below", "above")
 _SCHEMES = {
     "midpoint": dynamics.MIDPOINT,
@@ -243,6 +244,9 @@ class RigidBars(Declared, table="option"):
             raise SolverError("the energy balance", error, "steps down to a 256th in length")
         solved = perf_counter() - started
         records = _by_name(records)
+        turned = records["plastic"][_BARS, _PLACES]
+        if bars["sliding"] == panels.CHORD:
+            turned -= _WITH_CHORD * (records["plastic"][:, 3] / bars["lengths"][:, None])[_BARS]
         values = {
             **_histories(scenario.column, bars, records),
             **{name: records[name] for name in _LEDGER},
@@ -252,7 +256,7 @@ class RigidBars(Declared, table="option"):
             "striker_velocity": records["striker_velocity"],
             "percussion": records["percussion"],
             "input_energy": scenario.input_energy,
-            "plastic_rotation": records["plastic"][_BARS, _PLACES],
+            "plastic_rotation": turned,
         }
         warnings = self._reached(scenario.column, values)
         response = build_response(

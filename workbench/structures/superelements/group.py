@@ -18,9 +18,10 @@ REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak c
 class SuperelementState(NamedTuple):
     """State of all elements.
 
-    `plastic` (e, 4): u, theta of hinge 1, then of hinge 4; `carried` (e, 3): N, M_1, M_4 of hinges
-    and bar; `local` (e, 3), the same with the regularising stiffness; `deformation` (e, 3):
-    elongation and end rotations against the chord; `rate` (e,): angular velocity of the chord.
+    `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and the angle by which the web slides,
+    which is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar; `local` (e, 3), the
+    same with the regularising stiffness; `deformation` (e, 3): elongation and end rotations against
+    the chord; `rate` (e,): angular velocity of the chord.
     """
 
     plastic: Array
@@ -83,7 +84,7 @@ class Superelements(HingedElements):
         self._own = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
         self.regularisation, self.first_order = regularisation, first_order
         count = len(self._own)
-        widths = ((4,), (3,), (3,), (3,), ())
+        widths = ((5,), (3,), (3,), (3,), ())
         super().__init__(nodes, SuperelementState(*(np.zeros((count, *w)) for w in widths)))
 
     def place(self, bars: Bars) -> None:
@@ -163,13 +164,17 @@ class Superelements(HingedElements):
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4): u, theta of hinge 1, then of hinge 4.
 
-        In m and rad, conjugate to N, M1 and M4; a pin's rotation is all of it.
+        In m and rad, conjugate to N, M1 and M4; a pin's rotation is all of it. The web slides
+        beside them, see `sliding`.
         """
-        return self._old.plastic
+        turned = self._old.plastic[..., :4].copy()
+        turned[..., [1, 3]] -= self.sliding[..., None]
+        return turned
 
-    @plastic.setter
-    def plastic(self, values: ArrayLike) -> None:
-        self._old.plastic[:] = values
+    @property
+    def sliding(self) -> Array:
+        """Committed angle (elements,) by which the web has slid for good, in rad."""
+        return self._old.plastic[..., 4]
 
     @property
     def elongations(self) -> Array:
