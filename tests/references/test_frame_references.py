@@ -90,6 +90,18 @@ def test_meshes_are_graded_at_every_end(thesis_frame) -> None:
         np.testing.assert_allclose(parts, same)
 
 
+def test_elements_between_the_hinges_follow_the_depth_of_their_member(thesis_frame) -> None:
+    rule = MeshRule(1.0 / 64.0, 0.05)
+    shallow = rule._replace(largest_depth=0.25)
+    members = thesis_frame.frame.members
+    for member, parts in zip(members, member_lengths(thesis_frame, shallow), strict=True):
+        bound = 0.25 * member.section.height
+        assert bound < 0.1  # so that the depth counts, not 1/40 of the longest member
+        assert 0.8 * bound < parts.max() <= bound * (1.0 + 1e-9)
+    given = member_lengths(thesis_frame, shallow, largest=0.1)  # asked for
+    assert max(parts.max() for parts in given) > 0.09
+
+
 def test_a_mesh_keeps_the_nodes_of_the_frame_first(thesis_frame) -> None:
     frame = thesis_frame.frame
     mesh = mesh_frame(frame, member_lengths(thesis_frame, ANY, 0.2, 0.5))

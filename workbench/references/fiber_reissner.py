@@ -116,13 +116,13 @@ class FiberReissner(ExactBeams):
 
     Mesh and steps: `smallest_element` in m, at both ends of every member (None: 1/256 of the
     shorter one that is hit, but not below 1/100 of the depth); `largest_element` in m (None: 1/40
-    of the longest member); `layers` over the depth of the section; `time_step` in s (None: 1/30 of
-    the time of an axial wave along the longest member, 1/10 in a single one, and at first at most
-    1/130 of the expected time to the peak; a bound and the interval of records if explicit);
-    `refinement`, how often all elements and steps are halved (negative: doubled);
-    `step_refinement`, how often the steps alone are halved further; `levels`, meshes behind an
-    answer, each with twice the elements and steps of the next finer one (1: that of `refinement`
-    alone, the numerical uncertainty is then unknown).
+    of the longest member, in dynamics at most half the depth); `layers` over the depth of the
+    section; `time_step` in s (None: 1/30 of the time of an axial wave along the longest member,
+    1/10 in a single one, and at first at most 1/130 of the expected time to the peak; a bound and
+    the interval of records if explicit); `refinement`, how often all elements and steps are
+    halved (negative: doubled); `step_refinement`, how often the steps alone are halved further;
+    `levels`, meshes behind an answer, each with twice the elements and steps of the next finer
+    one (1: that of `refinement` alone, the numerical uncertainty is then unknown).
     Solution: `formulation`, compiled kernel or scikit-fem forms (the same response, slowly);
     `integrator`, implicit with energy-exact steps or explicit central differences with lumped
     mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, more damps
@@ -147,7 +147,7 @@ class FiberReissner(ExactBeams):
     rate_exponent: float = checked(Number(1.0, 50.0), MILD_STEEL.exponent)
 
     name: ClassVar[str] = "fiber-reissner"
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plane sections that may stretch, shear and turn by any amount.",
         "Plasticity of the fibers from normal stress alone; shear strain stays elastic.",

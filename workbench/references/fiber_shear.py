@@ -27,7 +27,7 @@ class FiberShear(ExactBeams):
     """
 
     name: ClassVar[str] = "fiber-shear"
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
     shear_yields: ClassVar[bool] = True
     longer: ClassVar[float] = 2.0  # webs that yield take the waves out
     assumptions: ClassVar[tuple[str, ...]] = (
