@@ -96,6 +96,15 @@ def test_versions_and_data_are_named(
         assert text.endswith("-> 9.9")
 
 
+def test_another_reading_of_histories_is_named(
+    small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_study(small, tmp_path, jobs=0)
+    monkeypatch.setattr(ColumnImpact, "READING", 1, raising=False)
+    told = reasons(small, tmp_path)
+    assert set(told.values()) == {"other quantities are read off histories"}
+
+
 def test_every_ingredient_changes_the_key(thesis_impact: ColumnImpact) -> None:
     ingredients = ingredients_of(thesis_impact, Spring())
     key = key_of(ingredients)

@@ -48,15 +48,23 @@ class CollapseMechanism(NamedTuple):
 
         Second-order work of what members carry (tension positive) as their chords turn.
         """
+        return float(self.works(frame, axial).sum())
+
+    def works(self, frame: Frame, axial: ArrayLike) -> Array:
+        """What each member (members,) takes of that."""
+        lengths = [frame.length(member) for member in frame.members]
+        return -np.asarray(axial) * self.turns(frame) ** 2 * lengths
+
+    def turns(self, frame: Frame) -> Array:
+        """Rotations of the chords of the members (members,) per unit of work."""
         number = {node.name: i for i, node in enumerate(frame.nodes)}
-        total = 0.0
-        for member, force in zip(frame.members, np.asarray(axial), strict=True):
+        turns = []
+        for member in frame.members:
             start, end = frame.node(member.start), frame.node(member.end)
             dx, dy = end.x - start.x, end.y - start.y
             moved = self.shape[number[member.end]] - self.shape[number[member.start]]
-            turn = (dx * moved[1] - dy * moved[0]) / (dx**2 + dy**2)
-            total -= force * turn**2 * frame.length(member)
-        return float(total)
+            turns.append((dx * moved[1] - dy * moved[0]) / (dx**2 + dy**2))
+        return np.array(turns)
 
 
 def collapse_mechanism(

@@ -140,6 +140,18 @@ class ElasticFrame:
         )[0]
         return np.inf if lowest > -LEAST_SOFTENING else -1.0 / float(lowest)
 
+    def vibrations(self, load: Array) -> tuple[Array, Array]:
+        """Periods (s) of the modes, and how far each swings after an impulse along a `load`.
+
+        Both (modes,), without those that have no mass or move without resistance.
+        """
+        shapes = self._modes[:, self._stiff] / np.sqrt(self._values[self._stiff])
+        squares, modes = eigh(shapes.T @ self.mass[np.ix_(self._free, self._free)] @ shapes)
+        moved = (modes.T @ (shapes.T @ load[self._free])) ** 2
+        heavy = squares > NO_STIFFNESS * squares.max(initial=0.0)
+        slowness = np.sqrt(squares[heavy])  # 1 / omega
+        return 2.0 * np.pi * slowness, moved[heavy] / slowness
+
     def end_forces(self, displacement: Array) -> tuple[Array, Array]:
         """Axial forces and moments (hinges,) at the ends of all members, see `hinge_names`.
 

@@ -22,7 +22,8 @@ class Record:
 
     Arguments: the `structure` under its dead loads; `node` and `direction` of the displacement;
     `end` of the record in s (None: load steps), see `Snapshots`. Read off as well: `shear_strain`,
-    the largest mean one of each member so far (members,), None unless shear yields.
+    the largest mean one of each member so far (members,), None unless shear yields; `drift`, the
+    largest one of each upright member (uprights,).
     """
 
     pictures: ClassVar[type[Snapshots]] = Snapshots
@@ -37,7 +38,7 @@ class Record:
         self._steps: list[Any] = []
         self._rows: dict[str, list[Any]] = {}
         self._most: Array = np.zeros((2, len(structure.frame.members)))  # shear, that of no panels
-        self._drift: Array = np.zeros(len(upright_names(structure.frame)))
+        self.drift: Array = np.zeros(len(upright_names(structure.frame)))
         self._spent: dict[str, Array] = {}
         self.shear_strain: Array | None = None
         self._snapshots = self.pictures(structure, end)
@@ -80,7 +81,7 @@ class Record:
             self._rows.setdefault(name, []).append(values)
         shear = [members.shear_forces(), members.unyielding_shear()]
         self._most = np.maximum(self._most, shear)
-        self._drift = np.maximum(self._drift, self.watch.drifts(moved))
+        self.drift = np.maximum(self.drift, self.watch.drifts(moved))
         strains = members.shear_strains()
         if strains is not None:
             known = 0.0 if self.shear_strain is None else self.shear_strain
@@ -120,7 +121,7 @@ class Record:
         return {
             **self.columns(*self.structure.watched, *told),
             "shear_utilisation": self.shear_utilisation(),
-            "drift": self._drift if len(self._drift) and not self.structure.is_column else None,
+            "drift": self.drift if len(self.drift) and not self.structure.is_column else None,
             **self._snapshots.values(),
         }
 

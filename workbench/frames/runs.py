@@ -13,7 +13,10 @@ from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
 from workbench.frames.shear import shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
+from workbench.frames.sway import sway_findings, sway_of
+from workbench.frames.timing import slowest_period
 from workbench.responses import Finding, Response, build_response, energy_error
+from workbench.responses.histories import peak_of, residual_over
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,
@@ -28,6 +31,8 @@ GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
 LEAST_STEPS_TO_PEAK = 30
 LARGEST_SHEAR_STRAIN = 0.15  # mean of a member; a solid carries 7 % more from there on
+OVER = 0.9, 0.99  # of impulse and plastic work, after which little is left but vibrations
+YIELDED = 1e-3  # share of plastic work in all energy from which it counts
 OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a result
 
 
@@ -49,17 +54,25 @@ def run_impact(
     node, direction, end = striker.node, striker.direction, scenario.duration
     record = kept(structure, node, direction, end)
     length = _follow(record, scenario, steps)
+    push = record.told(0.0, lambda s: s.percussion)
+    rest, told = _remaining(record, scenario, direction, push)
     values = {
+        **rest,
         **record.columns("displacement", "velocity", "elastic"),
         "dissipated": record.dissipated,
         "striker_velocity": record.told(striker.velocity, lambda s: s.striker.velocity),
-        "percussion": record.told(0.0, lambda s: s.percussion),
+        "percussion": push,
         "kinetic": record.told(brought, lambda s: s.kinetic + s.striker.kinetic_energy),
         "external_work": record.total(lambda s: s.external_work),
         "contact_loss": record.total(lambda s: s.contact_loss),
         "input_energy": brought,
     }
-    warnings = _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
+    warnings = told + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
+    if not structure.is_column:
+        key = f"sway {node} {direction}"
+        if key not in structure.found:
+            structure.found[key] = sway_of(scenario)
+        warnings += sway_findings(structure.found[key], record.drift)
     time = record.column("at")
     response = _response(record, scenario, values, warnings, time=time, time_step=length)
     _check_ledger(response, largest_error)
@@ -122,12 +135,36 @@ def run_driven(
         "input_energy": np.max(np.abs(ground)),
     }
     at = record.column("at")
+    warnings: list[Finding] = []
     if isinstance(scenario, FramePulse):
         values["load"] = scenario.pulse.force(at) * whole
-    warnings = _softened(record, least_yield_ratio)
+        rest, warnings = _remaining(record, scenario, scenario.direction, values["load"])
+        values |= rest
+    warnings += _softened(record, least_yield_ratio)
     response = _response(record, scenario, values, warnings, time=at, time_step=length)
     _check_ledger(response, OPEN_LEDGER)
     return response
+
+
+def _remaining(
+    record: Record, scenario: FrameImpact | FramePulse, direction: str, push: Array
+) -> tuple[dict[str, Any], list[Finding]]:
+    """The residual displacement of a frame, whose sway is slow; of a column see `histories`.
+
+    All that leaves something has happened once the `push` (steps,) and the plastic work are over.
+    """
+    time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
+    if record.structure.is_column or not peak_of(time, moved):
+        return {}, []
+    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
+    slow = slowest_period(scenario.frame, node, direction)
+    ended = [np.cumsum(np.abs(push))]
+    if spent[-1] > YIELDED * (record.column("elastic").max() + spent[-1]):
+        ended.append(spent)
+    shares = zip(ended, OVER, strict=False)
+    start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
+    value, told = residual_over(time, moved, start, slow)
+    return {"residual_displacement": value}, told
 
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:

@@ -75,7 +75,7 @@ class StruckRecord(Record):
             self._rows.setdefault(name, []).append(values)
         self._steps.append(step)
         self._spent.clear()
-        self._drift = np.maximum(self._drift, np.abs(swayed @ self.watch.lines.sway).max(axis=0))
+        self.drift = np.maximum(self.drift, np.abs(swayed @ self.watch.lines.sway).max(axis=0))
         self._snapshots.keep(at, seen["displacement"], moved, states.carried)
         if lost >= 0:
             members.show(lost)

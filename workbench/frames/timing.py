@@ -1,15 +1,19 @@
 """How long the events of a frame take, and the time steps that follow from that."""
 
 from functools import lru_cache
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 
 from workbench.frames.chains import chains
+from workbench.frames.elastic import ElasticFrame
+from workbench.frames.findings import HALVES, dead_load_state
 from workbench.frames.shear import shear_stiffness
-from workbench.scenarios import Frame, FrameImpact
+from workbench.scenarios import Frame, FrameImpact, Load
 
 FIRST_SPAN, LATER = 6.0, 4.0  # beyond so many times to the peak, so many times longer steps
+
+_FELT = 0.05  # of the largest swing of a mode after a blow
 
 Spans = list[tuple[float, float]]  # end times and time steps of the parts of a record, in s
 
@@ -66,6 +70,21 @@ def time_to_peak(scenario: FrameImpact, shear_flexible: bool = False) -> float:
     flexibility = float(np.append(along, 0.0) @ np.linalg.pinv(stiffness) @ np.append(along, 0.0))
     elastic = 0.5 * pi * sqrt(inertia * flexibility)
     return max(elastic, striker.mass * striker.velocity / resistance)
+
+
+@lru_cache(maxsize=64)
+def slowest_period(frame: Frame, node: str, direction: str) -> float:
+    """Longest period (s) of those that a blow on a node along a direction makes felt.
+
+    Of the elastic frame; dead loads lengthen it by no more than they soften the mode in which it
+    buckles.
+    """
+    elastic = ElasticFrame(frame, parts=HALVES)
+    blow = elastic.load([Load(node, **{direction[-1]: 1.0})])
+    periods, swings = elastic.vibrations(blow)
+    factor = dead_load_state(frame).factor if frame.loads else inf
+    softer = 1.0 if factor is None else sqrt(1.0 - 1.0 / factor)
+    return float(periods[swings >= _FELT * swings.max(initial=0.0)].max(initial=0.0)) / softer
 
 
 @lru_cache(maxsize=64)

@@ -11,6 +11,8 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.responses.outcome import Finding
 
+NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
+SETTLED = 1.5  # periods that a residual displacement takes
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
 _ROUNDED = 1e-4  # of the energy stored before an impact
 # extremes over all parts of a structure: of which variable, and what of it counts
@@ -140,6 +142,29 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     heights = np.concatenate([[level], d[inside], [level]])
     area = 0.5 * (times[1:] - times[:-1]) @ (heights[1:] + heights[:-1])
     return float(area / (last - first))
+
+
+def residual_over(
+    time: Array, displacement: Array, start: float, period: float
+) -> tuple[float | None, list[Finding]]:
+    """Permanent displacement (m) where vibrations of several periods (s) are on, the longest one.
+
+    Mean over the last whole number of those that fit behind the `start` (s), when all has happened
+    that leaves something; None, with a finding, if the record ends before `SETTLED` of them: the
+    mean of a part of one is no permanent displacement.
+    """
+    after, needed = float(time[-1]) - start, start + SETTLED * period
+    if after < SETTLED * period:
+        text = (
+            f"the record ends {1e3 * after:.3g} ms after what yields has come to rest; the slowest "
+            f"vibration takes {1e3 * period:.3g} ms, and the permanent displacement is its mean"
+        )
+        remedy = f"set time.duration to {1.1 * needed:.2g} s for the permanent displacement"
+        return None, [Finding(NO_RESIDUAL, text, remedy=remedy, number=period)]
+    whole = period * int(after / period)
+    steps = 0.5 * (displacement[1:] + displacement[:-1]) * np.diff(time)
+    area = np.concatenate([[0.0], np.cumsum(steps)])
+    return float(area[-1] - np.interp(time[-1] - whole, time, area)) / whole, []
 
 
 def peak_contact_force(time: Array, percussion: Array) -> float:

@@ -121,6 +121,7 @@ class FrameImpact(Impact, Declared, table="time"):
     duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "frame-impact"
+    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:
@@ -179,6 +180,7 @@ class FramePulse(Declared, table="pulse"):
     duration: float = checked(DURATION, 0.1, path="time.duration")
 
     KIND: ClassVar[str] = "frame-pulse"
+    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:

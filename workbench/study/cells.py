@@ -46,7 +46,8 @@ class Cell:
 def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
     """Everything that an answer depends on: scenario, model, options, data, versions.
 
-    A model whose answer rests on data files says so by an attribute `data_digest`.
+    A model whose answer rests on data files says so by an attribute `data_digest`, a kind of
+    scenario whose histories all models read in another way than once, by `READING`.
     Raises `InputError` for options that JSON cannot hold.
     """
     options = options_of(model)
@@ -56,7 +57,9 @@ def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
         raise InputError(
             "model options", options, f"of {model.name} cannot be stored: {error}"
         ) from error
+    reading = getattr(scenario, "READING", 0)
     return {
+        **({"reading": reading} if reading else {}),
         "scenario": scenario_hash(scenario),
         "model": model.name,
         "model_version": model.version,

@@ -34,6 +34,7 @@ _CHANGES = {
     "data": "the data have changed",
     "package": "workbench version",
     "store_format": "format of the store",
+    "reading": "other quantities are read off histories",
 }
 
 
@@ -175,11 +176,11 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
         return "its stored cell has been removed"
     reasons = list(_scenario_changes(cell, last, store))
     for name, text in _CHANGES.items():
-        before, after = last.get(name), now[name]
+        before, after = last.get(name), now.get(name)
         if name == "options" and isinstance(before, dict):
-            reasons.extend(_changes(before, after, f"{text} "))
+            reasons.extend(_changes(before, now[name], f"{text} "))
         elif before != after:
-            reasons.append(text if name == "data" else f"{text} {before} -> {after}")
+            reasons.append(text if name in ("data", "reading") else f"{text} {before} -> {after}")
     return "; ".join(reasons)
 
 
