@@ -14,7 +14,7 @@ from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.build import build_report, document, summary
 from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
 from workbench.report.chapters.results import numbers
-from workbench.report.chapters.subject import in_labels, subject
+from workbench.report.chapters.subject import in_labels, measured_at, subject
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -91,12 +91,17 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
         FrameImpact("c", high.split("B0-B1", 2.5, "hit"), FrameStriker(80.0, 7.0, node="hit"), 0.1),
     ]
     cases = tuple(Case(hit.name, hit) for hit in hits)
-    (said,) = subject(replace(sweep_study(), cases=cases, groups={}))
+    study = replace(sweep_study(), cases=cases, groups={"low": ("a", "b"), "high": ("c",)})
+    (said,) = subject(study)
     first, second = str(said).split("; ")
     assert "3 m high of 4 members" in first
     assert "hit 1 m, 2 m above the ground, by a rigid striker of 500 kg at 5 and 9 m/s" in first
     assert "4 m high of 4 members" in second
     assert "hit 2.5 m above the ground, by a rigid striker of 80 kg at 7 m/s" in second
+    # squares of 0.2 m, hit 1 m from base and head, and 1.5 m from the head
+    assert "hits 5 section heights from" in measured_at(study, "low")
+    assert "hits 7.5 section heights from" in measured_at(study, "high")
+    assert measured_at(replace(sweep_study(), groups={"x": ()}), "x") == ""
 
 
 def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from workbench.content.terminal import render_text
+from workbench.models.single_dof import SingleDof
 from workbench.report.chapters import ranking
 
 FIRST = {
@@ -37,9 +38,12 @@ def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> N
 def test_the_tree_says_which_model_where_and_how_it_did_unseen() -> None:
     leaf = {**FIRST, "region": "V/Vpl below 0.5", "count": 60, "asked": 12, "right": 11}
     rows = {"advice": [leaf, {**leaf, "region": ""}], "cost": []}
-    text = " ".join(render_text(*ranking.tree(SimpleNamespace(rows=rows))).split())
+    study = SimpleNamespace(models={"panels": SingleDof(resistance="panel", hit_mass="waves")})
+    held = SimpleNamespace(rows=rows, study=study)
+    text = " ".join(render_text(*ranking.tree(held)).split())
     assert "on 22 of 24 columns that this choice had not seen" in text
-    assert "V/Vpl below 0.5: take panels; peak within 10 % in 50 of 60, expect" in text
+    asked = "single-dof --option resistance=panel --option hit_mass=waves"
+    assert f"V/Vpl below 0.5: take panels (`{asked}`); peak within 10 % in 50 of 60, expect" in text
     assert "any column: take panels" in text
     assert not (ranking.tree(SimpleNamespace(rows={**rows, "advice": []})))
 

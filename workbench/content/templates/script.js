@@ -91,3 +91,9 @@ document.querySelectorAll(".film").forEach((film) => {
 addEventListener("beforeprint", () => {
   document.querySelectorAll("details:not(.screen-only)").forEach((d) => { d.open = true; });
 });
+// Tables that are wider than the page say so.
+const hint = () => document.querySelectorAll(".table").forEach((table) => {
+  table.classList.toggle("scrolls", table.scrollWidth > table.clientWidth + 1);
+});
+hint();
+addEventListener("resize", hint);

@@ -28,7 +28,7 @@ from workbench.content.tree import (
 )
 from workbench.report.chapters import measured, ranking, verdicts
 from workbench.report.chapters.budgets import budgets
-from workbench.report.chapters.subject import in_labels, subject
+from workbench.report.chapters.subject import in_labels, measured_at, subject
 from workbench.report.chapters.wording import FAIR, Row, ends, sentence, up
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
@@ -205,7 +205,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
     if others:
         names = several([f"{label} ({up(found[label])})" for label in others], 8)
         text += f". {what.capitalize()} within {up(FAIR)} as well, inside their domain: {names}"
-    return f"{text}."
+    return f"{text}.{measured_at(study, group)}"
 
 
 def _title(stored: Stored, group: str) -> str:

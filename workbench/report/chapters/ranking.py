@@ -4,6 +4,7 @@ from typing import Any
 
 from workbench.content.formatting import count, part, percent, several
 from workbench.content.tree import Block, Bullets, Cell, Column, Paragraph, Section, Table
+from workbench.models.descriptors import asked_for, variant_of
 from workbench.models.validity import BEYOND
 from workbench.report.stored import Stored
 
@@ -38,16 +39,23 @@ def tree(stored: Stored) -> tuple[Block, ...]:
         f"{right} of {asked} columns that this choice had not seen:"
     )
     told = (
-        f"{row['region'] or 'any column'}: {_take(row, row['count'])}{_time(stored, row)}"
+        f"{row['region'] or 'any column'}: {_take(row, row['count'], _asked(stored, row))}"
+        f"{_time(stored, row)}"
         for row in rows
     )
     return Paragraph(said), Bullets(tuple(told))
 
 
-def _take(row: Row, judged: int) -> str:
+def _asked(stored: Stored, row: Row) -> str:
+    """How the command line is asked for the model of a row, options included."""
+    model = stored.study.models[row["label"]]
+    return f" (`{asked_for(f'{model.name} {variant_of(model)}')}`)"
+
+
+def _take(row: Row, judged: int, asked: str = "") -> str:
     """The model to take, how often it is within the bound, and what to expect."""
     text = (
-        f"take {row['label']}; peak within {100 * BEYOND:g}\u2009% in {row['within']} of "
+        f"take {row['label']}{asked}; peak within {100 * BEYOND:g}\u2009% in {row['within']} of "
         f"{judged}, expect {_expected(row)}, nine of ten in brackets"
     )
     wrong = row["falls"] + row["stands"]

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 
 from workbench.content.formatting import brief, count, several
 from workbench.content.tree import Block, Paragraph
+from workbench.errors import OutOfDomainError
+from workbench.frames.column_line import column_line
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker
 from workbench.study.definition import Study
 
@@ -19,6 +21,23 @@ def subject(study: Study) -> Iterator[Block]:
     said = [*(_columns(columns) if columns else ()), *(_frames(frames) if frames else ())]
     if said:
         yield Paragraph(f"What is hit: {'; '.join(said)}.")
+
+
+def measured_at(study: Study, group: str) -> str:
+    """How far from their joints the struck members of a group were hit, in heights; or nothing."""
+    heights = []
+    for case in study.cases:
+        if case.name in study.groups[group] and isinstance(case.scenario, FrameImpact):
+            try:
+                line = column_line(case.scenario)
+            except OutOfDomainError:  # a joint, or a beam that is no line between two
+                continue
+            struck = case.scenario.frame.member(line.members[0])
+            height = min(line.below, line.above) / struck.section.height
+            heights.append(float(f"{height:.2g}"))
+    if not heights:
+        return ""
+    return f" Measured on hits {_values(heights, 1.0, 'section heights')} from the nearest joint."
 
 
 def in_labels(study: Study, text: str) -> str:
