@@ -5,6 +5,7 @@ import difflib
 import math
 import unicodedata
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from typing import Any, ClassVar
 
 from workbench.errors import InputError
@@ -221,22 +222,23 @@ class Declared:
 
     def __hash__(self) -> int:
         """Hash of all fields, found once: whole frames are asked for by what is kept of them."""
-        kept = self.kept
-        if "hash" not in kept:
+        try:
+            found: int = self.__dict__["_kept"]["hash"]
+        except KeyError:
             compared = (f.name for f in dataclasses.fields(self) if f.compare)
-            kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
-        return int(kept["hash"])
+            found = self.kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
+        return found
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy takes along: hashes of words mean nothing in another process."""
         return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            rule: Rule | None = field.metadata.get("rule")
+        for field, rule, optional, path in _checks(type(self)):  # type: ignore[arg-type]
             value = getattr(self, field.name)
-            if rule is not None and (value is not None or not field.metadata["optional"]):
-                object.__setattr__(self, field.name, rule.check(self._path(field), value))
+            if value is not None or not optional:
+                value = rule.check(path or self._path(field), value)
+                object.__setattr__(self, field.name, value)
         self.check()
 
     def check(self) -> None:
@@ -252,6 +254,17 @@ class Declared:
     def _path(self, field: dataclasses.Field[Any]) -> str:
         label = f".{getattr(self, self.LABEL)}" if self.LABEL not in ("", field.name) else ""
         return path_of(field, self.TABLE + label)
+
+
+@cache
+def _checks(kind: type[Declared]) -> list[tuple[dataclasses.Field[Any], Rule, bool, str]]:
+    """Fields of a class and their rules, whether they may be None, and the path if all share it."""
+    found = []
+    for field in dataclasses.fields(kind):
+        if "rule" in field.metadata:
+            path = "" if kind.LABEL else path_of(field, kind.TABLE)
+            found.append((field, field.metadata["rule"], field.metadata["optional"], path))
+    return found
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:

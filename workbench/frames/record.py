@@ -1,7 +1,7 @@
 """What a run of a frame records at every committed step."""
 
-from collections.abc import Callable
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -39,7 +39,7 @@ class Record:
         self._rows: dict[str, list[Any]] = {}
         self._most: Array = np.zeros((2, len(structure.frame.members)))  # shear, that of no panels
         self.drift: Array = np.zeros(len(upright_names(structure.frame)))
-        self._spent: dict[str, Array] = {}
+        self._totals: dict[str, Array] = {}
         self.shear_strain: Array | None = None
         self._snapshots = self.pictures(structure, end)
         self._begin()
@@ -62,7 +62,7 @@ class Record:
         frame has collapsed, `OutOfDomainError` when an element crumples.
         """
         self._steps.append(step)
-        self._spent.clear()
+        self._totals.clear()
         self._see(at, turns)
         self.watch.check(self.displacement, at if self._timed else None)
 
@@ -73,8 +73,8 @@ class Record:
             "at": at,
             "dead_work": moved @ assembly.load,
             "axial_force": members.axial_forces(),
-            "moment": members.moments(),
-            "plastic_rotation": members.plastic_rotations(),
+            "moment": self.structure.sense * members.moments(),
+            "plastic_rotation": self.structure.sense * members.plastic_rotations(),
             "sliding": members.sliding(),
         }
         for name, values in seen.items():
@@ -106,13 +106,15 @@ class Record:
         """Histories of several scalars by name."""
         return {name: self.column(name) for name in names}
 
-    def told(self, start: float, read: Callable[[Any], float]) -> Array:
-        """History (steps,) of what is `read` off a step, from `start`."""
-        return np.array([start, *map(read, self._steps)])
+    def told(self, start: float, name: str) -> Array:
+        """History (steps,) of what steps tell by this name (``energies.plastic``), from `start`."""
+        return np.array([start, *map(attrgetter(name), self._steps)])
 
-    def total(self, read: Callable[[Any], float]) -> Array:
-        """History (steps,) of the sum of what is `read` off all steps so far."""
-        return np.cumsum(self.told(0.0, read))
+    def total(self, name: str) -> Array:
+        """History (steps,) of the sum of that over all steps so far."""
+        if name not in self._totals:
+            self._totals[name] = np.cumsum(self.told(0.0, name))
+        return self._totals[name]
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
@@ -133,20 +135,14 @@ class Record:
         """The same of the mean along members in which shear does not yield (members,)."""
         return np.asarray(self._most[1] / _resistances(self.structure.frame))
 
-    def spent(self, name: str) -> Array:
-        """History (steps,) of an entry of `StepEnergies`, summed over all steps so far, in J."""
-        if name not in self._spent:
-            self._spent[name] = self.total(lambda step: getattr(step.energies, name))
-        return self._spent[name]
-
     @property
     def dissipated(self) -> Array:
         """History (steps,) of the plastic and algorithmic dissipation, in J."""
-        return self.spent("plastic") + self.spent("algorithmic")
+        return self.total("energies.plastic") + self.total("energies.algorithmic")
 
     def yield_ratio(self) -> float | None:
         """Plastic work over that of stresses at yield; None without plastic flow."""
-        plastic, ideal = self.spent("plastic")[-1], self.spent("ideal")[-1]
+        plastic, ideal = self.total("energies.plastic")[-1], self.total("energies.ideal")[-1]
         if ideal <= LEAST_FLOW * max(self.column("elastic").max(), 1e-300):
             return None
         return float(plastic / ideal)
@@ -157,9 +153,9 @@ class Record:
         numbers = {
             "elements": len(lengths),
             "smallest_element": float(lengths.min()),
-            "newton_iterations": int(self.total(lambda step: step.evaluations)[-1]),
-            "cut_steps": int(self.total(lambda step: step.cuts)[-1]),
-            "algorithmic_dissipation": float(self.spent("algorithmic")[-1]),
+            "newton_iterations": int(self.total("evaluations")[-1]),
+            "cut_steps": int(self.total("cuts")[-1]),
+            "algorithmic_dissipation": float(self.total("energies.algorithmic")[-1]),
             "largest_shear_strain": None if self.shear_strain is None else self.shear_strain.max(),
             "yield_ratio": self.yield_ratio(),
         }

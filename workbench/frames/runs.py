@@ -54,17 +54,17 @@ def run_impact(
     node, direction, end = striker.node, striker.direction, scenario.duration
     record = kept(structure, node, direction, end)
     length = _follow(record, scenario, steps)
-    push = record.told(0.0, lambda s: s.percussion)
+    push = record.told(0.0, "percussion")
     rest, told = _remaining(record, scenario, direction, push)
     values = {
         **rest,
         **record.columns("displacement", "velocity", "elastic"),
         "dissipated": record.dissipated,
-        "striker_velocity": record.told(striker.velocity, lambda s: s.striker.velocity),
+        "striker_velocity": record.told(striker.velocity, "striker.velocity"),
         "percussion": push,
-        "kinetic": record.told(brought, lambda s: s.kinetic + s.striker.kinetic_energy),
-        "external_work": record.total(lambda s: s.external_work),
-        "contact_loss": record.total(lambda s: s.contact_loss),
+        "kinetic": record.told(brought, "kinetic") + record.told(0.0, "striker.kinetic_energy"),
+        "external_work": record.total("external_work"),
+        "contact_loss": record.total("contact_loss"),
         "input_energy": brought,
     }
     warnings = told + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
@@ -94,7 +94,7 @@ def run_static(
         turns = bool(stops) and isclose(reached, stops[0], rel_tol=1e-9, abs_tol=1e-12)
         stops = stops[1:] if turns else stops
         record.take(taken, float(count), turns=turns)
-    factor, work = record.told(0.0, lambda s: s.factor), record.total(lambda s: s.external_work)
+    factor, work = record.told(0.0, "factor"), record.total("external_work")
     force = factor * scenario.magnitude
     values = {
         **record.columns("displacement", "elastic"),
@@ -126,12 +126,12 @@ def run_driven(
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
     length = _follow(record, scenario, steps)
-    ground, damped = record.total(lambda s: s.input_energy), record.total(lambda s: s.damped)
+    ground, damped = record.total("input_energy"), record.total("damped")
     values = {
         **record.columns("displacement", "velocity", "elastic"),
-        "kinetic": record.told(0.0, lambda s: s.kinetic),
+        "kinetic": record.told(0.0, "kinetic"),
         "dissipated": record.dissipated + damped,
-        "external_work": ground + record.total(lambda s: s.external_work),
+        "external_work": ground + record.total("external_work"),
         "input_energy": np.max(np.abs(ground)),
     }
     at = record.column("at")
@@ -175,7 +175,7 @@ def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) 
         except CollapseError as error:  # members that slid mean little before they fell
             told = tuple(_shear_reached(record, scenario))
             raise CollapseError(error.collapse, error.reason, told) from error
-    return float(record.told(0.0, lambda s: s.length).max())
+    return float(record.told(0.0, "length").max())
 
 
 def _response(
@@ -229,7 +229,7 @@ def _check_ledger(response: Response, largest_error: float | None) -> None:
 def _impact_accuracy(record: Record, brought: float) -> list[Finding]:
     """Findings on the time steps up to the peak and their damping; energy `brought` in (J)."""
     findings = []
-    displacement, algorithmic = record.column("displacement"), record.spent("algorithmic")
+    displacement, algorithmic = record.column("displacement"), record.total("energies.algorithmic")
     top = int(np.argmax(displacement))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
         text = f"the peak comes after {top} time steps only"
@@ -272,5 +272,7 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
         if record.structure.is_column:
             remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
         return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
-    reached = zip(names, record.unyielding_shear().tolist(), strict=True)
-    return shear_reached(scenario, dict(reached))
+    reached = record.unyielding_shear()
+    if not reached.any():
+        return []
+    return shear_reached(scenario, dict(zip(names, reached.tolist(), strict=True)))

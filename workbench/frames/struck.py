@@ -1,6 +1,6 @@
 """The record of an impact on superelements: many states at a time, read in compiled code."""
 
-from collections.abc import Callable
+from operator import attrgetter
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -14,6 +14,14 @@ from workbench.frames.superelements import SuperelementMembers
 from workbench.structures.paths import PathStep
 from workbench.structures.time_steps import TimeStep
 
+_TOLD = {  # of steps
+    name: attrgetter(name)
+    for name in (
+        *("length", "percussion", "contact_loss", "external_work", "kinetic", "evaluations"),
+        *("cuts", "striker.velocity", "striker.kinetic_energy"),
+        *("energies.plastic", "energies.algorithmic", "energies.ideal"),
+    )
+}
 LOST = Lost(watch.COLLAPSE_SIDEWAYS, watch.COLLAPSE_CONTRACTION, watch.LEAST_LENGTH)
 
 
@@ -69,25 +77,27 @@ class StruckRecord(Record):
         tables = np.empty((len(TABLES), len(places.hinge), len(moved)))
         swayed = np.empty((len(moved), len(places.swaying)))
         lost = read(places, LOST, moved, states, tables, self._most, swayed)
-        slid = members.sliding()
-        seen = {**self._committed(), "at": at, "sliding": None if slid is None else slid.T}
-        for name, values in (*seen.items(), *zip(TABLES, tables, strict=True)):
+        seen = {"at": at, **self._committed()} | {name: get(step) for name, get in _TOLD.items()}
+        told, slid = np.array(list(seen.values())), members.sliding()
+        rows = {**dict(zip(seen, told, strict=True)), **dict(zip(TABLES, tables, strict=True))}
+        for name, values in (*rows.items(), ("sliding", None if slid is None else slid.T)):
             self._rows.setdefault(name, []).append(values)
-        self._steps.append(step)
-        self._spent.clear()
+        self._totals.clear()
         self.drift = np.maximum(self.drift, np.abs(swayed @ self.watch.lines.sway).max(axis=0))
-        self._snapshots.keep(at, seen["displacement"], moved, states.carried)
+        time, displacement = told[0], told[1]
+        self._snapshots.keep(time, displacement, moved, states.carried)
         if lost >= 0:
             members.show(lost)
             assembly.show(moved[lost], assembly.velocity[lost], seen["elastic"][lost])
-            self.watch.check(float(seen["displacement"][lost]), float(at[lost]))
+            self.watch.check(float(displacement[lost]), float(time[lost]))
 
     def column(self, name: str) -> Array:
         """As of other records."""
-        return np.concatenate(self._rows[name], axis=-1)
+        rows = self._rows[name]
+        return rows[0] if len(rows) == 1 else np.concatenate(rows, axis=-1)
 
-    def told(self, start: float, read: Callable[[Any], Any]) -> Array:
+    def told(self, start: float, name: str) -> Array:
         """As of other records."""
-        told = np.concatenate([read(step) for step in self._steps])
+        told = self.column(name)
         told[0] = start
         return told

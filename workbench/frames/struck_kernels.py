@@ -17,8 +17,8 @@ class Places(NamedTuple):
     moment. Of its elements: where those of each member start, `first` (members + 1,), their
     `lengths`, whether webs `slide`, and `first_order`, see `Bars`. Of its members: dofs u, v of
     both `corners` (members, 4), and what of their movement counts `across` and `along` (members,
-    2), over the length; `chained` (chains, members), see `Lines`. Of its uprights: dofs that make
-    them drift, and from where these `start`.
+    2), over the length; which straight line of members each is in, its `chain`, and the `share` of
+    that in 1/m. Of its uprights: dofs that make them drift, and from where these `start`.
     """
 
     hinge: Indices
@@ -31,7 +31,8 @@ class Places(NamedTuple):
     corners: Indices
     across: Array
     along: Array
-    chained: Array
+    chain: Indices
+    share: Array
     swaying: Indices
     start: Array
 
@@ -52,46 +53,43 @@ def read(places, lost, x, states, tables, most, swayed):
     force in an element of a member so far, and of the mean along it where no web slides; `swayed`
     (records, dofs), movements that make uprights drift.
     """
-    first, fallen = places.first, -1
     local, carried, plastic = states.local, states.carried, states.plastic
-    deformed = states.deformation
-    shortened = np.zeros(first.size - 1)
+    deformed, slide, lengths, first = states.deformation, places.slide, places.lengths, places.first
+    hinge, side, sign, corners = places.hinge, places.side, places.sign, places.corners
+    across, along, chain, share = places.across, places.along, places.chain, places.share
+    fallen, squashed = -1, np.zeros(first.size - 1)
     for r in range(x.shape[0]):
-        for h in range(places.hinge.size):
-            e, side, sign = places.hinge[h], places.side[h], places.sign[h]
+        for h in range(hinge.size):
+            e, end = hinge[h], side[h]
             tables[0, h, r] = local[r, e, 0]
-            tables[1, h, r] = sign * local[r, e, 1 + side]
-            tables[2, h, r] = sign * (plastic[r, e, 1 + 2 * side] - plastic[r, e, 4])
+            tables[1, h, r] = sign[h] * local[r, e, 1 + end]
+            tables[2, h, r] = sign[h] * (plastic[r, e, 1 + 2 * end] - plastic[r, e, 4])
         for i in range(places.swaying.size):
             swayed[r, i] = x[r, places.swaying[i]] - places.start[i]
-        gone = False
+        gone, squashed[:] = False, 0.0
         for m in range(first.size - 1):
             largest = total = stretched = 0.0
             for e in range(first[m], first[m + 1]):
                 longer = deformed[r, e, 0]
-                if places.slide[e]:
-                    shear = (carried[r, e, 1] + carried[r, e, 2]) / places.lengths[e]
+                if slide[e]:
+                    shear = (carried[r, e, 1] + carried[r, e, 2]) / lengths[e]
                 else:
-                    chord = places.lengths[e] + (0.0 if places.first_order else longer)
+                    chord = lengths[e] + (0.0 if places.first_order else longer)
                     shear = (local[r, e, 1] + local[r, e, 2]) / chord
                     total += shear
                 largest = max(largest, abs(shear))
                 stretched += longer
-                gone = gone or 1.0 + longer / places.lengths[e] < lost.length
+                gone = gone or longer < (lost.length - 1.0) * lengths[e]
             most[0, m] = max(most[0, m], largest)
             most[1, m] = max(most[1, m], abs(total) / (first[m + 1] - first[m]))
-            shortened[m] = -stretched
-            u0, v0, u1, v1 = places.corners[m]
-            du, dv = x[r, u1] - x[r, u0], x[r, v1] - x[r, v0]
-            apart = abs(du * places.across[m, 0] + dv * places.across[m, 1])
-            left = 1.0 + du * places.along[m, 0] + dv * places.along[m, 1]
-            gone = gone or apart / min(1.0, np.hypot(apart, left)) > lost.sideways
-        for chain in range(places.chained.shape[0]):
-            squashed = 0.0
-            for m in range(first.size - 1):
-                squashed += places.chained[chain, m] * shortened[m]
-            gone = gone or squashed > lost.contraction
-        if gone and fallen < 0:
+            squashed[chain[m]] -= share[m] * stretched
+            du = x[r, corners[m, 2]] - x[r, corners[m, 0]]
+            dv = x[r, corners[m, 3]] - x[r, corners[m, 1]]
+            apart = abs(du * across[m, 0] + dv * across[m, 1])
+            left = 1.0 + du * along[m, 0] + dv * along[m, 1]
+            if apart > lost.sideways * min(1.0, abs(left)):  # as good as never
+                gone = gone or apart > lost.sideways * min(1.0, np.hypot(apart, left))
+        if fallen < 0 and (gone or squashed.max() > lost.contraction):
             fallen = r
     return fallen
 

@@ -329,7 +329,7 @@ class SuperelementMembers(MemberReader):
         return Places(
             self._ends,
             self._side,
-            self._signs,
+            structure.sense * self._signs,
             self._first,
             elements.lengths,
             elements.slide,
@@ -337,7 +337,8 @@ class SuperelementMembers(MemberReader):
             np.array(corners),
             lines.across[rows, after],
             lines.along[rows, after],
-            lines.chained,
+            lines.chained.argmax(axis=0),
+            lines.chained.max(axis=0),
             lines.swaying,
             structure.start[lines.swaying],
         )

@@ -74,6 +74,12 @@ def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
     return told
 
 
+def as_column(structure: FrameStructure) -> FrameStructure:
+    """The frame of a column, told of in the words of columns."""
+    watched = {"shortening": structure.dof("head", "-y")}
+    return replace(structure, watched=watched, hinges=COLUMN_HINGES)
+
+
 class _Clock:
     """Counts the `seconds` in which steps are solved, without those in which they are read."""
 
@@ -178,26 +184,15 @@ class FrameModel(ABC, Declared, table="option"):
         """Answer a scenario that is in the domain.
 
         Raises `SolverError`, `OutOfDomainError`, `CollapseError`.
-
-        The strike on a column flies along +x and the column goes up, so that moments are those of
-        a frame with the opposite sign: positive at the base.
         """
         with one_thread():
-            return self.run(scenario, self.structure(scenario))
+            structure = self.structure(scenario)
+            if isinstance(scenario, COLUMNS):
+                structure = as_column(structure)
+            return self.run(as_frame(scenario), structure)
 
-    def run(self, scenario: FrameScenario | ColumnScenario, structure: FrameStructure) -> Response:
-        """Answer it on the structure of `structure`, which is used up."""
-        told = as_frame(scenario)
-        if not isinstance(scenario, COLUMNS):
-            return self._run(told, structure)
-        watched = {"shortening": structure.dof("head", "-y")}
-        structure = replace(structure, watched=watched, hinges=COLUMN_HINGES)
-        response = self._run(told, structure)
-        for name in ("moment", "plastic_rotation"):
-            response.variables[name].values *= -1.0
-        return response
-
-    def _run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+    def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
+        """Answer it on a structure of its own, see `structure` and `as_column`."""
         least, clock = self.least_yield_ratio, _Clock()
         if isinstance(scenario, FrameStatic):
             path = clock.timed(self._push(scenario, structure))

@@ -48,7 +48,7 @@ from workbench.impact.pace import Pace
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
-from workbench.models.frame_model import as_frame, one_thread
+from workbench.models.frame_model import COLUMNS, as_column, as_frame, one_thread
 from workbench.models.validity import SUBJECT, measured_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
@@ -108,12 +108,13 @@ class _HingedBars(BarFrames):
     def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The same, kept for many runs."""
         told = as_frame(scenario)
-        return _standing(self, told.frame, tuple(self.parts(told)))
+        parts = tuple(self.parts(told))
+        return _standing(self, told.frame, parts, isinstance(scenario, COLUMNS))
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """As all; compiled steps leave the kept structure as it is, and need no libraries."""
         if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
-            return self.run(scenario, self._standing(scenario).seen())
+            return self.run(as_frame(scenario), self._standing(scenario).seen())
         return super().solve(scenario)
 
     def bring_up(self, frame: Frame, parts: Sequence[int]) -> FrameStructure:
@@ -210,10 +211,13 @@ class _HingedBars(BarFrames):
 
 
 @lru_cache(maxsize=16)
-def _standing(model: _HingedBars, frame: Frame, parts: tuple[int, ...]) -> FrameStructure:
-    """The frame under its dead loads: what many strikers hit is brought up once."""
+def _standing(
+    model: _HingedBars, frame: Frame, parts: tuple[int, ...], column: bool
+) -> FrameStructure:
+    """The frame under its dead loads, told of as a `column`: many strikers hit it."""
     with one_thread():
-        return model.bring_up(frame, parts)
+        structure = model.bring_up(frame, parts)
+    return as_column(structure) if column else structure
 
 
 @lru_cache(maxsize=64)

@@ -15,13 +15,14 @@ from xarray.indexes import PandasIndex
 from workbench.arrays import Array
 from workbench.responses.variables import COORDINATES
 
+_ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
+
 
 def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
     """A coordinate of a response: its index and its variable."""
-    index = PandasIndex(pd.Index(values, name=name), name)
-    axis = index.create_variables()[name]
-    axis.attrs = COORDINATES[name].attributes
-    return index, axis
+    known = pd.Index(values, name=name)
+    axis = xr.IndexVariable(name, known, _ATTRIBUTES[name])  # type: ignore[no-untyped-call]
+    return PandasIndex(known, name), axis
 
 
 def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,14 @@ from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABL
 
 Response = xr.Dataset
 _TOLD = {"units", "long_name"}  # of every variable
-_DIMENSIONS = {
-    of: {n: tuple(of if d == HISTORY else d for d in v.dims) for n, v in VARIABLES.items()}
+_KNOWN = {  # dimensions and attributes of variables over time, or of steps
+    of: {
+        name: (tuple(of if d == HISTORY else d for d in one.dims), one.attributes)
+        for name, one in VARIABLES.items()
+    }
     for of in ("time", "step")
 }
+_LARGE = 1000  # numbers of an array that is looked at by itself
 
 
 def build_response(
@@ -47,7 +52,7 @@ def build_response(
     instants = None if time is None else np.asarray(time, dtype=float)
     given = {n: None if v is None else np.asarray(v, dtype=float) for n, v in values.items()}
     derived, findings = implied(given, instants)
-    dims_of = _DIMENSIONS["time" if time is not None else "step"]
+    known = _KNOWN["time" if time is not None else "step"]
     named = {"hinge": hinges, "segment": segments, "member": members, "upright": uprights}
     along: dict[str, Any] = {name: tuple(names) for name, names in named.items() if len(names)}
     if instants is not None:
@@ -59,12 +64,13 @@ def build_response(
     for name, value in {**derived, **given}.items():
         if value is None:
             continue
-        dims, array = dims_of[name], np.asarray(value, dtype=float)
-        for dim, size in zip(dims, array.shape, strict=False):
-            sizes.setdefault(dim, size)
-        if array.shape != tuple([sizes.get(dim) for dim in dims]):
-            raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
-        data[name] = xr.Variable(dims, array, VARIABLES[name].attributes, fastpath=True)
+        (dims, attributes), array = known[name], np.asarray(value, dtype=float)
+        if array.shape != tuple(map(sizes.get, dims)):
+            for dim, size in zip(dims, array.shape, strict=False):
+                sizes.setdefault(dim, size)
+            if array.shape != tuple(map(sizes.get, dims)):
+                raise ValueError(f"{name}: shape {array.shape} is not that of {dims} {sizes}")
+        data[name] = xr.Variable(dims, array, attributes, fastpath=True)
     for name in filter(sizes.__contains__, ("point", "snapshot")):
         along[name] = sizes[name]
     indexes: dict[Any, Any] = {}
@@ -134,7 +140,8 @@ def survives(response: Response) -> bool | None:
 
 def findings_of(response: Response) -> list[Finding]:
     """The findings that a response carries: refusals and warnings."""
-    return [Finding.from_dict(stored) for stored in json.loads(response.attrs["findings"])]
+    told = response.attrs["findings"]
+    return [Finding.from_dict(stored) for stored in json.loads(told)] if told != "[]" else []
 
 
 def is_synthetic(response: Response) -> bool:
@@ -149,7 +156,13 @@ def warnings_of(response: Response) -> list[Finding]:
 
 def set_findings(response: Response, findings: Sequence[Finding]) -> None:
     """Let a response carry these findings and no others."""
-    response.attrs["findings"] = json.dumps([finding.as_dict() for finding in findings])
+    response.attrs["findings"] = f"[{', '.join(map(_text, findings))}]"
+
+
+@lru_cache(maxsize=1024)
+def _text(finding: Finding) -> str:
+    """A finding in JSON: many responses carry the same ones."""
+    return json.dumps(finding.as_dict())
 
 
 def check_response(response: Response) -> None:
@@ -162,14 +175,16 @@ def check_response(response: Response) -> None:
     standard: dict[Any, Array] = {}
     for name, array in variables.items():
         if name in VARIABLES:
-            standard[name] = array.values.ravel()
+            standard[name] = array.values
         elif name in COORDINATES or name in response.coords:
             continue
         elif "." not in str(name):
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
         if not array.attrs.keys() >= _TOLD:
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-    if standard and not _finite(np.concatenate(list(standard.values()))):  # all at once
+    large = [values for values in standard.values() if values.size > _LARGE]
+    small = [values.ravel() for values in standard.values() if values.size <= _LARGE]
+    if not all(map(_finite, (*large, np.concatenate([*small, ()])))):
         name = next(name for name, values in standard.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if "time" in variables:

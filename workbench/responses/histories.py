@@ -61,7 +61,7 @@ def implied(
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:
     """Largest drift, plastic rotation (rad), sliding (m), compression, tension (N) of all parts."""
     return {
-        name: float(np.max(counted(values[of]), initial=0.0))
+        name: max(0.0, float(counted(values[of]).max())) if values[of].size else 0.0
         for name, (of, counted) in EXTREMES.items()
         if of in values
     }
@@ -122,24 +122,14 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     A cycle runs between two upward crossings of the mid-level of the record after its first
     minimum behind the peak. None if the record holds no whole cycle: run longer.
     """
-    top = int(np.argmax(displacement))
-    after = displacement[top:]
-    rising = np.flatnonzero(after[1:] > after[:-1])
-    if len(rising) == 0:
+    from workbench.responses.kernels import cycles  # what only reads responses needs no compiler
+
+    start, end, first, last, level = cycles(time, displacement)
+    if start == end:
         return None
-    start = top + int(rising[0])
-    t, d = time[start:], displacement[start:]
-    level = 0.5 * (d.max() + d.min())
-    crossings = np.flatnonzero((d[:-1] < level) & (d[1:] >= level))
-    if len(crossings) < 2:
-        return None
-    first, last = (
-        t[i] + (level - d[i]) / (d[i + 1] - d[i]) * (t[i + 1] - t[i])
-        for i in (int(crossings[0]), int(crossings[-1]))
-    )
-    inside = slice(int(crossings[0]) + 1, int(crossings[-1]) + 1)
-    times = np.concatenate([[first], t[inside], [last]])
-    heights = np.concatenate([[level], d[inside], [level]])
+    inside = slice(start + 1, end + 1)
+    times = np.concatenate([[first], time[inside], [last]])
+    heights = np.concatenate([[level], displacement[inside], [level]])
     area = 0.5 * (times[1:] - times[:-1]) @ (heights[1:] + heights[:-1])
     return float(area / (last - first))
 
@@ -172,12 +162,6 @@ def peak_contact_force(time: Array, percussion: Array) -> float:
 
     Arguments: `time` at the end of each step, and the `percussion` of that step in N s.
     """
-    pushes = np.flatnonzero(percussion)
-    last = 1 + int(pushes[-1]) if len(pushes) else 1  # a window that ends later has no more
-    impulse = np.concatenate([[0.0], percussion[:last].cumsum()])
-    first = 2.0 * time[0] - time[1] if len(time) > 1 else time[0] - FORCE_WINDOW
-    at = np.concatenate([[first], time[:last]])
-    # the impulse rises linearly within a step: the best window starts or ends on a step
-    ending = impulse - np.interp(at - FORCE_WINDOW, at, impulse)
-    starting = np.interp(at + FORCE_WINDOW, at, impulse) - impulse
-    return float(max(ending.max(), starting.max()) / FORCE_WINDOW)
+    from workbench.responses.kernels import largest_window
+
+    return float(largest_window(time, percussion, FORCE_WINDOW) / FORCE_WINDOW)

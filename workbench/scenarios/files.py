@@ -6,12 +6,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
 from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.scenarios.codec import label_of, read, write, write_text
+from workbench.scenarios.codec import dumped, label_of, read, write, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.impact_problem import ImpactProblem
@@ -133,7 +131,7 @@ def scenario_hash(scenario: Scenario) -> str:
 def canonical(scenario: Scenario) -> tuple[str, str]:
     """The canonical TOML text of a scenario and the hash of what happens in it."""
     if "canonical" not in scenario.kept:
-        head = tomli_w.dumps({"kind": scenario.KIND, "name": scenario.name})
+        head = dumped("kind", scenario.KIND) + dumped("name", scenario.name)
         body = write_text(scenario, without="name")
         digest = hashlib.sha256(f"{scenario.KIND}\n{body}".encode()).hexdigest()[:16]
         scenario.kept["canonical"] = f"{head}\n{body}", digest

@@ -1,0 +1,65 @@
+"""Loops over histories. Imported where these are reduced alone: reading responses needs none."""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy")
+def cycles(time, displacement):
+    """Whole cycles after the peak: places and times of the first and last upward crossing, level.
+
+    Of the mid-level of the record after its first minimum behind the peak; places count from the
+    start, and are equal if there is no whole cycle.
+    """
+    last, start = displacement.size - 1, np.argmax(displacement)
+    while start < last and not displacement[start + 1] > displacement[start]:
+        start += 1
+    high = low = displacement[start]
+    for i in range(start, last + 1):
+        high, low = max(high, displacement[i]), min(low, displacement[i])
+    level, places, times = 0.5 * (high + low), [0, 0], [0.0, 0.0]
+    count = 0
+    for i in range(start, last):
+        if displacement[i] < level <= displacement[i + 1]:
+            end = min(count, 1)
+            share = (level - displacement[i]) / (displacement[i + 1] - displacement[i])
+            places[end], times[end] = i, time[i] + share * (time[i + 1] - time[i])
+            count += 1
+    if count < 2:
+        places[1] = places[0]
+    return places[0], places[1], times[0], times[1], level
+
+
+@njit(cache=True, error_model="numpy")
+def largest_window(time, percussion, window):
+    """Largest sum of percussions (N s) of steps that end at a `time` (s), within a `window` (s).
+
+    The impulse rises linearly within a step: the best window starts or ends on a step.
+    """
+    last = percussion.size
+    while last > 1 and percussion[last - 1] == 0.0:  # a window that ends later has no more
+        last -= 1
+    at, impulse = np.empty(last + 1), np.empty(last + 1)
+    at[0], impulse[0] = 2.0 * time[0] - time[1] if time.size > 1 else time[0] - window, 0.0
+    for i in range(last):
+        at[i + 1], impulse[i + 1] = time[i], impulse[i] + percussion[i]
+    most, behind, ahead = -np.inf, 0, 0
+    for i in range(at.size):
+        early, late = at[i] - window, at[i] + window
+        while behind < last and at[behind + 1] <= early:
+            behind += 1
+        while ahead < last and at[ahead + 1] <= late:
+            ahead += 1
+        ending = impulse[i] - _between(at, impulse, behind, early)
+        starting = _between(at, impulse, ahead, late) - impulse[i]
+        most = max(most, max(ending, starting))
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def _between(at, values, i, x):
+    """Value at `x`, in the interval after the place `i`; constant beyond the ends."""
+    if x <= at[i] or i == at.size - 1:
+        return values[i]
+    slope = (values[i + 1] - values[i]) / (at[i + 1] - at[i])
+    return slope * (x - at[i]) + values[i]
