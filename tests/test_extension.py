@@ -80,6 +80,7 @@ import json
 from pathlib import Path
 from workbench.registry import make_model
 from workbench.report.build import build_report
+from workbench.report.stored import Stored
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Gate, Study, assess, run_study
 
@@ -94,7 +95,7 @@ study = Study(
 )
 run_study(study, Path("reports"), jobs=0)
 found = assess(study, Path("reports"))
-html = build_report(found.directory, study, formats=("html",))["html"].read_text("utf-8")
+html = build_report(Stored(found.directory, study), formats=("html",))["html"].read_text("utf-8")
 print(json.dumps({
     "outcomes": [row["outcome"] for row in found.tables["cells"]],
     "velocities": [row.get("largest_velocity") for row in found.tables["cells"]],

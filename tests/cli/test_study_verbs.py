@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
+from workbench.report.stored import Stored
 from workbench.scenarios import ColumnImpact, to_toml
 
 TOYS = Path(__file__).parents[1] / "toy_models.py"
@@ -329,9 +330,9 @@ def test_report_hands_the_store_to_the_builder(
 ) -> None:
     seen: list[object] = []
 
-    def build(directory: Path, study: object, formats: object, out: object) -> dict[str, Path]:
-        seen.extend((directory, formats, out))
-        return {"html": directory / "report.html"}
+    def build(stored: Stored, formats: object, out: object) -> dict[str, Path]:
+        seen.extend((stored.directory, len(stored.read), formats, out))
+        return {"html": stored.directory / "report.html"}
 
     monkeypatch.setattr("workbench.report.build.build_report", build)
     where = ["--store", str(tmp_path / "store")]
@@ -341,7 +342,7 @@ def test_report_hands_the_store_to_the_builder(
     capsys.readouterr()
     assert run(["report", str(study_file), *where, "--format", "html", "--json"]) == 0
     directory = tmp_path / "store" / "slow-toy"
-    assert seen == [directory, ("html",), None]
+    assert seen == [directory, 12, ("html",), None]  # all cells are read by now
     found = json.loads(capsys.readouterr().out)
     assert found["files"] == {"html": str(directory / "report.html")}
     assert run(["report", str(study_file), *where, "--format", "html"]) == 0

@@ -93,7 +93,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert {v.verdict.value for v in assess(strict, empty).verdicts} == {"inconclusive"}
     assert all(row["synthetic"] for row in found.tables["validation"])
     assert all(row["synthetic"] == 2 for row in found.tables["matrix"])
-    build_report(found.directory, study, formats=("html",))
+    build_report(Stored(found.directory, study), formats=("html",))
     page = (found.directory / "report" / "report.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in page
     captions = re.findall(r"<((?:fig)?caption)\b[^>]*>(.*?)</\1>", page, re.DOTALL)
@@ -111,7 +111,7 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     assert (
         len(re.findall(r'"model":"SYNTHETIC rows"[^{]*\{[^}]*\},"peak":[^}]*"width":', beside)) == 2
     )
-    front = summary(found.directory, study, empty / "git").read_text(encoding="utf-8")
+    front = summary(Stored(found.directory, study), empty / "git").read_text(encoding="utf-8")
     assert front.startswith(f"# {MARK}")
     assert "no model is judged" in front
     matrix = [row for row in Stored(found.directory, study).rows["matrix"] if row["synthetic"]]

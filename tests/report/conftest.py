@@ -41,7 +41,9 @@ def film_report(frames, film_study, tmp_path_factory) -> dict[str, Path]:
     from workbench.report.build import build_report
 
     out = made_once(
-        tmp_path_factory, "film", lambda out: build_report(frames.directory, film_study, out=out)
+        tmp_path_factory,
+        "film",
+        lambda out: build_report(Stored(frames.directory, film_study), out=out),
     )
     return paths_of(out)
 
@@ -50,9 +52,7 @@ def film_report(frames, film_study, tmp_path_factory) -> dict[str, Path]:
 def built(small, tmp_path_factory) -> dict[str, Path]:
     from workbench.report.build import build_report
 
-    out = made_once(
-        tmp_path_factory, "report", lambda out: build_report(small.directory, small.study, out=out)
-    )
+    out = made_once(tmp_path_factory, "report", lambda out: build_report(small, out=out))
     return paths_of(out)
 
 

@@ -166,9 +166,9 @@ def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored)
 
 
 def test_every_renderer_shows_the_same_cells(stored: Stored, tmp_path) -> None:
-    files = build_report(stored.directory, stored.study, out=tmp_path)
+    files = build_report(stored, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
-    page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
+    page = summary(stored, tmp_path / "kept").read_text(encoding="utf-8")
     text = render_text(*in_brief(stored.study, stored))
     assert files["pdf"].read_bytes().startswith(b"%PDF")
     for cell in (cell for row in table_of(stored).rows for cell in row):

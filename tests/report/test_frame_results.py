@@ -22,6 +22,7 @@ from workbench.report.chapters import configuration, limits
 from workbench.report.drawing.sheet import thinned
 from workbench.report.figures import draw
 from workbench.report.gallery import to_svg
+from workbench.report.stored import Stored
 from workbench.scenarios import FrameStatic, Load, regular_frame, scenario_from
 from workbench.sections import find
 from workbench.study import Case
@@ -236,7 +237,7 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
 
 def test_the_whole_report_repeats(frames, film_study, film_report, tmp_path):
     """With the film alone: still pictures repeat in other reports."""
-    one, two = film_report, build_report(frames.directory, film_study, out=tmp_path)
+    one, two = film_report, build_report(Stored(frames.directory, film_study), out=tmp_path)
     for name in ("html", "pdf"):
         assert one[name].read_bytes() == two[name].read_bytes()
     html = one["html"].read_text(encoding="utf-8")

@@ -49,7 +49,7 @@ def files_of(directory: Path) -> dict[str, bytes]:
 
 
 def test_equal_stores_give_equal_bytes(built, small, tmp_path):
-    again = build_report(small.directory, small.study, out=tmp_path / "elsewhere")
+    again = build_report(small, out=tmp_path / "elsewhere")
     first, second = files_of(built["html"].parent), files_of(again["html"].parent)
     assert first.keys() == second.keys()
     assert [name for name in first if first[name] != second[name]] == []
@@ -59,14 +59,14 @@ def test_equal_stores_give_equal_bytes(built, small, tmp_path):
 @pytest.fixture(scope="module")
 def sweep_html(sweep, tmp_path_factory) -> dict[str, Path]:
     out = tmp_path_factory.mktemp("sweep")
-    return build_report(sweep.directory, sweep.study, formats=("html",), out=out)
+    return build_report(sweep, formats=("html",), out=out)
 
 
 def test_only_the_formats_asked_for_are_written(sweep, sweep_html, tmp_path):
     assert set(sweep_html) == {"figures", "html", "explorer"}
     assert not (sweep_html["html"].parent / "report.pdf").exists()
     with pytest.raises(InputError, match="--format"):
-        build_report(sweep.directory, sweep.study, formats=("docx",), out=tmp_path)
+        build_report(sweep, formats=("docx",), out=tmp_path)
 
 
 def test_nothing_is_loaded_from_outside(html, page):
@@ -170,7 +170,7 @@ def test_all_cases_can_be_run_again_from_the_report(page, small):
 
 def test_a_study_that_was_not_assessed_is_refused(small, tmp_path):
     with pytest.raises(InputError, match="run it first"):
-        build_report(tmp_path, small.study, out=tmp_path / "out")
+        build_report(Stored(tmp_path, small.study), out=tmp_path / "out")
 
 
 def test_models_that_were_not_asked_are_told(small):
@@ -205,7 +205,7 @@ def test_cells_that_never_ran_are_told(small, tmp_path):
     rows = [cell.text for block in tables for row in block.rows for cell in row]
     assert "late" in rows
     assert any("has not been run" in text for text in rows)
-    written = build_report(small.directory, wider, formats=("html",), out=tmp_path)
+    written = build_report(Stored(small.directory, wider), formats=("html",), out=tmp_path)
     assert "No answer from late" in written["html"].read_text(encoding="utf-8")
 
 

@@ -143,7 +143,7 @@ def test_gates_mean_something(studs):
 
 
 def test_the_whole_report(studs, tmp_path):
-    files = build_report(studs.directory, studs.study, out=tmp_path)
+    files = build_report(studs, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
     assert files["pdf"].read_bytes().startswith(b"%PDF")
     order = [html.index(f">{title}<") for title in ("What was asked", "In short", "Verdicts")]

@@ -47,7 +47,7 @@ def test_gates_that_differ_only_in_their_cases_are_two_everywhere(judged, tmp_pa
     assert [row[0].text for row in table.rows] == ["pass", "pass", "fail"]
     assert table.rows[2][3].text == "collapsing collapses (v20.0)"
     assert [row[5].text for row in table.rows] == ["1 of 1", "2 of 2", "2 of 3"]
-    page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
+    page = summary(stored, tmp_path / "kept").read_text(encoding="utf-8")
     assert len(re.findall(r"^\| \S+ (?:pass|fail) ", page, re.MULTILINE)) == 3
 
 
@@ -60,7 +60,7 @@ def test_a_collapse_is_said_in_the_first_line(judged, tmp_path) -> None:
         "Of 3 gates, 2 passed, 1 failed, 0 inconclusive. One side collapses where the other "
         "survives in 1 gate: v20.0 (collapsing collapses)."
     )
-    page = summary(stored.directory, stored.study, tmp_path / "kept").read_text(encoding="utf-8")
+    page = summary(stored, tmp_path / "kept").read_text(encoding="utf-8")
     assert page.index("One side collapses where the other survives") < page.index("| verdict")
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from workbench.errors import InputError
 from workbench.report.build import build_report
+from workbench.report.stored import Stored
 from workbench.study import State, Store, Study, assess, cells_of, run_study, survey
 from workbench.study.store import canonical_json, write_atomically
 
@@ -28,7 +29,7 @@ def written(study: Study, root: Path) -> None:
     """All that `run` and `report` write into a store."""
     run_study(study, root, jobs=0)
     assess(study, root)
-    build_report(root / study.name, study, formats=("html",))
+    build_report(Stored(root / study.name, study), formats=("html",))
 
 
 def states(study: Study, root: Path) -> list[State]:
@@ -117,7 +118,7 @@ def test_what_is_written_already_is_not_written_again(small: Study, tmp_path: Pa
     files = [path for path in (tmp_path / "toy").rglob("*") if path.is_file()]
     before = {path: path.stat().st_mtime_ns for path in files}
     assess(small, tmp_path)
-    build_report(tmp_path / "toy", small, formats=("html",), out=tmp_path / "elsewhere")
+    build_report(Stored(tmp_path / "toy", small), formats=("html",), out=tmp_path / "elsewhere")
     assert {path: path.stat().st_mtime_ns for path in files} == before
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, InterruptedByUserError, Json, verb
+from workbench.cli.output import Answer, InterruptedByUserError, Json, flag, option, verb
 from workbench.content.tree import Block, Bullets, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -22,10 +22,8 @@ _SHOWN = ("number", "gate", "verdict", "value", "uncertainty", "case", "bound", 
 StudyName = Annotated[
     str, typer.Argument(metavar="STUDY", help="Name of a study in ./studies, or a study file.")
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="The quick form: fewer cases and models.")]
-StoreRoot = Annotated[
-    str, typer.Option("--store", metavar="DIR", help="Directory that holds the result stores.")
-]
+Quick = Annotated[bool, flag("The quick form: fewer cases and models.", "--quick")]
+StoreRoot = Annotated[str, option("Directory that holds the result stores.", "DIR", "--store")]
 
 
 @verb
@@ -33,20 +31,14 @@ def run(
     study: StudyName,
     quick: Quick = False,
     jobs: Annotated[
-        int | None,
-        typer.Option(help="Worker processes; 0: none, for a debugger.  [default: one per core]"),
+        int | None, option("Worker processes; 0: none, for a debugger.  [default: one per core]")
     ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Run on this Dask cluster.")
-    ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Answer stored cells again.")] = False,
+    scheduler: Annotated[str | None, option("Run on this Dask cluster.", "ADDRESS")] = None,
+    fresh: Annotated[bool, flag("Answer stored cells again.", "--fresh")] = False,
     only: Annotated[
-        str | None,
-        typer.Option(metavar="PATTERN", help="Cells whose case, label or case/label matches."),
+        str | None, option("Cells whose case, label or case/label matches.", "PATTERN")
     ] = None,
-    timeout: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Time that one cell may take.")
-    ] = None,
+    timeout: Annotated[float | None, option("Time that one cell may take.", "SECONDS")] = None,
     store: StoreRoot = "reports",
     as_json: Json = False,
 ) -> Answer:
@@ -153,15 +145,10 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
 def report(
     study: StudyName,
     quick: Quick = False,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="html,pdf", help="What to write.")
-    ] = "html,pdf",
-    out: Annotated[
-        str | None, typer.Option(metavar="DIR", help="Where to write.  [default: the store]")
-    ] = None,
+    formats: Annotated[str, option("What to write.", "html,pdf", "--format")] = "html,pdf",
+    out: Annotated[str | None, option("Where to write.  [default: the store]", "DIR")] = None,
     summary: Annotated[
-        str | None,
-        typer.Option(metavar="DIR", help="Also write README.md and figures there, to keep in git."),
+        str | None, option("Also write README.md and figures there, to keep in git.", "DIR")
     ] = None,
     store: StoreRoot = "reports",
 ) -> Answer:
@@ -174,20 +161,22 @@ def report(
         raise InputError("--format", formats, "must be html, pdf or html,pdf")
     from workbench.report.build import build_report
     from workbench.report.build import summary as write_summary
+    from workbench.report.chapters.answer import in_brief
+    from workbench.report.stored import Stored
     from workbench.study import assess
 
     chosen = _chosen(study, quick)
     result = assess(chosen, Path(store))
-    target = None if out is None else Path(out)
-    files = build_report(result.directory, chosen, formats=wanted, out=target)
+    stored = Stored(result.directory, chosen, result.responses)
+    files = build_report(stored, formats=wanted, out=None if out is None else Path(out))
     if summary is not None:
-        files["summary"] = write_summary(result.directory, chosen, Path(summary))
+        files["summary"] = write_summary(stored, Path(summary))
     content: dict[str, Any] = {
         "study": chosen.name,
         "files": {name: str(path) for name, path in files.items()},
         "gates": gate_objects(result),
     }
-    shown = [*_answer(chosen, result), Definitions(tuple(content["files"].items()))]
+    shown = [*in_brief(chosen, stored), Definitions(tuple(content["files"].items()))]
     if "html" in files and "explorer" not in files:
         shown.append(Paragraph("No explorer: no answer of this study moves in time."))
     return Answer(content, tuple(shown))

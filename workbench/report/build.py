@@ -40,22 +40,22 @@ _EXPLORE = "Explore the stored answers: sliders, histories, deformed shapes"
 
 
 def build_report(
-    directory: Path, study: Study, formats: Sequence[str] = ("html", "pdf"), out: Path | None = None
+    stored: Stored, formats: Sequence[str] = ("html", "pdf"), out: Path | None = None
 ) -> dict[str, Path]:
     """Write the report of a stored and assessed study; nothing is simulated or assessed.
 
-    Arguments: `directory`, the store of the study; `study`, in the form that was run; `formats`,
-    any of html and pdf; `out`, where to write (default: ``report`` in the store). Returns the
-    path of each format, of the ``figures`` with their numbers, and beside html of the ``explorer``
-    of a study in which something moves in time. Equal stores give equal bytes.
+    Arguments: `stored`, the study in the form that was run; `formats`, any of html and pdf; `out`,
+    where to write (default: ``report`` in the store). Returns the path of each format, of the
+    ``figures`` with their numbers, and beside html of the ``explorer`` of a study in which
+    something moves in time. Equal stores give equal bytes.
     Raises `InputError` for an unknown format, a study without results, a figure of unknown kind
     or a directory that cannot be written.
     """
     for name in formats:
         _FORMAT.check("--format", name)
-    target = own_directory(Path(directory), "report") if out is None else Path(out)
+    study = stored.study
+    target = own_directory(stored.directory, "report") if out is None else Path(out)
     written = {"figures": own_directory(target, "figures")}
-    stored = Stored(Path(directory), study)
     plates = draw_all(study, stored)
     pictures = {plate.figure.key: plate.picture() for plate in plates}
     kinds = {plate.figure.key: plate.figure.kind for plate in plates}
@@ -119,16 +119,14 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     return found.marked(measured.MARK) if stored.synthetic else found
 
 
-def summary(directory: Path, study: Study, target: Path) -> Path:
+def summary(stored: Stored, target: Path) -> Path:
     """Write ``README.md`` and ``figures/<study>-<key>.png`` under `target`; return the page.
 
-    Arguments: `directory`, the store of the study; `study`, in the form that was run. Figures
-    with the option ``summary = True`` appear (without any: the first eight that do not depend on
-    the machine). Equal results give equal bytes: no times, dates or paths.
+    Figures with the option ``summary = True`` appear (without any: the first eight that do not
+    depend on the machine). Equal results give equal bytes: no times, dates or paths.
     Raises `InputError` for a study without results.
     """
-    stored = Stored(Path(directory), study)
-    target = Path(target)
+    study = stored.study
     own_directory(target, "figures")
     sections = [Section("short", "", tuple(_short(study, stored)))]
     for plate in _chosen(draw_all(study, stored)):

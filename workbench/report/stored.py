@@ -74,13 +74,13 @@ class CellState:
 class Stored:
     """A stored study, read only.
 
-    Arguments: `directory` of the store and the `study` that it belongs to. Responses are read
-    when asked for and kept.
+    Arguments: `directory` of the store and the `study` that it belongs to; `read`, responses by
+    keys of cells as far as they have been read already. Others are read when asked for and kept.
     """
 
     directory: Path
     study: Study
-    _read: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
+    read: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def rows(self) -> dict[str, list[Any]]:
@@ -120,6 +120,11 @@ class Stored:
         }
 
     @cached_property
+    def costs(self) -> dict[str, float]:
+        """Time of each label over that of the reference, as far as it is known."""
+        return {row["label"]: row["ratio"] for row in self.rows["cost"]}
+
+    @cached_property
     def synthetic(self) -> bool:
         """Whether a cell holds made numbers, which validate nothing."""
         return any(row["subject"] == SYNTHETIC for row in self.rows["findings"])
@@ -152,11 +157,11 @@ class Stored:
         cell = self.cells.get((case, label))
         if cell is None or not cell.ok:
             return None
-        found = self._read.get(cell.key)
+        found = self.read.pop(cell.key, None)
         if found is None:
             found = Store(self.directory).response(cell.key)
-            if keep:
-                self._read[cell.key] = found
+        if keep:
+            self.read[cell.key] = found
         return found
 
     def data_uncertainty(self, case: str, label: str, quantity: str) -> float | None:

@@ -4,7 +4,7 @@ The verdict of a gate counts all cases that are asked; the rule itself stands in
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ from workbench.study.definition import Study, varied_case
 from workbench.study.manifest import as_answered
 from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
 from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
-from workbench.study.store import NOT_RUN, Presence, Row, Store, csv_bytes, write_atomically
+from workbench.study.store import NOT_RUN, Record, Row, Store, csv_bytes, write_atomically
 from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
 from workbench.study.validity import ADVICE_COLUMNS, RANKING_COLUMNS, advice_rows, ranking_rows
 
@@ -67,11 +67,15 @@ _FEWEST_FOR_BIAS = 3  # cases
 
 @dataclass(frozen=True)
 class Assessment:
-    """The rows of all `tables` by name, as stored under `directory`, and the `verdicts`."""
+    """The rows of all `tables` by name, as stored under `directory`, and the `verdicts`.
+
+    `responses`, what was read of the store, by keys of cells: a report need not read it again.
+    """
 
     directory: Path
     tables: Mapping[str, Sequence[Row]]
     verdicts: tuple[GateVerdict, ...]
+    responses: dict[str, Response] = field(default_factory=dict, repr=False)
 
     @property
     def failed(self) -> bool:
@@ -98,6 +102,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     rows: dict[str, list[Row]] = {"cells": [], "findings": []}
+    read: dict[str, Response] = {}
     given = []
     for case in study.cases:
         responses: dict[str, Response] = {}
@@ -106,9 +111,10 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
             row = {**who, "model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
-            if store.presence(cell.key, cell.ingredients) is Presence.FINISHED:
-                response = responses[cell.label] = store.response(cell.key)
-                row |= _numbers(response, store, cell)
+            if (answer := store.answer(cell.key, cell.ingredients)) is not None:
+                record, response = answer
+                responses[cell.label] = read[cell.key] = response
+                row |= _numbers(response, record)
                 rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]
             told.append({**row, **case.parameters})
         given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
@@ -153,12 +159,11 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     store.prepare()
     for name, table in rows.items():
         write_atomically(store.tables / f"{name}.csv", csv_bytes(table, columns[name]))
-    return Assessment(store.directory, rows, verdicts)
+    return Assessment(store.directory, rows, verdicts, read)
 
 
-def _numbers(response: Response, store: Store, cell: Cell) -> Row:
+def _numbers(response: Response, record: Record) -> Row:
     """What the table of cells says of an answer."""
-    record = store.record(cell.key)
     row: dict[str, object] = {
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
@@ -203,23 +208,24 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
 
 def _budget_rows(study: Study, cells: Sequence[Cell], store: Store) -> Iterator[Row]:
     """A row for every term and sum of every budget, per label and quantity."""
-    stored = {
-        (cell.case, cell.label): cell
-        for cell in cells
-        if store.presence(cell.key, cell.ingredients) is Presence.FINISHED
-    }
+    asked = {(cell.case, cell.label): cell for cell in cells}
+
+    def answer(case: str, label: str) -> Response | None:
+        cell = asked.get((case, label))
+        found = None if cell is None else store.answer(cell.key, cell.ingredients)
+        return None if found is None else found[1]
+
     for budget in study.budgets:
         scenario: Any = next(case.scenario for case in study.cases if case.name == budget.case)
         for label in budget.models:
-            answer = stored.get((budget.case, label))
-            if answer is None:
+            response = answer(budget.case, label)
+            if response is None:
                 continue
             varied = {
-                key: store.response(cell.key)
+                key: run
                 for key in budget.variations(scenario)
-                if (cell := stored.get((varied_case(budget.case, key), label))) is not None
+                if (run := answer(varied_case(budget.case, key), label)) is not None
             }
-            response = store.response(answer.key)
             found = budget.terms(study.models[label], scenario, response, varied)
             for quantity, terms in found.items():
                 who = {"case": budget.case, "label": label, "quantity": quantity}

@@ -12,12 +12,12 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import netCDF4
 import pandas as pd
@@ -44,6 +44,8 @@ _RECORDED: dict[str, Any] = {
 # What reading a record of any content may raise: not there, no JSON, other shapes, too deep.
 _UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
 
+T = TypeVar("T")
+Record = dict[str, Any]
 Row = Mapping[str, Any]
 Ingredients = Mapping[str, Any]  # everything that an answer depends on
 
@@ -142,10 +144,8 @@ def to_netcdf_bytes(response: Response) -> bytes:
 
 def read_netcdf(path: Path) -> Response:
     """Read a stored response into memory (times stay in seconds)."""
-    return xr.load_dataset(path, engine="netcdf4", decode_times=False).drop_encoding()
-
-
-Record = dict[str, Any]
+    with netCDF4.Dataset(path) as stored:
+        return _loaded(stored)
 
 
 class Presence(StrEnum):
@@ -212,9 +212,8 @@ class Store:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise InputError(
-                "store", str(self.directory), "is in use by another run", "wait until it is over"
-            ) from error
+            text, advice = "is in use by another run", "wait until it is over"
+            raise InputError("store", str(self.directory), text, advice) from error
 
     def holds(self, key: str) -> bool:
         """Whether a cell has come to be stored under this key, whatever has become of it since."""
@@ -227,25 +226,36 @@ class Store:
         """
         if not self.holds(key):
             return Presence.ABSENT  # a file without a record was cut off before it counted
+        found = self._sound(key, asked, lambda stored: None)
+        return Presence.CORRUPT if found is None else Presence.FINISHED
+
+    def answer(self, key: str, asked: Ingredients) -> tuple[Record, Response] | None:
+        """Record and response of a cell, read once; None where it is not finished (`presence`)."""
+        return self._sound(key, asked, _loaded)
+
+    def _sound(
+        self, key: str, asked: Ingredients, read: Callable[[netCDF4.Dataset], T]
+    ) -> tuple[Record, T] | None:
+        """The record of a cell and what is `read` of its file; None where they do not agree."""
         try:
             record, file = self.record(key), self.cells / f"{key}.nc"
             content = file.read_bytes() if file.is_file() else b""  # a pipe would never end
             same = hashlib.sha256(content).hexdigest() == record["sha256"]
-            sound = record["key"] == key and all(
-                isinstance(record[name], kinds) for name, kinds in _RECORDED.items()
-            )
-            agrees = same and sound and _answers(content, asked, record["outcome"])
+            sound = all(isinstance(record[name], kinds) for name, kinds in _RECORDED.items())
+            if not (same and sound and record["key"] == key):
+                return None
+            with netCDF4.Dataset("stored", memory=content) as stored:
+                agrees = _answers(stored, asked, record["outcome"])
+                return (record, read(stored)) if agrees else None
         except (*_UNREADABLE, AttributeError):
-            return Presence.CORRUPT
-        return Presence.FINISHED if agrees else Presence.CORRUPT
+            return None
 
     def put(self, key: str, content: bytes, record: Record) -> None:
         """Store the netCDF bytes of a cell, then its record."""
         digest = hashlib.sha256(content).hexdigest()
+        signed = canonical_json({**record, "key": key, "sha256": digest})
         write_atomically(self.cells / f"{key}.nc", content)
-        write_atomically(
-            self.cells / f"{key}.json", canonical_json({**record, "key": key, "sha256": digest})
-        )
+        write_atomically(self.cells / f"{key}.json", signed)
 
     def remove(self, key: str) -> None:
         """Forget a cell; its record goes first."""
@@ -262,10 +272,7 @@ class Store:
         return record
 
     def response(self, key: str) -> Response:
-        """The response of a finished cell.
-
-        Raises `WorkbenchError` if it cannot be read.
-        """
+        """The response of a finished cell. Raises `WorkbenchError` if it cannot be read."""
         path = self.cells / f"{key}.nc"
         try:
             return read_netcdf(path)
@@ -273,13 +280,15 @@ class Store:
             raise WorkbenchError(f"stored cell {path.name} cannot be read: {error}") from error
 
 
-def _answers(content: bytes, asked: Ingredients, outcome: str) -> bool:
-    """Whether stored bytes say that they answer what is asked, and ended as their record says."""
-    with netCDF4.Dataset("stored", memory=content) as stored:
-        told = {name: stored.getncattr(name) for name in (*_SIGNED.values(), "options", "outcome")}
+def _answers(stored: netCDF4.Dataset, asked: Ingredients, outcome: str) -> bool:
+    """Whether a file says that it answers what is asked, and ended as its record says."""
+    told = stored.__dict__
     same = all(told[mine] == asked[name] for name, mine in _SIGNED.items())
-    return (
-        same
-        and json.loads(told["options"]) == asked["options"]
-        and Outcome(told["outcome"]) == outcome
-    )
+    options = json.loads(told["options"])
+    return same and options == asked["options"] and Outcome(told["outcome"]) == outcome
+
+
+def _loaded(stored: netCDF4.Dataset) -> Response:
+    """The response in a file that is open (times stay in seconds)."""
+    source = xr.backends.NetCDF4DataStore(stored)  # type: ignore[no-untyped-call]
+    return xr.open_dataset(source, decode_times=False).load().drop_encoding()

@@ -39,6 +39,7 @@ _DASHES = {"-": "", "--": "6 3", "-.": "7 2 1.5 2"}
 _DOTTED = "1.5 2.5"
 _MOST = 6  # models shown at first besides the references
 _STOPS, _WIDE = 25, 30.0  # places of a slider; ratio of its ends beyond which it is logarithmic
+Rows = list[dict[str, Any]]
 
 
 def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None:
@@ -52,12 +53,13 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
         return None
     made = [block.text for block in measured.made(stored) if isinstance(block, Callout)]
     title = f"{measured.MARK if made else ''}{study.title}"
-    shown = {"study": study, "title": title, "made": made, **_seen(study, stored, cases)}
-    text = ""
+    matrix, models, text = _matrix(stored, study), _models(study), ""
+    shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
+    fixed = _fixed(study, stored.synthetic, matrix, models)
     for detail in DETAILS:
         texts: dict[str, int] = {"": 0}
         kept = [case.kept(detail, texts) for case in cases]
-        data = {**_fixed(study, stored), "cases": kept, "texts": list(texts)}
+        data = {**fixed, "cases": kept, "texts": list(texts)}
         text = _page(data, {**shown, "thinned": _thinned(cases, detail)})
         if len(text.encode()) <= largest:
             break
@@ -145,22 +147,22 @@ def _structure(case: Case) -> dict[str, Any]:
     return found
 
 
-def _fixed(study: Study, stored: Stored) -> dict[str, Any]:
+def _fixed(study: Study, synthetic: bool, matrix: Rows, models: Rows) -> dict[str, Any]:
     """What the script needs to know besides the cases."""
     groups = dict(study.groups) or {ALL: tuple(case.name for case in study.cases)}
     return {
-        "study": f"{'SYNTHETIC ' if stored.synthetic else ''}{study.name}",
-        "models": _models(study),
+        "study": f"{'SYNTHETIC ' if synthetic else ''}{study.name}",
+        "models": models,
         "groups": {name: list(cases) for name, cases in groups.items()},
         "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
-                   for row in _matrix(stored, study)],
+                   for row in matrix],
         "parts": [list(part) for part in PARTS],
         "bounds": [answer.GOOD, wording.FAIR],
         "colors": {"band": INTERVAL["color"], "rest": REST, "yields": YIELDING},
     }  # fmt: skip
 
 
-def _models(study: Study) -> list[dict[str, Any]]:
+def _models(study: Study) -> Rows:
     """Labels with their looks, and whether they are shown at first."""
     figures = [f.models for f in study.figures if f.key == answer.decisive(study)]
     wanted = (*figures, ())[0] or tuple(study.models)
@@ -178,7 +180,7 @@ def _models(study: Study) -> list[dict[str, Any]]:
     ]
 
 
-def _matrix(stored: Stored, study: Study) -> list[dict[str, Any]]:
+def _matrix(stored: Stored, study: Study) -> Rows:
     """The matrix of the first page by rows: `label`, `cells` by group, `time` and `words`."""
     tables = (block for block in answer.matrix(study, stored) if isinstance(block, Table))
     known = {(row["label"], row["group"]): row for row in stored.rows["matrix"]}
@@ -204,15 +206,14 @@ def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, A
     return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
 
 
-def _seen(study: Study, stored: Stored, cases: Sequence[_Asked]) -> dict[str, Any]:
+def _seen(study: Study, cases: Sequence[_Asked], matrix: Rows, models: Rows) -> dict[str, Any]:
     """What the template writes itself."""
-    matrix = _matrix(stored, study)
     names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
     return {
         "matrix": matrix,
         "groups": list(study.groups),
         "heads": [cell["group"] for cell in matrix[0]["cells"]] if matrix else [],
-        "models": _models(study),
+        "models": models,
         "cases": [case.case.name for case in cases],
         "axes": [axis for name in names for axis in _axis(name, cases)],
         "left": len(study.cases) - len(cases),

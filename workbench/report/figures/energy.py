@@ -3,6 +3,7 @@
 Options: `case` (a name; default the first that has a ledger).
 """
 
+import numpy as np
 from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, number, unit_of
@@ -64,12 +65,14 @@ def ledger(response: Response, history: str, struck: bool) -> tuple[Array, dict[
     Arguments: `history`, time or step; `struck`, whether a striker brings energy.
     """
     index = evenly(response.sizes[history], _MOST_POINTS)
-    known = response.isel({history: index}).astype(float)
-    at: Array = known[history].values.astype(float)
-    parts: dict[str, Array] = {n: known[n].values for n, _, _ in PARTS if n in response}
+
+    def taken(name: str) -> Array:
+        return np.asarray(response[name].values[index], dtype=float)
+
+    at, parts = taken(history), {name: taken(name) for name, _, _ in PARTS if name in response}
     # a striker brings its energy at once, all else does work; what dead loads had stored before
     # is part of every later sum
-    work = known["external_work"].values if "external_work" in response else 0.0 * at
+    work = taken("external_work") if "external_work" in response else 0.0 * at
     energy = float(response["input_energy"]) if struck else 0.0
     stored = float(response["elastic"].values[0]) if history == "time" else 0.0
     return at, parts, energy + work + stored
