@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from workbench.report.build import document
 from workbench.report.gallery import draw_all
 from workbench.report.stored import Stored
 from workbench.responses import outcome_of
-from workbench.scenarios import ImpactProblem, scenario_from, to_tables
+from workbench.scenarios import ImpactProblem, scenario_from, to_toml
 from workbench.scenarios.impact_problem import PROBLEMS
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
@@ -51,7 +52,7 @@ def stored(tmp_path_factory) -> Stored:
 def test_scenarios_name_the_problems_of_the_laboratory() -> None:
     assert (*BUILT, *STRUCTURES) == PROBLEMS
     scenario = ImpactProblem("mine", "ball")
-    assert scenario_from(to_tables(scenario)) == scenario
+    assert scenario_from(tomllib.loads(to_toml(scenario))) == scenario
     with pytest.raises(InputError, match=r"impact.problem = 'bal': must be one of ball, "):
         ImpactProblem("mine", "bal")
     with pytest.raises(InputError, match=r"option.scheme = 'euler': must be one of moreau-jean"):

@@ -18,8 +18,7 @@ EQUAL = {**WORSE, "label": "frames", "wins": 30, "chance": 0.45}
 
 
 def stored(*rows: dict) -> SimpleNamespace:
-    cost = [{"label": "panels", "ratio": 0.01}]
-    return SimpleNamespace(rows={"ranking": list(rows), "cost": cost})
+    return SimpleNamespace(rows={"ranking": list(rows)}, costs={"panels": 0.01})
 
 
 def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> None:
@@ -37,15 +36,15 @@ def test_it_says_what_to_take_what_to_expect_and_what_is_not_surely_worse() -> N
 
 def test_the_tree_says_which_model_where_and_how_it_did_unseen() -> None:
     leaf = {**FIRST, "region": "V/Vpl below 0.5", "count": 60, "asked": 12, "right": 11}
-    rows = {"advice": [leaf, {**leaf, "region": ""}], "cost": []}
+    rows = {"advice": [leaf, {**leaf, "region": ""}]}
     study = SimpleNamespace(models={"panels": SingleDof(resistance="panel", hit_mass="waves")})
-    held = SimpleNamespace(rows=rows, study=study)
+    held = SimpleNamespace(rows=rows, study=study, costs={})
     text = " ".join(render_text(*ranking.tree(held)).split())
     assert "on 22 of 24 columns that this choice had not seen" in text
     asked = "single-dof --option resistance=panel --option hit_mass=waves"
     assert f"V/Vpl below 0.5: take panels (`{asked}`); peak within 10 % in 50 of 60, expect" in text
     assert "any column: take panels" in text
-    assert not (ranking.tree(SimpleNamespace(rows={**rows, "advice": []})))
+    assert not (ranking.tree(SimpleNamespace(rows={"advice": []})))
 
 
 def test_the_table_counts_pairs() -> None:

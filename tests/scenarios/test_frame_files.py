@@ -29,7 +29,6 @@ from workbench.scenarios import (
     regular_frame,
     scenario_from,
     scenario_hash,
-    to_tables,
     to_toml,
 )
 from workbench.sections import find, square
@@ -379,10 +378,10 @@ def test_broken_files_are_refused(tmp_path: Path, text: str, words: str) -> None
 
 
 def test_canonical_tables_are_explicit_and_leave_out_defaults(tmp_path: Path) -> None:
-    tables = to_tables(read(REGULAR, folder=tmp_path))
-    assert list(tables) == [
+    tables = tomllib.loads(to_toml(read(REGULAR, folder=tmp_path)))
+    assert set(tables) == {
         *("kind", "name", "frame", "steel", "node", "joint", "member", "load", "striker", "time")
-    ]
+    }
     assert tables["frame"] == {"fillets": False}
     assert tables["node"][0] == {"name": "A0", "x": 0.0, "y": 0.0, "support": "pinned"}
     assert tables["member"][0] == {

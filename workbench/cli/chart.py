@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.output import Answer, verb, writable
+from workbench.cli.output import Answer, option, verb, writable
 from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
 from workbench.content.tree import Cell, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from workbench.report.drawing.charts import Line
 
 app = typer.Typer(help="Charts of what pulses do.", rich_markup_mode=None, no_args_is_help=False)
-Picture = Annotated[
-    str | None, typer.Option("--figure", metavar="CHART.svg", help="Draw it as well.")
-]
+Picture = Annotated[str | None, option("Draw it as well.", "CHART.svg", "--figure")]
 _LENGTHS = tuple(10.0 ** (k / 4.0) for k in range(-6, 7))
 _STRENGTHS = (0.2, 0.3, 0.5, 0.7, 0.9, 1.0, 1.2, 1.5, 2.0)
 _DUCTILITIES = (1.0, 2.0, 5.0, 10.0, 20.0)
@@ -29,8 +27,7 @@ _DUCTILITIES = (1.0, 2.0, 5.0, 10.0, 20.0)
 @app.command("ductility")
 @verb
 def ductility(
-    shape: Annotated[str, typer.Option(help="Shape of the pulse.")] = "triangular",
-    figure: Picture = None,
+    shape: Annotated[str, option("Shape of the pulse.")] = "triangular", figure: Picture = None
 ) -> Answer:
     """Ductility of an elastic-plastic mass over the length of a pulse, by strength over force.
 
@@ -67,8 +64,7 @@ def ductility(
 @app.command("iso-ductility")
 @verb
 def iso_ductility(
-    shape: Annotated[str, typer.Option(help="Shape of the pulse.")] = "triangular",
-    figure: Picture = None,
+    shape: Annotated[str, option("Shape of the pulse.")] = "triangular", figure: Picture = None
 ) -> Answer:
     """Pressure-impulse curves of an elastic-plastic mass: pulses that take it to one ductility.
 
@@ -112,8 +108,8 @@ def iso_ductility(
 @verb
 def pressure_impulse(
     scenario: ScenarioFile,
-    displacement: Annotated[float, typer.Option(help="Displacement to reach, in m.")],
-    model: Annotated[list[str] | None, typer.Option(help="Name of a model, once for each.")] = None,
+    displacement: Annotated[float, option("Displacement to reach, in m.")],
+    model: Annotated[list[str] | None, option("Name of a model, once for each.")] = None,
     settings: Settings = None,
     options: Options = None,
     figure: Picture = None,

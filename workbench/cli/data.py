@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, flag, option, verb
 from workbench.cli.studies import StoreRoot, StudyName
 from workbench.content.tree import (
     Block,
@@ -24,12 +24,9 @@ app = typer.Typer(
     help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
 )
 TablesRoot = Annotated[
-    str | None,
-    typer.Option(metavar="DIR", help="Where to write.  [default: the tables of the program]"),
+    str | None, option("Where to write.  [default: the tables of the program]", "DIR")
 ]
-Earlier = Annotated[
-    bool, typer.Option("--earlier", help="Count answers of earlier versions of models too.")
-]
+Earlier = Annotated[bool, flag("Count answers of earlier versions of models too.", "--earlier")]
 
 
 @app.command("list")
@@ -69,26 +66,17 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
 def add(
     table: Annotated[str, typer.Argument(metavar="TABLE.csv", help="Table of tests.")],
     mapping: Annotated[
-        str | None,
-        typer.Option(metavar="MAPPING.toml", help="What its columns are, and where it is from."),
+        str | None, option("What its columns are, and where it is from.", "MAPPING.toml")
     ] = None,
     kind: Annotated[
-        str | None,
-        typer.Option(
-            metavar="KIND", help="impact-tests or stud-tests.  [default: told from the columns]"
-        ),
+        str | None, option("impact-tests or stud-tests.  [default: told from the columns]", "KIND")
     ] = None,
     into: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FOLDER", help="Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]"
-        ),
+        str | None, option("Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]", "FOLDER")
     ] = None,
-    name: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Its name.  [default: that of the file]")
-    ] = None,
+    name: Annotated[str | None, option("Its name.  [default: that of the file]", "NAME")] = None,
     despite_doubts: Annotated[
-        bool, typer.Option("--despite-doubts", help="Take it although it looks wrong.")
+        bool, flag("Take it although it looks wrong.", "--despite-doubts")
     ] = False,
 ) -> Answer:
     """Add a table of tests to your own data: impacts on steel members, or push-outs of studs.
@@ -140,10 +128,7 @@ def _added(added: Any) -> Iterator[Block]:
 @app.command("measure")
 @verb
 def measure(
-    study: StudyName,
-    store: StoreRoot = "reports",
-    out: TablesRoot = None,
-    earlier: Earlier = False,
+    study: StudyName, store: StoreRoot = "reports", out: TablesRoot = None, earlier: Earlier = False
 ) -> Answer:
     """Measure the model form in a stored study of columns: bias and scatter by region.
 
@@ -170,10 +155,7 @@ def measure(
 @app.command("rules")
 @verb
 def rules(
-    study: StudyName,
-    store: StoreRoot = "reports",
-    out: TablesRoot = None,
-    earlier: Earlier = False,
+    study: StudyName, store: StoreRoot = "reports", out: TablesRoot = None, earlier: Earlier = False
 ) -> Answer:
     """Find the rules of validity in a stored study of drawn columns, and check them.
 

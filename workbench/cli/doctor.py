@@ -10,9 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-import typer
-
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, option, verb
 from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 
 if TYPE_CHECKING:
@@ -47,9 +45,7 @@ def _can_write(directory: Path) -> bool:
 
 @verb
 def doctor(
-    store: Annotated[
-        str, typer.Option("--store", metavar="DIR", help="Directory of the result stores.")
-    ] = "reports",
+    store: Annotated[str, option("Directory of the result stores.", "DIR", "--store")] = "reports",
 ) -> Answer:
     """Check environment and science, with remedies.
 

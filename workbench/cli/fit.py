@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 Content = dict[str, Any]
 USUAL_SPECIFIED = 450.0  # MPa, of stud material: SD1 of ISO 13918
 app = typer.Typer(
-    help="Fit laws of studs to a table of tests.",
-    rich_markup_mode=None,
-    no_args_is_help=False,
+    help="Fit laws of studs to a table of tests.", rich_markup_mode=None, no_args_is_help=False
 )
 
 
@@ -141,20 +139,12 @@ def residual(options: ResidualOptions, fitted: pd.DataFrame, held: pd.DataFrame)
             TESTS.column(column).rule.check(f"--{column.lower().replace('_', '-')}", value)
     # the shipped campaign that tells all that the mechanical model needs
     known = StudTests("calibration", calibrate=(CALIBRATION,))
-    contents, left_out, priors = [], {}, priors_of(options.prior)
+    model = (lambda: calibrated(known)) if options.mechanical else None
+    how = {name: getattr(options, name) for name in ("predamage", "measure", "loss", "confidence")}
+    contents, left_out, how["priors"] = [], {}, priors_of(options.prior)
     for name in QUANTITIES if options.quantity == "both" else (options.quantity,):
         try:
-            fits = answer_residual(
-                fitted,
-                name,
-                given,
-                (lambda: calibrated(known)) if options.mechanical else None,
-                predamage=options.predamage,
-                measure=options.measure,
-                loss=options.loss,
-                confidence=options.confidence,
-                priors=priors,
-            )
+            fits = answer_residual(fitted, name, given, model, **how)
         except InputError as error:
             if error.field != "table":
                 raise
@@ -284,16 +274,15 @@ def _formula(
     from workbench.studs import fit_factors, fit_strength
     from workbench.studs.fit_protocol import plain
 
+    how = {name: getattr(options, name) for name in ("loss", "confidence", "slab")}
     fit = fit_strength(
         fitted,
         name,
         trends=tuple(options.trend or ()),
-        loss=options.loss,
-        confidence=options.confidence,
         variations=variations_of(options.variation),
         specified_strength=None if options.specified is None else 1e6 * options.specified,
-        slab=options.slab,
         priors=priors_of(options.prior),
+        **how,
     )
     more: Content = {"corrected": None, "factors": None}
     if not held.empty:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from workbench.cli.output import Answer, verb
+from workbench.cli.output import Answer, option, verb
 from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
 from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -28,23 +26,17 @@ _ENDINGS = {
 @verb
 def limit(
     scenario: ScenarioFile,
-    over: Annotated[
-        str, typer.Option(metavar="KEY", help="Key of the scenario with a number.")
-    ] = VELOCITY,
+    over: Annotated[str, option("Key of the scenario with a number.", "KEY")] = VELOCITY,
     model: Annotated[
-        list[str] | None,
-        typer.Option(help="Name of a model, once for each.  [default: by the scenario]"),
+        list[str] | None, option("Name of a model, once for each.  [default: by the scenario]")
     ] = None,
     first: Annotated[
-        float | None,
-        typer.Option("--from", help="End of the range that survives.  [default: 1 m/s]"),
+        float | None, option("End of the range that survives.  [default: 1 m/s]", None, "--from")
     ] = None,
     last: Annotated[
-        float | None, typer.Option("--to", help="End that may collapse.  [default: 60 m/s]")
+        float | None, option("End that may collapse.  [default: 60 m/s]", None, "--to")
     ] = None,
-    tolerance: Annotated[
-        float, typer.Option(help="Width of the bracket over its larger value.")
-    ] = 0.005,
+    tolerance: Annotated[float, option("Width of the bracket over its larger value.")] = 0.005,
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.cli.output import Answer, Json, verb
+from workbench.cli.output import Answer, Json, option, verb
 
 app = typer.Typer(help="Print a template to fill in.", rich_markup_mode=None, no_args_is_help=False)
 
@@ -39,10 +39,7 @@ def mapping(as_json: Json = False) -> Answer:
 @verb
 def studs(
     kind: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME", help="strength, load-slip, residual, fatigue, combined or deck."
-        ),
+        str, option("strength, load-slip, residual, fatigue, combined or deck.", "NAME")
     ] = "strength",
     as_json: Json = False,
 ) -> Answer:

@@ -14,7 +14,18 @@ import typer
 from workbench.content.tree import Block
 from workbench.errors import InputError
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+def option(text: str, metavar: str | None = None, *flags: str) -> Any:
+    """An option of a verb: what it does, what its value is called, its flag if not by its name."""
+    return typer.Option(*flags, metavar=metavar, help=text)
+
+
+def flag(text: str, name: str) -> Any:
+    """An option that is there or not."""
+    return typer.Option(name, help=text)
+
+
+Json = Annotated[bool, flag("Print one JSON object.", "--json")]
 
 
 class InterruptedByUserError(Exception):

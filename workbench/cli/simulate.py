@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, verb, writable
+from workbench.cli.output import Answer, flag, option, verb, writable
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -26,12 +26,10 @@ _KIND = "numerical"  # what stands after ±
 
 ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
 Settings = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Override a value of the scenario."),
+    list[str] | None, option("Override a value of the scenario.", "KEY=VALUE", "--set")
 ]
 Options = Annotated[
-    list[str] | None,
-    typer.Option("--option", metavar="KEY=VALUE", help="Set an option of the model."),
+    list[str] | None, option("Set an option of the model.", "KEY=VALUE", "--option")
 ]
 _SEGMENTS = 4  # the most sheared ones, which the text names
 
@@ -39,18 +37,15 @@ _SEGMENTS = 4  # the most sheared ones, which the text names
 @verb
 def simulate(
     scenario: ScenarioFile,
-    model: Annotated[str, typer.Option(help="Name of the model, see `workbench models`.")],
+    model: Annotated[str, option("Name of the model, see `workbench models`.")],
     settings: Settings = None,
     options: Options = None,
-    out: Annotated[
-        str | None, typer.Option(metavar="RUN.nc", help="Write the whole response as netCDF.")
-    ] = None,
+    out: Annotated[str | None, option("Write the whole response as netCDF.", "RUN.nc")] = None,
     budget: Annotated[
-        bool, typer.Option("--budget", help="Add what the errors of the answer may be, by source.")
+        bool, flag("Add what the errors of the answer may be, by source.", "--budget")
     ] = False,
     spread: Annotated[
-        list[str] | None,
-        typer.Option(metavar="KEY=SHARE", help="How well an input is known, for the budget."),
+        list[str] | None, option("How well an input is known, for the budget.", "KEY=SHARE")
     ] = None,
 ) -> Answer:
     """Answer one scenario with one model.

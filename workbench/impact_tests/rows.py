@@ -105,12 +105,6 @@ def _test(group: list[tuple[Dataset, Row, ColumnImpact]]) -> ImpactTest:
     for row in fallen[:1]:
         reached = max(known(each, "peak_m") or 0.0 for each in fallen)
         collapse = Collapse(Mechanism(str(row["collapse"])), ("member",), reached)
-    return ImpactTest(
-        names,
-        str(real[0][1]["campaign"]),
-        real[0][2],
-        measured,
-        tuple(entries.values()),
-        collapse,
-        len(fallen),
-    )
+    _, row, scenario = real[0]
+    tested = names, str(row["campaign"]), scenario, measured, tuple(entries.values())
+    return ImpactTest(*tested, collapse, len(fallen))

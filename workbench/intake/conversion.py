@@ -155,10 +155,7 @@ def _check_targets(places: list[Place | None], field: str) -> None:
 
 
 def _unit_row(
-    rows: list[tuple[int, list[str]]],
-    places: list[Place | None],
-    mapping: Mapping,
-    name: str,
+    rows: list[tuple[int, list[str]]], places: list[Place | None], mapping: Mapping, name: str
 ) -> list[str] | None:
     """The units in the first row after the header, None if it holds a test."""
     if not rows or mapping.unit_row is False:

@@ -12,15 +12,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.content.html import render_html
-from workbench.content.tree import (
-    Block,
-    Bullets,
-    Callout,
-    Definitions,
-    Document,
-    Picture,
-    Section,
-)
+from workbench.content.tree import Block, Bullets, Callout, Definitions, Document, Picture, Section
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.report.chapters import fit_answer, fit_rows, stud_answer

@@ -5,7 +5,7 @@ SVG and PNG repeat byte for byte; numbers are CSV.
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,6 +40,7 @@ _STANDARD = {
     ),
 }
 
+_BUDGETED = "What the errors may make of the answers"
 _BUDGET = (
     "Each bar is one source of error by itself; blue bars are sums. A white line shows where a "
     "measured bias moves the answer. Numerical errors, model form and inputs add in quadrature "
@@ -133,19 +134,11 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
     return whole
 
 
-def _budgets(study: Study) -> list[Figure]:
+def _budgets(study: Study) -> Iterator[Figure]:
     """A figure for every case whose errors are budgeted."""
-    return [
-        Figure(
-            f"budget-{number}",
-            "budget",
-            f"What the errors may make of the answers: {budget.case}",
-            _BUDGET,
-            budget.models,
-            {"case": budget.case},
-        )
-        for number, budget in enumerate(study.budgets, 1)
-    ]
+    for number, budget in enumerate(study.budgets, 1):
+        title, options = f"{_BUDGETED}: {budget.case}", {"case": budget.case}
+        yield Figure(f"budget-{number}", "budget", title, _BUDGET, budget.models, options)
 
 
 def draw_all(study: Study, stored: Stored) -> tuple[Plate, ...]:

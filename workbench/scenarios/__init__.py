@@ -14,7 +14,6 @@ from workbench.scenarios.files import load_scenario as load_scenario
 from workbench.scenarios.files import parse_value as parse_value
 from workbench.scenarios.files import scenario_from as scenario_from
 from workbench.scenarios.files import scenario_hash as scenario_hash
-from workbench.scenarios.files import to_tables as to_tables
 from workbench.scenarios.files import to_toml as to_toml
 from workbench.scenarios.frame import Frame as Frame
 from workbench.scenarios.frame_events import FrameGroundMotion as FrameGroundMotion

@@ -54,13 +54,6 @@ def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
     return _build(kind, tables)
 
 
-def write(part: Any, *, entry: bool = False) -> dict[str, Any]:
-    """The nested tables of a declared object, or an `entry` of an array without its defaults."""
-    tables: dict[str, Any] = {}
-    _fill(tables, part, entry)
-    return tables
-
-
 def write_text(whole: Any, without: str) -> str:
     """The nested tables of a declared object as TOML, one field left out.
 
@@ -84,7 +77,7 @@ def _texts(whole: Any, without: str = "") -> dict[str, tuple[Any, str]]:
                 value.kept["toml"] = _texts(place.part.of(value) if place.rule.form else value)
             found |= value.kept["toml"]
         elif place.field.name != without:
-            _put(own, place, value, entry=False)
+            _put(own, place, value)
             found.setdefault(place.table or place.key, ({}, ""))
     for key, value in own.items():  # some beside those of a part
         whole_table = {**found[key][0], **value} if isinstance(value, dict) else value
@@ -177,24 +170,23 @@ def _value(place: Place, path: str, value: Any) -> Any:
     return place.rule.check(path, [value] if alone else value)
 
 
-def _fill(tables: dict[str, Any], whole: Any, entry: bool) -> None:
-    kind: Any = type(whole)
-    for place in _written(kind, entry):
-        value = getattr(whole, place.field.name)
-        if place.part and value is not None:
-            _fill(tables, place.part.of(value) if place.rule.form else value, entry)
-        else:
-            _put(tables, place, value, entry)
+def _entry(part: Any) -> dict[str, Any]:
+    """An entry of an array of tables, without its defaults."""
+    found: dict[str, Any] = {}
+    kind: Any = type(part)
+    for place in _written(kind, True):
+        value = getattr(part, place.field.name)
+        if value != place.field.default:
+            _put(found, place, value)
+    return found
 
 
-def _put(tables: dict[str, Any], place: Place, value: Any, entry: bool) -> None:
-    """Put a value in its place."""
-    if value is None or (entry and value == place.field.default):
+def _put(tables: dict[str, Any], place: Place, value: Any) -> None:
+    """Put a value in its place, if there is one."""
+    if value is None or (place.entries and not value):
         return
     if place.entries:
-        value = tuple(write(part, entry=True) for part in value)
-        if not value:
-            return
+        value = tuple(map(_entry, value))
     elif isinstance(place.rule, Instance) and place.rule.write:
         value = place.rule.write(value)
     holder = tables.setdefault(place.table, {}) if place.table else tables

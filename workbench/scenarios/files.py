@@ -9,7 +9,7 @@ from typing import Any
 from workbench.datafiles import open_input
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.scenarios.codec import dumped, label_of, read, write, write_text
+from workbench.scenarios.codec import dumped, label_of, read, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
 from workbench.scenarios.impact_problem import ImpactProblem
@@ -110,16 +110,11 @@ def scenario_from(tables: Mapping[str, Any]) -> Scenario:
     return scenario
 
 
-def to_tables(scenario: Scenario) -> dict[str, Any]:
-    """The scenario as nested tables in canonical order.
+def to_toml(scenario: Scenario) -> str:
+    """The canonical TOML text of a scenario; reading it back gives an equal scenario.
 
     Defaults are written out, except in entries of arrays of tables.
     """
-    return {"kind": scenario.KIND, **write(scenario)}
-
-
-def to_toml(scenario: Scenario) -> str:
-    """The canonical TOML text of a scenario; reading it back gives an equal scenario."""
     return canonical(scenario)[0]
 
 

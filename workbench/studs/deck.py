@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from workbench.arrays import Array, Flags
+
 DEEPEST = 0.085  # m, EN 1994-1-1, 6.6.4.2
 THIN = 1.0e-3  # m, of the sheet
 # upper limits of k_t, EN 1994-1-1 table 6.2, by (studs per rib, thin sheet): welded through, holes
@@ -32,14 +32,14 @@ class Decks(NamedTuple):
     strong position.
     """
 
-    profiled: NDArray[np.bool_]
-    parallel: NDArray[np.bool_]
+    profiled: Flags
+    parallel: Flags
     depth: Array
     width: Array
     thickness: Array
     per_rib: Array
-    holes: NDArray[np.bool_]
-    strong: NDArray[np.bool_]
+    holes: Flags
+    strong: Flags
 
     def reduction_en1994(self, height: Array, diameter: Array) -> Array:
         """Factor k_l or k_t (n,) for studs of `height` and `diameter` (n,) in m.

@@ -94,11 +94,8 @@ def fit_factors(
     best = chosen.scaled(**found.estimates)
     steel, concrete = best.terms(tests)
     texts = (f"the {name} factor rests on a bound" for name in found.at_bound)
-    findings, share = (
-        tuple(Finding("bounds", text) for text in texts),
-        float(np.mean(steel < concrete)),
-    )
-    own = (best, found, share, slab)
+    findings = tuple(Finding("bounds", text) for text in texts)
+    own = (best, found, float(np.mean(steel < concrete)), slab)
     return FactorFit(*own, rows=rows, findings=findings, identity=identity_of(rows))
 
 

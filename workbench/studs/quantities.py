@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from workbench.arrays import Array as Array
+from workbench.arrays import Flags
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.studs.deck import Decks, decks_of, profiled
 from workbench.studs.schema import HEADED, NO_PREDAMAGE
-
-Array = NDArray[np.float64]
 
 ACI_MODULUS = 4733e6  # Pa; Ec = 4733 sqrt(fc / MPa) MPa, normal-weight concrete, ACI 318
 DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 and ACI 318
@@ -60,7 +60,7 @@ class Specimens:
     height: Array
     concrete_strength: Array
     concrete_modulus: Array
-    modulus_measured: NDArray[np.bool_]
+    modulus_measured: Flags
     density: Array
     ultimate_strength: Array
     shear: Array

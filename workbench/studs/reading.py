@@ -19,14 +19,7 @@ import pandas as pd
 from workbench.datafiles import LARGEST_FILE, open_input
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.studs.schema import (
-    EXTRA,
-    TESTS,
-    Column,
-    Row,
-    RowFinding,
-    Table,
-)
+from workbench.studs.schema import EXTRA, TESTS, Column, Row, RowFinding, Table
 
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it

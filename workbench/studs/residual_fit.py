@@ -9,25 +9,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Flags
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.candidates import (
-    Candidate,
-    average,
-    candidates,
-    fit_candidates,
-    quantiles,
-)
+from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
 from workbench.studs.damage import damage_findings
-from workbench.studs.damaged import (
-    QUANTITIES,
-    damaged_rows,
-    reference_findings,
-    studs_in_words,
-)
+from workbench.studs.damaged import QUANTITIES, damaged_rows, reference_findings, studs_in_words
 from workbench.studs.fit_protocol import (
     Content,
     Fit,
@@ -96,7 +86,7 @@ class ResidualFit(Fit):
         studs = f" of studs {self.stud}" if self.stud else ""
         return f"for damage up to {self.levels[1]:.3g}{studs}, as {kind}"
 
-    def extrapolates(self, level: ArrayLike) -> NDArray[np.bool_]:
+    def extrapolates(self, level: ArrayLike) -> Flags:
         """Whether damage levels (n,) lie beyond the tested ones. Undamaged, all is left."""
         return np.asarray(level, float) > self.levels[1] + 1e-9
 

@@ -188,32 +188,13 @@ _MEAN, _CODES = "roik-mean", ("roik-mean", "en1994", "aisc360")
 _PARTIAL = {"en1994": 1.25}  # gamma_V of EN 1994-1-1, 6.6.3.1
 
 
-@dataclass(frozen=True, slots=True)
-class UsualStud:
-    """The usual stud by a formula.
-
-    `diameter`, `height` in m; `concrete_strength`, as the formula means it, `concrete_modulus`,
-    `ultimate_strength` in Pa; `steel_term`, `concrete_term`, the smaller one, `resistance`, and
-    `other_concrete_term`, with the modulus that fits take, in N; `partial_factor` of the code
-    (None: it has none for the stud alone).
-    """
-
-    diameter: float
-    height: float
-    concrete_strength: float
-    concrete_modulus: float
-    ultimate_strength: float
-    steel_term: float
-    concrete_term: float
-    resistance: float
-    other_concrete_term: float
-    partial_factor: float | None
-
-
-def usual_stud(model: ShearModel) -> UsualStud | None:
+def usual_stud(model: ShearModel) -> dict[str, float | None] | None:
     """The usual stud by a formula that a code has; None for others.
 
-    The modulus is that of the code: of EN 1992-1-1, table 3.1, or 4733 sqrt(f_c) of ACI 318.
+    Sizes in m; `concrete_strength`, as the formula means it, `concrete_modulus`, that of the code
+    (EN 1992-1-1, table 3.1, or 4733 sqrt(f_c) of ACI 318), `ultimate_strength` in Pa; both terms,
+    the smaller one, `resistance`, and `other_concrete_term`, with the modulus that fits take, in N;
+    `partial_factor` of the code (None: it has none for the stud alone).
     """
     if model.name not in _CODES:
         return None
@@ -226,6 +207,15 @@ def usual_stud(model: ShearModel) -> UsualStud | None:
         float(model.concrete(DIAMETER, HEIGHT, strength, each))
         for each in (modulus, concrete_modulus(mean))
     )
-    terms = steel, concrete, min(steel, concrete), other
-    sizes = DIAMETER, HEIGHT, strength, modulus, STEEL
-    return UsualStud(*sizes, *terms, _PARTIAL.get(model.name))
+    return {
+        "diameter": DIAMETER,
+        "height": HEIGHT,
+        "concrete_strength": strength,
+        "concrete_modulus": modulus,
+        "ultimate_strength": STEEL,
+        "steel_term": steel,
+        "concrete_term": concrete,
+        "resistance": min(steel, concrete),
+        "other_concrete_term": other,
+        "partial_factor": _PARTIAL.get(model.name),
+    }

@@ -243,10 +243,7 @@ def _design(tests: Specimens, trends: tuple[str, ...], reference: Mapping[str, f
 
 
 def _problem(
-    tests: Specimens,
-    model: ShearModel,
-    trends: tuple[str, ...],
-    reference: Mapping[str, float],
+    tests: Specimens, model: ShearModel, trends: tuple[str, ...], reference: Mapping[str, float]
 ) -> Problem:
     ratio, names = np.log(tests.shear / model.of(tests)), ("bias", *trends)
     start, design = np.zeros(len(names)), _design(tests, trends, reference)

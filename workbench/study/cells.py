@@ -54,9 +54,8 @@ def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
     try:
         options = json.loads(json.dumps(options, sort_keys=True, allow_nan=False))
     except (TypeError, ValueError) as error:
-        raise InputError(
-            "model options", options, f"of {model.name} cannot be stored: {error}"
-        ) from error
+        said = f"of {model.name} cannot be stored: {error}"
+        raise InputError("model options", options, said) from error
     reading = getattr(scenario, "READING", 0)
     return {
         **({"reading": reading} if reading else {}),

@@ -14,7 +14,7 @@ Metrics of a response alone are numbers about the run: they have no interval.
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
@@ -257,15 +257,9 @@ def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
                     found = compare(answers, model, against, quantity, metric)
                 except InputError:
                     continue  # one side cannot know the quantity: nothing to compare
-                yield {
-                    "case": answers.case.name,
-                    **answers.case.parameters,
-                    "model": model,
-                    "against": against,
-                    "quantity": quantity,
-                    "metric": metric.name,
-                    **asdict(found),
-                }
+                who = {"case": answers.case.name, **answers.case.parameters, "model": model}
+                what = {"against": against, "quantity": quantity, "metric": metric.name}
+                yield {**who, **what, **vars(found)}
 
 
 def ladder_row(answers: Answers, quantity: str) -> Row | None:

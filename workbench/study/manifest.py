@@ -16,13 +16,7 @@ from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
 from workbench.study.cells import Cell, cells_of, key_of
 from workbench.study.definition import Study
-from workbench.study.store import (
-    Ingredients,
-    Presence,
-    Store,
-    canonical_json,
-    write_atomically,
-)
+from workbench.study.store import Ingredients, Presence, Store, canonical_json, write_atomically
 
 Manifest = dict[str, Any]
 
@@ -106,9 +100,8 @@ def read_manifest(store: Store) -> Manifest:
             if not all(isinstance(each, dict) for each in made_of):
                 raise TypeError("a cell of unknown origin")
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InputError(
-            "manifest", str(store.manifest), "cannot be read", "remove it and run again"
-        ) from error
+        where, advice = str(store.manifest), "remove it and run again"
+        raise InputError("manifest", where, "cannot be read", advice) from error
     return manifest
 
 

@@ -43,6 +43,7 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """
     cells = {(row["case"], row["label"]): row for row in tables["cells"]}
     standings = standings_of(tables)
+    counting = {case: cells[case, str(row["label"])] for case, row in standings.items()}
     pairs = against_best(tables, standings)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
@@ -60,17 +61,13 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
             asked = {case: cells[case, label] for case in cases if (case, label) in cells}
             if not asked:
                 continue
+            own = [standings[case] for case in asked if case in standings]
             yield {
-                "group": group,
-                "label": label,
-                "quantity": quantity,
-                "against": against,
+                **{"group": group, "label": label, "quantity": quantity, "against": against},
                 **_ended(list(asked.values())),
-                **_apart(
-                    asked, {case: cells[case, str(row["label"])] for case, row in standings.items()}
-                ),
-                "synthetic": sum(standings[c]["synthetic"] for c in asked if c in standings),
-                **_as_reference([standings[case] for case in asked if case in standings], label),
+                **_apart(asked, counting),
+                "synthetic": sum(row["synthetic"] for row in own),
+                **_as_reference(own, label),
                 **_compared(label, list(asked), standings, pairs, quantity),
             }
 
@@ -126,11 +123,7 @@ def _as_reference(standings: Sequence[Row], label: str) -> Row:
 
 
 def _compared(
-    label: str,
-    cases: Sequence[str],
-    standings: Mapping[str, Row],
-    pairs: Pairs,
-    quantity: str,
+    label: str, cases: Sequence[str], standings: Mapping[str, Row], pairs: Pairs, quantity: str
 ) -> Row:
     """Bias of `quantity`, as a rule the peak, and of the residual displacement over a group."""
     row: dict[str, object] = {}

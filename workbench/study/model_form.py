@@ -20,11 +20,11 @@ from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.assessment.model_form import BOUNDS, FEWEST, TREND, Trend
 from workbench.errors import InputError
 from workbench.models.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
-from workbench.scenarios import ColumnImpact
 from workbench.study.assess import Assessment
 from workbench.study.definition import Study
 from workbench.study.matrix import against_best, standings_of, telling
 from workbench.study.store import Row, Store
+from workbench.study.validity import hits_of
 
 _MILD = 5.0
 _EDGES = (0.0, 0.5, 1.0, inf)
@@ -46,7 +46,8 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
     A reference is held against better ones only. Wide regions stand in for narrow ones with too
     few columns. Raises `InputError` if the study has no compared impact on a column.
     """
-    told, standings = _sampled(study), standings_of(found.tables)
+    told = {name: descriptors(hit) for name, hit in hits_of(study).items()}
+    standings = standings_of(found.tables)
     pairs = against_best(found.tables, standings)
     if not pairs or not told:
         text = "has no impact on a column that is answered and compared"
@@ -83,7 +84,7 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
 
 def range_rows(study: Study) -> Iterator[Row]:
     """What the columns of a study span in each descriptor, rounded outwards."""
-    sampled = list(_sampled(study).values())
+    sampled = list(map(descriptors, hits_of(study).values()))
     for name in sampled[0]:
         values = [own[name] for own in sampled]
         low, high = _down(min(values)), -_down(-max(values)) + 0.0
@@ -142,13 +143,6 @@ def trend_of(demand: Array, ratios: Array) -> Trend:
     rest = ratios - np.mean(ratios) - slope * away
     scatter = float(np.sqrt(rest @ rest / (len(ratios) - 2)))
     return Trend(len(ratios), float(np.exp(np.mean(ratios))), slope, scatter, centre, spread)
-
-
-def _sampled(study: Study) -> dict[str, dict[str, float]]:
-    impacts = {case.name: case.scenario for case in study.cases}
-    return {
-        name: descriptors(each) for name, each in impacts.items() if isinstance(each, ColumnImpact)
-    }
 
 
 def _commits(found: Assessment) -> str:

@@ -85,9 +85,8 @@ def run_study(
             with closing(executor.run(tasks)) as results:
                 for result in results:
                     store.put(result.key, result.content, result.record)
-                    progress.advance(
-                        by_key[result.key], result.outcome, result.record["first_call"]
-                    )
+                    seconds = result.record["first_call"]
+                    progress.advance(by_key[result.key], result.outcome, seconds)
         finally:
             progress.end()
             write_manifest(study, cells, store)

@@ -1,7 +1,8 @@
 """Which reference counts in a case: the best that answered and is inside its own domain."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from workbench.assessment import METRICS
 from workbench.assessment.budget import PEAK
@@ -21,8 +22,7 @@ def outside(response: Response) -> list[Finding]:
     return [finding for finding in findings_of(response) if finding.outside]
 
 
-@dataclass(frozen=True, slots=True)
-class Standing:
+class Standing(NamedTuple):
     """The reference that counts in a case: its `label`, and whether it is `inside` its domain.
 
     `reason` says why no better one counts (empty: it is the best of the study).
@@ -93,9 +93,8 @@ def doubted(gate: Gate, answers: Answers, found: CaseVerdict) -> CaseVerdict:
     if model:
         return replace(found, verdict=Verdict.INCONCLUSIVE, doubt=BOTH)
     best = standing_of(answers)
-    if best is None or best.label in (gate.model, gate.against):
-        return found
-    if _confirmed(gate, answers, best.label):
+    sides = (gate.model, gate.against)
+    if best is None or best.label in sides or _confirmed(gate, answers, best.label):
         return found
     doubt = f"{gate.against} is outside its domain and {best.label} does not confirm it"
     return replace(found, verdict=Verdict.INCONCLUSIVE, doubt=doubt)

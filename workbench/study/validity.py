@@ -103,12 +103,14 @@ def unseen_of(study: Study) -> set[str]:
 
 def points_of(study: Study) -> dict[str, Array]:
     """Features of the columns of a study by case."""
-    impacts = {case.name: case.scenario for case in study.cases}
-    return {
-        name: np.array(list(features(each).values()))
-        for name, each in impacts.items()
-        if isinstance(each, ColumnImpact)
-    }
+    hits = hits_of(study).items()
+    return {name: np.array(list(features(hit).values())) for name, hit in hits}
+
+
+def hits_of(study: Study) -> dict[str, ColumnImpact]:
+    """The impacts on columns of a study, by case."""
+    cases = ((case.name, case.scenario) for case in study.cases)
+    return {name: each for name, each in cases if isinstance(each, ColumnImpact)}
 
 
 def leaves_of(

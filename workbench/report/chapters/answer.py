@@ -6,14 +6,7 @@ from functools import partial
 from math import ceil
 
 from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import (
-    count,
-    duration,
-    part,
-    percent,
-    several,
-    title_of,
-)
+from workbench.content.formatting import count, duration, part, percent, several, title_of
 from workbench.content.tree import (
     ABSENT,
     Block,
@@ -77,7 +70,7 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
     if not by_label:
         return
     groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
-    costs = _costs(stored)
+    costs = stored.costs
     times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
     whole = [row["seconds"] for row in stored.rows["cost"] if row["label"] == row["against"]]
     times += f" ({duration(whole[0], 1)})" if whole else ""
@@ -102,22 +95,13 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
         yield Bullets(reasons)
 
 
-def in_brief(study: Study, stored: Stored) -> Iterator[Block]:
+def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
-    blocks = _brief(study, stored)
-    if stored.synthetic:
-        blocks = iter(marked((*measured.made(stored), *blocks), measured.MARK))
-    return blocks
-
-
-def _brief(study: Study, stored: Stored) -> Iterator[Block]:
-    yield from matrix(study, stored)
-    yield from budgets(stored)
     rows = stored.rows["verdicts"]
-    yield verdicts.headline(rows)
+    blocks = (*matrix(study, stored), *budgets(stored), verdicts.headline(rows))
     if rows:
-        yield verdicts.summary_table(rows)
-        yield from verdicts.reasons(rows, bounds=False)
+        blocks += (verdicts.summary_table(rows), *verdicts.reasons(rows, bounds=False))
+    return marked((*measured.made(stored), *blocks), measured.MARK) if stored.synthetic else blocks
 
 
 def _name(study: Study, label: str) -> str:
@@ -135,10 +119,6 @@ def _judged(row: Row) -> str:
 def _static(stored: Stored) -> bool:
     """Whether groups of static cases are judged by something else than a peak."""
     return any(row["quantity"] != PEAK for row in stored.rows["matrix"])
-
-
-def _costs(stored: Stored) -> dict[str, float]:
-    return {row["label"]: row["ratio"] for row in stored.rows["cost"]}
 
 
 def _besides(study: Study, stored: Stored) -> Iterator[Block]:
@@ -165,38 +145,34 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
 
 def _trusted(study: Study, stored: Stored, group: str) -> str:
     """The model to take in a group of cases, and all that stay within `FAIR` in every case."""
-    rows = stored.rows["matrix"]
+    own = {row["label"]: row for row in stored.rows["matrix"] if row["group"] == group}
     found = {
-        row["label"]: row[f"{PEAK}_within"]
-        for row in rows
-        if row["group"] == group
-        and row["label"] not in study.ranked
+        label: row[f"{PEAK}_within"]
+        for label, row in own.items()
+        if label not in study.ranked
         and row[f"{PEAK}_count"]
         and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
         and row[f"{PEAK}_within"] is not None
         and row[f"{PEAK}_within"] <= FAIR
         and not any(row[name] for name in ("outside", "against_outside", "falls", "stands"))
     }
-    judged = [row for row in rows if row["group"] == group and row[f"{PEAK}_count"]]
+    judged = [row for row in own.values() if row[f"{PEAK}_count"]]
     if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
         return f"{group}: nobody knows, as no reference is inside its domain."
-    if any(row["synthetic"] for row in rows if row["group"] == group):
+    if any(row["synthetic"] for row in own.values()):
         return f"{group}: synthetic, shows the form only; no model is judged."
     if not found:
         return f"{group}: {ranking.advice(stored, group, up(FAIR))}"
-    own, costs = {row["label"]: row for row in rows if row["group"] == group}, _costs(stored)
-    # whole percents: the rest is told apart by what remains, then by the time
-    order = sorted(
-        found,
-        key=lambda label: (
-            ceil(100.0 * found[label]),
-            ceil(100.0 * (own[label][f"{RESIDUAL}_within"] or 0.0)),
-            costs.get(label, 1.0),
-        ),
-    )
-    (first, *others), asked = order, own[order[0]]["asked"]
+    costs = stored.costs
+
+    def place(label: str) -> tuple[float, ...]:
+        """Whole percents; the rest is told apart by what remains, then by the time."""
+        shares = found[label], own[label][f"{RESIDUAL}_within"] or 0.0
+        return *(ceil(100.0 * share) for share in shares), costs.get(label, 1.0)
+
+    first, *others = sorted(found, key=place)
+    asked, remains = own[first]["asked"], own[first][f"{RESIDUAL}_within"]
     cases = "the case" if asked == 1 else f"all {asked} cases"
-    remains = own[first][f"{RESIDUAL}_within"]
     left = "" if remains is None else f", residual within {up(remains)}"
     spent = f", {part(costs[first])} of the time" if first in costs else ""
     of = own[first]["against"] or "the reference"

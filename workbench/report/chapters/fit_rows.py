@@ -5,10 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.content.formatting import brief, number
+from workbench.content.formatting import brief, valued
 from workbench.content.tree import ABSENT, Block, Cell, Column, Definitions, Paragraph, Table
 from workbench.report.chapters.stud_answer import contents_of
-from workbench.report.chapters.stud_tables import KILO, MILLI, Content
+from workbench.report.chapters.stud_tables import KILO, MILLI, Content, Finder, value_of
 from workbench.studs.schema import NO_PREDAMAGE, TESTS
 
 _NAMES = ["campaign", "specimen"]
@@ -20,11 +20,11 @@ _MOST_COLUMNS = 8  # beside the name, on paper; more stand in a further table
 # how rows came about, which the file tells
 _HIDDEN = ("licence", "source_locator", "reference", "fcm_basis", "fu_basis", "connector")
 _PRINTED = 100
-_CURVES = {  # of a load-slip fit: entry of a curve, title, factor
-    "strength": ("largest load (kN)", KILO),
-    "slip_at_max": ("slip there (mm)", MILLI),
-    "chord_stiffness": ("stiffness, chord from 10 to 40 % (kN/mm)", 1e-6),
-}
+_CURVES = (  # of a load-slip fit: entry of a curve, title, factor
+    ("strength", "largest load (kN)", KILO),
+    ("slip_at_max", "slip there (mm)", MILLI),
+    ("chord_stiffness", "stiffness, chord from 10 to 40 % (kN/mm)", 1e-6),
+)
 
 
 def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterator[Block]:
@@ -106,28 +106,20 @@ def _cell(value: Any) -> Cell:
 
 def _curves(result: Content) -> Iterator[Block]:
     """One row per curve, with the misfit of every law."""
+
+    def name(row: Content) -> str:
+        return f"{row['campaign']} {row['specimen']}"
+
+    def misfit(law: Content) -> Finder:
+        known = {name(row): row["rms"] for row in law["curves"]}  # of those that it was fitted to
+        return lambda row: valued(known.get(name(row)), 3)
+
     laws = contents_of(result)
-    # misfits by curve: a law may not have been fitted to all of them
-    misfits = [{tuple(row[n] for n in _NAMES): row["rms"] for row in law["curves"]} for law in laws]
-    titles = {key: title for key, (title, _) in _CURVES.items()}
-    titles |= {f"rms{k}": f"misfit, {law['fit']['law']}" for k, law in enumerate(laws)}
-    columns = [Column("specimen", width=1.6, of="name"), Column("points", True, 0.7, "points")]
-    columns += [Column(title, True, of=key) for key, title in titles.items()]
-    records = [
-        {
-            "name": " ".join(row[name] for name in _NAMES),
-            "points": int(row["points"]),
-            **{key: _number(row[key], factor) for key, (_, factor) in _CURVES.items()},
-            **{
-                f"rms{k}": _number(own.get(tuple(row[n] for n in _NAMES)), 1.0)
-                for k, own in enumerate(misfits)
-            },
-        }
-        for row in laws[0]["curves"]
-    ]
+    columns = (
+        Column("specimen", width=1.6, of=name),
+        Column("points", True, 0.7, lambda row: int(row["points"])),
+        *(Column(title, True, of=value_of(key, 3, factor)) for key, title, factor in _CURVES),
+        *(Column(f"misfit, {law['fit']['law']}", True, of=misfit(law)) for law in laws),
+    )
     caption = "The curves that were fitted; misfit of the load over its largest value."
-    yield Table.of("curves", caption, columns, records, _PRINTED)
-
-
-def _number(value: float | None, factor: float) -> Cell:
-    return ABSENT if value is None else Cell(number(factor * value, 3), value)
+    yield Table.of("curves", caption, columns, laws[0]["curves"], _PRINTED)

@@ -22,7 +22,7 @@ def advice(stored: Stored, group: str, bound: str) -> str:
     text = _take(best, best["judged"])
     if best["refused"]:
         text += f"; no answer in {best['refused']}"
-    equal = [row["label"] for row in rows[1:] if not _surely(row)]
+    equal = [row["label"] for row in rows[1:] if row["chance"] is None or row["chance"] >= SURE]
     if equal:
         text += f". Not surely worse: {several(equal, 5)}"
     return text + _time(stored, best)
@@ -64,9 +64,8 @@ def _take(row: Row, judged: int, asked: str = "") -> str:
 
 def _time(stored: Stored, row: Row) -> str:
     """What the model of a row costs, where that is known; the end of a sentence."""
-    costs = {row["label"]: row["ratio"] for row in stored.rows["cost"]}
-    spent = f". Time: {part(costs[row['label']])} of the reference" if row["label"] in costs else ""
-    return spent + "."
+    ratio = stored.costs.get(row["label"])
+    return "." if ratio is None else f". Time: {part(ratio)} of the reference."
 
 
 def table(stored: Stored) -> Section | None:
@@ -109,8 +108,3 @@ def _pairs(row: Row) -> str:
         return "itself"
     chance = "" if row["chance"] is None else f" ({row['chance']:.2g})"
     return f"{row['wins']} of {count(row['pairs'], 'pair')}{chance}"
-
-
-def _surely(row: Row) -> bool:
-    """Whether the first model errs less, and not by chance."""
-    return row["chance"] is not None and row["chance"] < SURE

@@ -1,8 +1,9 @@
 """Studs: what no test validates, what unseen tests say of the rest, numbers for designers."""
 
 from collections.abc import Iterable, Iterator
-from math import isclose
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from workbench.content.formatting import count, number, percent
 from workbench.content.tree import Block, Bullets, Callout, Paragraph, Picture, Section
@@ -139,12 +140,9 @@ def _same(found: list[Answered]) -> Iterator[str]:
         if "d8" in each.fit:
             continue
         own = [row["prediction"] for row in each.content["judged"]]
-        for other in judged:
+        for other in (e for e in judged if "d8" in e.fit and e.case == each.case):
             theirs = [row["prediction"] for row in other.content["judged"]]
-            alike = other.case == each.case and "d8" in other.fit and len(own) == len(theirs)
-            if alike and all(
-                isclose(*pair, rel_tol=1e-6) for pair in zip(own, theirs, strict=True)
-            ):
+            if len(own) == len(theirs) and np.allclose(own, theirs, rtol=1e-6, atol=0.0):
                 yield (
                     f"{each.label}: no result of its own for strength. In these tests the limit "
                     f"of the {other.label} (concrete, shank) governs: its predictions are the same."

@@ -318,11 +318,9 @@ def relations(contents: Iterable[Content]) -> Iterator[Block]:
             f"{each['name']} {share(each['weight']).text} ({each['rms']:.3f})"
             for each in fit["scores"]
         )
-        yield Table.of(
-            "relation",
+        caption = (
             f"{fit['quantity']}: {fit['formula']} ({fit['tests']} tests, {fit['grade']}, "
             f"{fit['holds']}); weights in the average, and root mean square of what is left out, "
-            f"by {fit['scores'][0]['by']}: {scores}",
-            columns,
-            rows,
+            f"by {fit['scores'][0]['by']}: {scores}"
         )
+        yield Table.of("relation", caption, columns, rows)

@@ -107,18 +107,13 @@ def reasons(rows: list[dict[str, Any]], *, bounds: bool = True) -> Iterator[Bloc
     for row in rows:
         for reason in row["reasons"]:
             kept.setdefault(reason, []).append(row["number"])
-        why.setdefault(f"{row['rationale']} {cited(row['source'])}".strip(), []).append(
-            row["number"]
-        )
+        rationale = f"{row['rationale']} {cited(row['source'])}".strip()
+        why.setdefault(rationale, []).append(row["number"])
     for title, texts in (("Open cases:", kept), ("Why these bounds:", why if bounds else {})):
         if texts:
             yield Paragraph(title)
-            yield Definitions(
-                tuple(
-                    (f"{'gate' if len(n) == 1 else 'gates'} {spans(n)}", text)
-                    for text, n in texts.items()
-                )
-            )
+            pairs = ((f"gate{'s' * (len(n) > 1)} {spans(n)}", text) for text, n in texts.items())
+            yield Definitions(tuple(pairs))
 
 
 def _critical(row: dict[str, Any]) -> Cell:

@@ -1,6 +1,6 @@
 """A frame on paper, in inches: members, supports and loads, and what happens to it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -198,17 +198,14 @@ def draw_actions(panel: Axes, layout: Layout, scenarios: Sequence[FrameScenario]
 
     Strikers go before patterns of loads, patterns before the motion of the ground.
     """
-    impacts = [s for s in scenarios if isinstance(s, FrameImpact)]
-    pushes = [s for s in scenarios if isinstance(s, FrameStatic)]
-    if impacts:
-        return _strikers(panel, layout, impacts)
-    if pushes:
-        return _pattern(panel, layout, pushes)
-    pulses = [s for s in scenarios if isinstance(s, FramePulse)]
-    if pulses:
-        return _pulses(panel, layout, pulses)
-    _motion(panel, layout, [s for s in scenarios if isinstance(s, FrameGroundMotion)])
-    return []
+    drawn: dict[type, Callable[..., list[str]]] = {
+        FrameImpact: _strikers,
+        FrameStatic: _pattern,
+        FramePulse: _pulses,
+        FrameGroundMotion: _motion,
+    }
+    kind = next(kind for kind in drawn if any(isinstance(s, kind) for s in scenarios))
+    return drawn[kind](panel, layout, [s for s in scenarios if isinstance(s, kind)])
 
 
 def targets(scenarios: Sequence[FrameScenario]) -> list[str]:
@@ -313,7 +310,7 @@ def _path(push: FrameStatic) -> str:
     return f"{what} through {count(len(values), 'target')} between {low} and {high}{text}"
 
 
-def _motion(panel: Axes, layout: Layout, motions: Sequence[FrameGroundMotion]) -> None:
+def _motion(panel: Axes, layout: Layout, motions: Sequence[FrameGroundMotion]) -> list[str]:
     shown, low = motions[0], -0.42j
     axis = 0.3j if shown.direction.endswith("y") else 0.3 + 0j
     arrow(panel, low - axis, low + axis, ACTION, "<|-|>")
@@ -321,6 +318,7 @@ def _motion(panel: Axes, layout: Layout, motions: Sequence[FrameGroundMotion]) -
     text = f"ground acceleration, at most {listed(peaks)} m/s²"
     note(panel, low + axis.real + 0.08, text, ACTION)
     _ring(panel, layout, shown.node, "displacement")
+    return []
 
 
 def _ring(panel: Axes, layout: Layout, node: str, text: str) -> None:

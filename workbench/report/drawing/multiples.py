@@ -200,9 +200,8 @@ def multiples(
     if silent:
         sheet.said.append(f"Without utilisation of member ends: {', '.join(silent)}.")
     names = ", ".join(dict.fromkeys(row.label for row in rows))
-    return sheet.finish(
-        f"deformed shapes of {names} at {', '.join(str(instant) for instant in instants)}"
-    )
+    alt = f"deformed shapes of {names} at {', '.join(str(instant) for instant in instants)}"
+    return sheet.finish(alt)
 
 
 def _rows(found: Found, instants: tuple[str | float, ...], said: list[str]) -> list[_Row]:

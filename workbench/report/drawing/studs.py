@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from workbench.report.drawing.sheet import Request
-from workbench.report.drawing.style import Look, entry, numbered
+from workbench.report.drawing.style import INK, MUTED, Look, Style, entry, numbered
 from workbench.studs.answers.typed import content_of
 from workbench.study.definition import Case
 
@@ -16,6 +17,8 @@ KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
 Content = dict[str, Any]
 _KINDS = {"model": "prediction", "test": "test", "ratio": "ratio"}
 _SIZE = 4.2  # of a test's marker
+_EQUAL: Style = {"color": INK, "linewidth": 0.9}
+_BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 
 def contents(request: Request, key: str = "") -> Iterator[tuple[Case, str, Content]]:
@@ -79,6 +82,21 @@ def draw_tests(panel: Axes, tests: pd.DataFrame, x: str, y: str, looks: Mapping[
 def test_entries(looks: Mapping[str, Look], what: str) -> list[Any]:
     """Legend entries of campaigns, such as ``mcgarraugh1971, unseen``."""
     return [entry(f"{name}, {what}", **look.points()) for name, look in looks.items()]
+
+
+def draw_diagonal(panel: Axes, top: float) -> None:
+    """Lines of equal test and prediction and of 20 % to either side, on equal axes up to `top`."""
+    line = np.array([0.0, top])
+    panel.plot(line, line, **_EQUAL)
+    for factor in (0.8, 1.2):
+        panel.plot(line, factor * line, **_BOUND)
+    panel.set(xlim=(0.0, top), ylim=(0.0, top))
+    panel.set_box_aspect(1.0)
+
+
+def diagonal_entries(equal: str) -> list[Any]:
+    """Legend entries of these lines."""
+    return [entry(equal, **_EQUAL), entry("± 20 %", **_BOUND)]
 
 
 def draw_band(panel: Axes, table: pd.DataFrame, x: str, y: str, color: str) -> None:

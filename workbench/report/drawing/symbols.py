@@ -14,6 +14,7 @@ from matplotlib.patches import Arc, Circle, FancyArrowPatch, PathPatch, Polygon
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.report.drawing.style import INK, MUTED, Style
 from workbench.sections import CircularTube, ISection, RectangularTube, Section
 
@@ -44,7 +45,7 @@ def circle(panel: Axes, at: complex, radius: float, order: float, **look: Any) -
     panel.add_patch(Circle((at.real, at.imag), radius, zorder=order, **{**_OPEN, **look}))
 
 
-def _pairs(points: Any) -> NDArray[np.float64]:
+def _pairs(points: Any) -> Array:
     z = np.asarray(points, dtype=complex)
     return np.column_stack([z.real, z.imag])
 

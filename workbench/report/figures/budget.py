@@ -11,10 +11,14 @@ from workbench.assessment.budget import COVERAGE, PEAK, SUMS
 from workbench.content.budgets import change, scale
 from workbench.content.formatting import in_unit, title_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, MUTED, PALETTE
+from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
 
 _KEPT = ("case", "label", "quantity", "term", "shift", "low", "high")
 _ROOM = 0.45  # of the axis, to the right of all bars, for the numbers
+_AT_THE_EDGE: Style = {
+    **{"xycoords": ("axes fraction", "data"), "textcoords": "offset points", "ha": "right"},
+    **{"va": "center", "fontsize": "small", "color": INK},
+}
 
 
 def draw(request: Request) -> Drawing:
@@ -54,17 +58,7 @@ def _bars(panel: Axes, rows: list[dict[str, Any]], most: float) -> None:
             if row["shift"]:
                 at = 100.0 * row["shift"]
                 panel.plot([at, at], [place - 0.31, place + 0.31], color="white", zorder=3)
-        numbers = panel.annotate(
-            change(row),
-            (1.0, place),
-            xycoords=("axes fraction", "data"),
-            xytext=(-3, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            fontsize="small",
-            color=INK,
-        )
+        numbers = panel.annotate(change(row), (1.0, place), (-3, 0), **_AT_THE_EDGE)
         numbers.set_in_layout(False)  # they lie inside, and would push the labels off the page
     panel.set_yticks(range(len(rows)), [row["term"] for row in rows])
     panel.set_ylim(len(rows) - 0.4, -0.6)

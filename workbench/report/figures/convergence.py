@@ -41,9 +41,8 @@ def draw(request: Request) -> Drawing:
         entry("Richardson extrapolation", **_EXTRAPOLATED),
         Patch(**INTERVAL, label="numerical uncertainty of the reference"),
     )
-    return sheet.finish(
-        f"{title_of(quantity)} against element size for the ladder {', '.join(steps)}"
-    )
+    alt = f"{title_of(quantity)} against element size for the ladder {', '.join(steps)}"
+    return sheet.finish(alt)
 
 
 def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) -> float:

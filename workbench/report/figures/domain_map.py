@@ -54,9 +54,8 @@ def draw(request: Request) -> Drawing:
         title = f"{label}\n{inside} of {len(table)} within {100 * far:g} %"
         sheet.name(panel, title, x, y)
         if len(silent):
-            sheet.said.append(
-                f"{label}: {len(silent)} errors beyond {100 * far:g} % carry no warning."
-            )
+            text = f"{label}: {len(silent)} errors beyond {100 * far:g} % carry no warning."
+            sheet.said.append(text)
     for panel in sheet.panels:  # once all points are in: the panels share their axes
         for axis in (panel.xaxis, panel.yaxis):
             logarithmic(axis, "{:g}".format)

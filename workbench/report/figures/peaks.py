@@ -55,9 +55,8 @@ def draw(request: Request) -> Drawing:
         words = f"no comparison with {against}"
         bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center")
     sheet.record(table.drop(columns="slot"))
-    return sheet.finish(
-        f"{title_of(quantity)} of {', '.join(labels)}, and deviations from {against}"
-    )
+    alt = f"{title_of(quantity)} of {', '.join(labels)}, and deviations from {against}"
+    return sheet.finish(alt)
 
 
 def _known(request: Request, quantity: str, said: list[str]) -> list[Case]:

@@ -111,9 +111,8 @@ def _arrange(canvas: Canvas, panels: list[Axes], boxes: list[Bbox]) -> float:
     canvas.set_size_inches(*whole)
     left, top = _EDGE, whole[1] - _EDGE
     for panel, box, (wide, high) in zip(panels, boxes, sizes, strict=True):
-        panel.set_position(
-            (left / whole[0], (top - high) / whole[1], wide / whole[0], high / whole[1])
-        )
+        place = np.array([[left, top - high], [wide, high]]) / whole
+        panel.set_position(tuple(place.ravel()))
         panel.set(xlim=box.intervalx, ylim=box.intervaly)
         if beside:
             left += wide + _BETWEEN

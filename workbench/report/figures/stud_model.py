@@ -56,9 +56,8 @@ def draw(request: Request) -> Drawing:
         error = {"standard_error_of_logarithm": fit["standard_errors"].get(name)}
         sheet.record(parameter=name, value=value, calibrated=name in fit["free"], **error)
     sheet.said.append(f"{label}: {content['basis']}.")
-    return sheet.finish(
-        "a headed stud on a flange in a slab, with bearing springs, cone and shear slide"
-    )
+    alt = "a headed stud on a flange in a slab, with bearing springs, cone and shear slide"
+    return sheet.finish(alt)
 
 
 def _picture(panel: Axes) -> None:

@@ -11,12 +11,9 @@ from matplotlib.axes import Axes
 from workbench.content.formatting import number
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, MUTED, PALETTE, WARNING, Look, Style, entry
+from workbench.report.drawing.style import PALETTE, WARNING, Look, Style
 
-_SPREAD = 0.2
 _NAMED_BELOW = 0.85  # of the prediction: such a test is named
-_LINE: Style = {"color": INK, "linewidth": 0.9}
-_BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 
 def draw(request: Request) -> Drawing:
@@ -47,16 +44,13 @@ def plot(found: dict[str, studs.Content]) -> Drawing:
     new = set(tests.loc[tests["unseen"], "campaign"])
     unseen = {name: look._replace(filled=True) for name, look in looks.items() if name in new}
     sheet.legend(*studs.test_entries(looks, "fitted"), *studs.test_entries(unseen, "unseen"))
-    sheet.legend(entry("test = prediction", **_LINE), entry("± 20 %", **_BOUND))
+    sheet.legend(*studs.diagonal_entries("test = prediction"))
     return sheet.finish(f"measured against predicted strength of push-outs for {', '.join(found)}")
 
 
 def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float) -> None:
-    line = np.array([0.0, top])
-    panel.fill_between(line, line, 0.0, color=PALETTE[1], alpha=0.06, linewidth=0.0)
-    panel.plot(line, line, **_LINE)
-    for factor in (1.0 - _SPREAD, 1.0 + _SPREAD):
-        panel.plot(line, factor * line, **_BOUND)
+    panel.fill_between([0.0, top], [0.0, top], 0.0, color=PALETTE[1], alpha=0.06, linewidth=0.0)
+    studs.draw_diagonal(panel, top)
     shown = tests.assign(**studs.KILO * tests[["test", "prediction"]])
     studs.draw_tests(panel, shown, "prediction", "test", looks)
     worst = shown.iloc[int((shown["test"] / shown["prediction"]).argmin())]
@@ -65,8 +59,6 @@ def _panel(panel: Axes, tests: pd.DataFrame, looks: dict[str, Look], top: float)
         below: Style = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 6.5}
         panel.annotate(worst["specimen"], at, (0, -5), **below, annotation_clip=True)
     panel.text(0.96 * top, 0.04 * top, "unsafe", color=WARNING, fontsize=7.0, ha="right")
-    panel.set(xlim=(0.0, top), ylim=(0.0, top))
-    panel.set_box_aspect(1.0)
 
 
 def _summary(label: str, content: studs.Content) -> tuple[str, str]:

@@ -48,9 +48,8 @@ def draw(request: Request) -> Drawing:
         sheet.legend(entry(known, **(look._replace(filled=True) if i else look).points()))
     sheet.legend(entry("predicted", **_PREDICTED))
     sheet.legend(entry("of it through the weld collar", **_COLLAR))
-    return sheet.finish(
-        "test over prediction of the mechanical stud, and its load-slip curves for unseen studs"
-    )
+    alt = "test over prediction of the mechanical stud, and its load-slip curves for unseen studs"
+    return sheet.finish(alt)
 
 
 def _ratios(panel: Axes, tests: pd.DataFrame, names: list[str], looks: Mapping[str, Look]) -> None:

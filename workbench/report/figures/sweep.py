@@ -29,10 +29,7 @@ _ROW = 16  # letters of values that stand beside each other below a panel
 _CORNER = 0.38, 0.3  # of a field: where the mark of a warning leaves room for the number
 _LEAST = 0.26, 0.13  # inches of a field, wide and high, in which a number can be read
 _MARKS = {
-    "warned": (
-        "outside its domain (warning)",
-        Look(INK, size=3.6).points(markerfacecolor="white"),
-    ),
+    "warned": ("outside its domain (warning)", Look(INK, size=3.6).points(markerfacecolor="white")),
     "failed": ("no answer", Look("#b30000", marker="x", size=4.5).points()),
     "collapsed": ("collapse of one side", Look("#6a3d9a", marker="v", size=4.5).points()),
     "both": (
@@ -97,9 +94,8 @@ def draw(request: Request) -> Drawing:
     merged = ", ".join(name for name in further if name != by)
     if merged:
         sheet.said.append(f"Each field shows the worst of the cases that differ in {merged}.")
-    return sheet.finish(
-        f"maps of the {metric_title(metric)} of {title_of(request.quantity)} over {x} and {y}"
-    )
+    alt = f"maps of the {metric_title(metric)} of {title_of(request.quantity)} over {x} and {y}"
+    return sheet.finish(alt)
 
 
 def _table(

@@ -12,12 +12,9 @@ from matplotlib.axes import Axes
 from workbench.content.formatting import number, title_of, unit_of
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import INK, MUTED, WARNING, Look, Style, entry, framed
+from workbench.report.drawing.style import MUTED, WARNING, Look, entry, framed
 from workbench.responses.uncertainty import uncertainty_of
 
-_SPREAD = 0.2
-_LINE: Style = {"color": INK, "linewidth": 0.9}
-_BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 _MARK = "SYNTHETIC"
 
 
@@ -45,7 +42,7 @@ def draw(request: Request) -> Drawing:
     for case in request.cases:  # for the statements on what is absent
         request.answers(case, sheet.absent)
     sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
-    sheet.legend(entry("measured = predicted", **_LINE), entry("± 20 %", **_BOUND))
+    sheet.legend(*studs.diagonal_entries("measured = predicted"))
     made = f"{_MARK}, " if request.stored.synthetic else ""
     return sheet.finish(f"{made}measured against predicted {title_of(request.quantity)}")
 
@@ -70,30 +67,20 @@ def _rows(request: Request, label: str) -> pd.DataFrame:
 def _panel(
     panel: Axes, table: pd.DataFrame, looks: dict[str, Look], unit: float, top: float
 ) -> None:
-    line = np.array([0.0, top])
-    panel.plot(line, line, **_LINE)
-    for factor in (1.0 - _SPREAD, 1.0 + _SPREAD):
-        panel.plot(line, factor * line, **_BOUND)
+    studs.draw_diagonal(panel, top)
     for campaign, own in table.groupby("campaign", sort=False):
         look = looks[str(campaign)]
         x, y, wide, high = (unit * own[name] for name in ("prediction", "test", "other", "own"))
         panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
         panel.plot(x, y, **look.points())
-    panel.set(xlim=(0.0, top), ylim=(0.0, top))
-    panel.set_box_aspect(1.0)
 
 
 def _summary(request: Request, label: str) -> tuple[str, str]:
     """What stands in the panel, and the sentence below the figure."""
     wanted = (label, request.against, request.quantity)
-    row = next(
-        (
-            row
-            for row in request.stored.rows["validation"]
-            if (row["model"], row["against"], row["quantity"]) == wanted
-        ),
-        None,
-    )
+    rows = request.stored.rows["validation"]
+    own = (r for r in rows if (r["model"], r["against"], r["quantity"]) == wanted)
+    row = next(own, None)
     if row is None or row["bias"] is None:
         return "", f"{label}: no bias over tests."
     ends = row["low"], row["high"]

@@ -41,7 +41,8 @@ def draw(request: Request) -> Drawing:
     sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
     text = f"Errors below {_FLOOR:g} are drawn there: they are round-off; so are those above"
     sheet.said.append(f"{text} {_CEILING:g}, of steps that are not stable.")
-    return sheet.finish(
+    alt, empty = (
         f"error against {what}, a panel per problem",
-        empty="No integrator has answered a problem.",
+        "No integrator has answered a problem.",
     )
+    return sheet.finish(alt, empty=empty)

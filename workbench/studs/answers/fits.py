@@ -233,19 +233,9 @@ def answer_residual(
             if rows.empty:
                 raise
             said.append(Finding("evidence", f"the mechanical model is no candidate: {error}"))
-    found = (
-        fit_residual(
-            table,
-            quantity,
-            predamage=predamage,
-            measure=measure,
-            mechanical=curve,
-            loss=loss,
-            confidence=confidence,
-            priors=priors,
-        )
-        for curve in curves
-    )
+    which: dict[str, Any] = {"predamage": predamage, "measure": measure, "priors": priors}
+    which |= {"loss": loss, "confidence": confidence}
+    found = (fit_residual(table, quantity, mechanical=curve, **which) for curve in curves)
     return [replace(each, findings=(*said, *each.findings)) for each in found]
 
 

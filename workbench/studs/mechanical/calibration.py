@@ -113,7 +113,7 @@ def _predictions(
     solved: dict[Stud, tuple[float, float, float]] = {}
     for stud in dict.fromkeys(studs):
         curve = curve_of(stud, around)
-        solved[stud] = (curve.strength, curve.secant(STIFFNESS_LEVEL), float(curve.slip[-1]))
+        solved[stud] = (curve.strength, curve.chord(0.0, STIFFNESS_LEVEL), float(curve.slip[-1]))
     return np.array([solved[stud] for stud in studs])
 
 

@@ -50,10 +50,6 @@ class ShearCurve:
         """Largest load up to a slip (m), in N."""
         return float(np.max(self.load[self.slip <= slip * (1.0 + 1e-9)]))
 
-    def secant(self, level: float = 0.4) -> float:
-        """Secant stiffness at a share of the strength, in N/m."""
-        return self.chord(0.0, level)
-
     def chord(self, low: float = 0.1, high: float = 0.4) -> float:
         """Chord stiffness between two shares of the strength, in N/m."""
         rising = np.maximum.accumulate(self.load)
@@ -113,7 +109,7 @@ def shear(structure: StudStructure, slip: float | None = None, steps: int = STEP
             raise
         done = float(assembly.displacement[dof]) - origin
         friction = structure.friction()
-        collar = float(structure.links.forces[structure.collar])
+        collar = float(structure.links.state.force[structure.collar])
         force = step.factor + friction
         rows.append((done, force, friction, collar, structure.base_tension, structure.uplift))
         failed = structure.ruptured

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Indices
 from workbench.errors import OutOfDomainError
 from workbench.structures.elements import Bars, ElementGroup, Step, StepEnergies
 from workbench.studs.mechanical import kernels
 from workbench.studs.quantities import Array
 
-Indices = NDArray[np.int64]
 AXIAL, LATERAL = 0, 1  # component u along the stud, v across it
 GROUND = -1
 
@@ -106,16 +105,6 @@ class Links(ElementGroup):
         return StepEnergies(float(np.sum(stored)), lost, 0.0, lost)
 
     @property
-    def forces(self) -> Array:
-        """Committed forces (links,) in N."""
-        return self._old.force
-
-    @property
-    def deformations(self) -> Array:
-        """Committed deformations (links,) in m."""
-        return self._old.deformation
-
-    @property
-    def states(self) -> Array:
-        """Committed states (links, 2), see the kernels."""
-        return self._old.inner
+    def state(self) -> LinkState:
+        """The committed state."""
+        return self._old

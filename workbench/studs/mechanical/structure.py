@@ -145,18 +145,18 @@ class StudStructure:
     def head_crushed(self) -> bool:
         """Whether the pressure under the head has come to its limit."""
         limit = self.links.links[self.pressure].strength
-        return bool(self.links.forces[self.pressure] > 0.97 * limit)
+        return bool(self.links.state.force[self.pressure] > 0.97 * limit)
 
     @property
     def anchorage_exhausted(self) -> bool:
         """Whether the cone or the pressure under the head has come to its limit."""
-        opened = float(self.links.deformations[self.crack])
+        opened = float(self.links.state.deformation[self.crack])
         return opened > 0.8 * self.links.links[self.crack].peak or self.head_crushed
 
     @property
     def cone_damage(self) -> float:
         """Share of the cone's strength that is lost for good, 0 to 1."""
-        opened = float(self.links.states[self.crack, 0])
+        opened = float(self.links.state.inner[self.crack, 0])
         link = self.links.links[self.crack]
         if opened <= link.peak:
             return 0.0
@@ -170,7 +170,7 @@ class StudStructure:
         The plastic slide at the base counts over the diameter, the plastic strain as the mean over
         two diameters from the base.
         """
-        slide = abs(float(self.links.states[self.slide, 0])) / self.stud.diameter
+        slide = abs(float(self.links.state.inner[self.slide, 0])) / self.stud.diameter
         strain = max(float(np.sum(self.beams.plastic_strains * self._stretch)), 0.0)
         around = self.around
         return slide / around.slide_capacity + strain / around.rupture_strain >= 1.0
@@ -188,7 +188,7 @@ class StudStructure:
         loss = 1.0 - self.around.cone_loss * self.cone_damage
         self.links.factor[: self.head + 1] = np.maximum(share * loss, 1e-9)
         height = float(self.stud.collar_height or 0.0)
-        gap = max(-float(self.links.deformations[self.contact]), 0.0)
+        gap = max(-float(self.links.state.deformation[self.contact]), 0.0)
         left = max(1.0 - gap / height, 0.0) if height > 0.0 else 0.0
         self.links.factor[self.collar] = max(left * loss, 1e-9)
         self.links.cap[self.pressure] = max(loss, 0.05)
@@ -199,4 +199,4 @@ class StudStructure:
 
     def friction(self) -> float:
         """Friction between flange and slab while it slips, in N."""
-        return self.around.friction * max(float(self.links.forces[self.contact]), 0.0)
+        return self.around.friction * max(float(self.links.state.force[self.contact]), 0.0)

@@ -10,8 +10,8 @@ and 7.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
 from workbench.studs.quantities import Array
@@ -43,7 +43,7 @@ class Estimate:
     sigma: float
     tau: float
     covariance: Array
-    at_bound: NDArray[np.bool_]
+    at_bound: Flags
     residuals: Array
 
     @property
@@ -73,7 +73,7 @@ class Solved:
     theta: Array
     size: float
     normal: Array
-    stuck: NDArray[np.bool_]
+    stuck: Flags
 
 
 def solve_theta(given: Problem, ratio: float, start: Array, free: Indices) -> Solved:

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Indices as Indices
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.studs.quantities import Array
 
-Indices = NDArray[np.int64]
 Prediction = Callable[[Array], Array]
 
 DIFFERENCE = 1e-6
