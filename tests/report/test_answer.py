@@ -120,6 +120,8 @@ def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored
     label = next(iter(stored.study.models))
     said = in_labels(stored.study, f"take {name}, not {name}-more")
     assert said == f"take {name} ({label}), not {name}-more"
+    other = f"take {name} --option gain=2"  # not what the label stands for
+    assert in_labels(stored.study, other) == other
 
 
 def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:

@@ -46,7 +46,7 @@ def in_labels(study: Study, text: str) -> str:
     for label, model in study.models.items():
         labels.setdefault(model.name, label)
     for name, label in labels.items():
-        text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-])", f"{name} ({label})", text)
+        text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-]| --option)", f"{name} ({label})", text)
     return text
 
 
