@@ -8,8 +8,11 @@ import csv
 from collections.abc import Collection
 from functools import lru_cache
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from workbench.arrays import Array, Flags
 from workbench.datafiles import data_directory
 from workbench.models.descriptors import FEATURES, asked_for, features, region_of, variant_of
 from workbench.responses import Finding
@@ -32,23 +35,46 @@ def measured_findings(
     """
     if not isinstance(scenario, ColumnImpact):
         return []
-    rules = _rules().get((model.name, variant_of(model)))
-    if rules is None:
+    rules = _rules()
+    mine = rules.of.get((model.name, variant_of(model)))
+    if mine is None:
         return []
     own = features(scenario)
-    held = [row for row in rules if _holds(row, own) and _chance(row) > TOLERATED]
-    return [_told(row, own, _remedy(row, own, others)) for row in held]
+    at = np.array(list(own.values()))
+    held: Flags = np.all((rules.low <= at) & (at < rules.high) | rules.free, axis=1)
+    if not held[mine].any():
+        return []
+    there = tuple(np.flatnonzero(held).tolist())
+    known = None if others is None else tuple(others)
+    risky = [i for i in there if i in mine and rules.rows[i]["chance"] > TOLERATED]
+    return [_told(rules.rows[i], own, _remedy(i, there, known)) for i in risky]
+
+
+class _Rules(NamedTuple):
+    """Rows of the table, which are `of` each model and options; bounds (rows, features) of regions.
+
+    Where they bound nothing a row is `free`.
+    """
+
+    rows: list[dict[str, Any]]
+    of: dict[tuple[str, str], list[int]]
+    low: Array
+    high: Array
+    free: Flags
 
 
 @lru_cache(maxsize=1)
-def _rules() -> dict[tuple[str, str], list[dict[str, Any]]]:
-    """Rows of the table by model and options."""
+def _rules() -> _Rules:
+    """The table."""
     path = data_directory() / "validation" / f"{TABLE}.csv"
-    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
     with path.open(newline="", encoding="utf-8") as stream:
-        for row in csv.DictReader(stream):
-            found.setdefault((row["model"], row["options"]), []).append(_typed(row))
-    return found
+        rows = [_typed(row) for row in csv.DictReader(stream)]
+    of: dict[tuple[str, str], list[int]] = {}
+    for number, row in enumerate(rows):
+        of.setdefault((row["model"], row["options"]), []).append(number)
+    ends = [[row["bounds"].get(name, (-inf, inf)) for name in FEATURES] for row in rows]
+    low, high = np.moveaxis(np.array(ends).reshape(-1, len(FEATURES), 2), 2, 0)
+    return _Rules(rows, of, low, high, np.isinf(low) & np.isinf(high))
 
 
 def _typed(row: dict[str, str]) -> dict[str, Any]:
@@ -57,11 +83,7 @@ def _typed(row: dict[str, str]) -> dict[str, Any]:
     typed = {name: v if name in words else float(v) if v else None for name, v in row.items()}
     ends = {name: (typed[f"{name}_low"], typed[f"{name}_high"]) for name in FEATURES}
     bounds = {name: end for name, end in ends.items() if end != (-inf, inf)}
-    return {**typed, "bounds": bounds}
-
-
-def _holds(row: dict[str, Any], own: dict[str, float]) -> bool:
-    return all(low <= own[name] < high for name, (low, high) in row["bounds"].items())
+    return {**typed, "bounds": bounds, "chance": _chance(typed)}
 
 
 def _chance(row: dict[str, Any]) -> float:
@@ -69,19 +91,22 @@ def _chance(row: dict[str, Any]) -> float:
     return float((row["low"] + row["high"] + 1.0) / (row["count"] + 2.0))
 
 
-def _remedy(row: dict[str, Any], own: dict[str, float], others: Collection[str] | None) -> str:
+@lru_cache(maxsize=1024)
+def _remedy(number: int, there: tuple[int, ...], others: tuple[str, ...] | None) -> str:
     """The model to take instead of that of a row: one with less chance to be off here by its rule.
+
+    Arguments: numbers of the row and of all that hold `there`.
 
     So no chain of remedies comes back. First the one that did best in the region of the row, then
     the one with the least chance, then the reference.
     """
+    row, rows = _rules().rows[number], [_rules().rows[i] for i in there]
     chances = {
-        f"{name} {options}".rstrip(): _chance(other)
-        for (name, options), rows in _rules().items()
+        f"{other['model']} {other['options']}".rstrip(): other["chance"]
         for other in rows
-        if (others is None or name in others) and _holds(other, own)
+        if others is None or other["model"] in others
     }
-    least, best = _chance(row), row["better"]
+    least, best = row["chance"], row["better"]
     if chances.get(best, least) < least:
         found = f"take {asked_for(best)}, off in {row['better_off']:.0f} of "
         found += f"{row['better_count']:.0f} there"
