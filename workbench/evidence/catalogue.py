@@ -97,10 +97,7 @@ def _datasets(text: str, folder: str) -> tuple[Dataset, ...]:
 def dataset(name: str) -> Dataset:
     """The dataset of this name. Raises `InputError` with the nearest names."""
     entries = {entry.name: entry for entry in datasets()}
-    if name not in entries:
-        allowed = "must be one of " + ", ".join(entries)
-        raise InputError("dataset", name, allowed, did_you_mean(name, entries))
-    return entries[name]
+    return entries[Choice(tuple(entries), did_you_mean(name, entries)).check("dataset", name)]
 
 
 def load(name: str) -> pd.DataFrame:

@@ -6,7 +6,6 @@ unit: in the name, in brackets after the name, in a row of units, or in the mapp
 """
 
 import csv
-import difflib
 import io
 import re
 from collections.abc import Mapping as Dictionary
@@ -15,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from workbench.errors import InputError
-from workbench.fields import Number
+from workbench.fields import Number, did_you_mean
 from workbench.intake.mapping import Mapping
 from workbench.intake.units import factor, is_unit, spelled
 from workbench.studs.reading import NUMBER, Problem, column_names, raw_rows, width_findings
@@ -123,16 +122,11 @@ def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | N
         return meant._replace(name=name, unit=unit or meant.unit)
     if (given or bare).startswith(EXTRA):
         return Place(name, None)
-    guess = _guess(given or bare, table)
+    text, guess = "is no column of the workbench", did_you_mean(given or bare, table.names)
     if given:
-        raise InputError(f"mapping, columns.{name}", given, "is no column of the workbench", guess)
-    advice = f"{guess}name it in [columns] or in `ignore` of a mapping file"
-    raise InputError(field, name, "is no column of the workbench", advice)
-
-
-def _guess(name: str, table: Table) -> str:
-    near = difflib.get_close_matches(name, table.names, 1, 0.65)
-    return f"did you mean {near[0]}? " if near else ""
+        raise InputError(f"mapping, columns.{name}", given, text, guess)
+    advice = f"{guess} name it in [columns] or in `ignore` of a mapping file".lstrip()
+    raise InputError(field, name, text, advice)
 
 
 def _check_mapping(mapping: Mapping, names: list[str]) -> None:
@@ -207,7 +201,7 @@ def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> di
         field = f"mapping, constants.{name}"
         place = find(name, table)
         if place is None or place.column is None:
-            advice = _guess(name, table).strip()
+            advice = did_you_mean(name, table.names)
             raise InputError(field, cell, "is no column of the workbench", advice)
         column = place.column
         if column.name in taken:

@@ -9,7 +9,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.evidence import Dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, STUD_TESTS
-from workbench.fields import did_you_mean
+from workbench.fields import Choice, did_you_mean
 from workbench.impact_tests import IMPACTS
 from workbench.impact_tests import suspicion as of_impacts
 from workbench.intake.conversion import convert, find, names_in
@@ -66,10 +66,7 @@ def kind_of(names: list[str], asked: str | None, known: Callable[[str, Table], b
     column of a schema. Raises `InputError`.
     """
     if asked is not None:
-        if asked not in KINDS:
-            allowed = "must be one of " + ", ".join(KINDS)
-            raise InputError("--kind", asked, allowed, did_you_mean(asked, KINDS))
-        return asked
+        return str(Choice(tuple(KINDS), did_you_mean(asked, KINDS)).check("--kind", asked))
     counts = {name: sum(known(n, kind.table) for n in names) for name, kind in KINDS.items()}
     best = max(counts, key=lambda name: counts[name])
     if list(counts.values()).count(counts[best]) > 1:

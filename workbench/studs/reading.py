@@ -5,7 +5,6 @@ and what must not repeat between rows.
 """
 
 import csv
-import difflib
 import io
 import re
 from collections import Counter
@@ -18,7 +17,7 @@ import pandas as pd
 
 from workbench.datafiles import LARGEST_FILE, open_input
 from workbench.errors import InputError
-from workbench.fields import Number
+from workbench.fields import Number, did_you_mean
 from workbench.studs.schema import EXTRA, TESTS, Column, Row, RowFinding, Table
 
 MOST_ROWS = 50_000
@@ -218,10 +217,8 @@ def _columns(line: int, header: list[str] | None, name: str, table: Table) -> li
     names, place = column_names(line, header, name), f"{name}, line {line}"
     for column in names:
         if not column.startswith(EXTRA) and column not in table.names:
-            near = difflib.get_close_matches(column, table.names, 1, 0.5)
-            advice = f"did you mean {near[0]}? " if near else ""
-            advice += f"columns of your own begin with {EXTRA}"
-            raise InputError(place, column, "unknown column", advice)
+            advice = f"{did_you_mean(column, table.names)} columns of your own begin with {EXTRA}"
+            raise InputError(place, column, "unknown column", advice.lstrip())
     missing = ", ".join(c.name for c in table.columns if c.filled and c.name not in names)
     if missing:
         raise InputError(place, missing, "required column missing", "units belong to the name")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from workbench.assessment import METRICS, Gate, Scope
 from workbench.assessment.variations import Budget
 from workbench.errors import InputError
-from workbench.fields import did_you_mean
+from workbench.fields import Choice, did_you_mean
 from workbench.responses import VARIABLES
 from workbench.responses.uncertainty import level_names
 from workbench.scenarios import Scenario
@@ -172,11 +172,9 @@ class Study:
         labels += [label for figure in self.figures for label in figure.models]
         labels += [label for gate in self.gates for label in (gate.model, gate.against)]
         for label in labels:
-            if label not in self.models:
-                raise InputError("study label", label, "must be one of " + ", ".join(self.models))
+            Choice(tuple(self.models)).check("study label", label)
         for gate in self.gates:
-            if gate.metric not in METRICS:
-                raise InputError("gate.metric", gate.metric, "must be one of " + ", ".join(METRICS))
+            Choice(tuple(METRICS)).check("gate.metric", gate.metric)
             if METRICS[gate.metric].scope is Scope.RUN and gate.model != gate.against:
                 raise InputError("gate.against", gate.against, f"must be {gate.model} as well")
         if self.ladder and self.ladder[-1] != self.reference:

@@ -9,7 +9,7 @@ import importlib
 import pkgutil
 from typing import TYPE_CHECKING
 
-from workbench.errors import InputError
+from workbench.fields import Choice
 
 if TYPE_CHECKING:
     from workbench.report.drawing.sheet import Drawing, Request
@@ -19,8 +19,7 @@ KINDS = tuple(sorted(found.name.replace("_", "-") for found in pkgutil.iter_modu
 
 def check_kind(kind: str) -> None:
     """Refuse a kind of figure that nothing draws. Raises `InputError`."""
-    if kind not in KINDS:
-        raise InputError("figure.kind", kind, "must be one of " + ", ".join(KINDS))
+    Choice(KINDS).check("figure.kind", kind)
 
 
 def draw(request: Request) -> Drawing:
