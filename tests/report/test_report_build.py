@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
-from workbench.errors import InputError
+from workbench.errors import InputError, WorkbenchError
 from workbench.report.build import build_report
+from workbench.report.explorer.page import explorer
 from workbench.report.stored import Stored
+from workbench.study import assess
 
 
 class Page(HTMLParser):
@@ -54,6 +57,17 @@ def test_equal_stores_give_equal_bytes(built, small, tmp_path):
     assert first.keys() == second.keys()
     assert [name for name in first if first[name] != second[name]] == []
     assert first["report.pdf"].startswith(b"%PDF")
+
+
+def test_what_the_assessment_has_read_is_not_read_again(small, tmp_path):
+    shutil.copytree(small.directory, tmp_path / small.study.name)
+    found = assess(small.study, tmp_path)
+    for path in found.directory.glob("cells/*.nc"):
+        path.unlink()
+    handed_on = Stored(found.directory, small.study, found.responses)
+    assert explorer(small.study, handed_on) == explorer(small.study, small)
+    with pytest.raises(WorkbenchError, match="cannot be read"):
+        explorer(small.study, Stored(found.directory, small.study))
 
 
 @pytest.fixture(scope="module")
