@@ -94,6 +94,11 @@ class ShearSurface(Declared, table="shear_surface"):
         """Plastic axial resistance without shear, in N."""
         return float(self.record["flange_axial"] + self.record["web_axial"])
 
+    @cached_property
+    def plastic_moment(self) -> float:
+        """Plastic moment (N m) of what it is made of, without axial and shear force."""
+        return float(self.moment_capacity(0.0, 0.0))
+
     @property
     def flange_mechanism(self) -> float:
         """Work (J) per radian of a panel whose flanges bend as plates at both ends, b t^2 f_y.

@@ -186,8 +186,10 @@ def panel_findings(
             "buckles in shear before it yields"
         )
         findings.append(Finding("shear-buckling", text, refusal=True, number=slenderness))
-    own = float(surface.moment_capacity(0.0, 0.0))
-    pairs = (own / properties.plastic_moment, surface.squash_load / properties.squash_load)
+    pairs = (
+        surface.plastic_moment / properties.plastic_moment,
+        surface.squash_load / properties.squash_load,
+    )
     ratio = max(pairs, key=lambda share: abs(share - 1.0))
     if abs(ratio - 1.0) > _FEW_PERCENT:
         text = (

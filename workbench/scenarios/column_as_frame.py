@@ -39,17 +39,17 @@ def frame_scenario(
 ) -> FrameStatic | FrameImpact | FramePulse:
     """What happens to a column as what happens to its frame; forces and strikes along +x."""
     frame, name = frame_of(scenario.column), scenario.name
+    if isinstance(scenario, ColumnImpact):
+        own = scenario.striker
+        striker = FrameStriker(own.mass, own.velocity, own.restitution, node="hit", direction="+x")
+        return FrameImpact(name, frame, striker, scenario.duration)
     pattern = (Load("hit", x=1.0),)
     if isinstance(scenario, ColumnPushover):
         path = (scenario.displacement,)
         return FrameStatic(name, frame, pattern, "hit", "x", path, "displacement")
-    if isinstance(scenario, MemberPulse):
-        pulse = FramePulse(
-            name, frame, scenario.pulse, "hit", "+x", pattern, duration=scenario.duration
-        )
-        if scenario.load == UNIFORM:
-            pulse = replace(pulse, loads=(), members=("below", "above"))
-        return pulse
-    own = scenario.striker
-    striker = FrameStriker(own.mass, own.velocity, own.restitution, node="hit", direction="+x")
-    return FrameImpact(name, frame, striker, scenario.duration)
+    pulse = FramePulse(
+        name, frame, scenario.pulse, "hit", "+x", pattern, duration=scenario.duration
+    )
+    if scenario.load == UNIFORM:
+        pulse = replace(pulse, loads=(), members=("below", "above"))
+    return pulse

@@ -1,6 +1,7 @@
 """The two models of two rigid bars: hinges that see N and M, and panels that see V as well."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,6 +10,7 @@ from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.shear import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.panel import SHEAR_DEPTHS
+from workbench.materials import Steel
 from workbench.models.domain import panel_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import panels
@@ -16,6 +18,7 @@ from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnScenario
+from workbench.sections import Section
 
 _SHEARED = 0.15  # mean sliding over length from which a solid's flanges carry tension
 _KINEMATICS = {"chord": panels.CHORD, "section": panels.SECTION}
@@ -98,7 +101,7 @@ class FourDofShear(RigidBars):
 
     def surface(self, column: Column) -> ShearSurface:
         """The yield surface of both ends of all bars."""
-        return ShearSurface(column.section, column.steel, self.web_depth)
+        return _surface_of(column.section, column.steel, self.web_depth)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         column = scenario.column
@@ -129,3 +132,8 @@ class FourDofShear(RigidBars):
         bars["sliding"], web = _KINEMATICS[self.kinematics], bars["web"]
         bars["squash_loads"] = web["flange_axial"] + web["web_axial"]
         bars["plastic_moments"] = web["flange_moment"] + web["web_moment"]
+
+
+@lru_cache(maxsize=64)
+def _surface_of(section: Section, steel: Steel, depth: str) -> ShearSurface:
+    return ShearSurface(section, steel, depth)

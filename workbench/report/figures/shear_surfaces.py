@@ -24,7 +24,7 @@ def draw(request: Request) -> Drawing:
     sheet = Sheet.grid(max(len(surfaces), 1), said, height=2.6)
     share = np.linspace(0.0, 1.0, _POINTS)
     for panel, (section, surface) in zip(sheet.panels, surfaces.items(), strict=False):
-        plastic = float(surface.moment_capacity(0.0, 0.0))
+        plastic = surface.plastic_moment
         domain = surface.moment_capacity(0.0, share * surface.shear_resistance) / plastic
         exact = surface.one_shear_rate(share) / plastic
         flanges = float(surface.record["flange_moment"]) / plastic
