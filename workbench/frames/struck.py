@@ -77,19 +77,24 @@ class StruckRecord(Record):
         tables = np.empty((len(TABLES), len(places.hinge), len(moved)))
         swayed = np.empty((len(moved), len(places.swaying)))
         lost = read(places, LOST, moved, states, tables, self._most, swayed)
-        seen = {"at": at, **self._committed()} | {name: get(step) for name, get in _TOLD.items()}
-        told, slid = np.array(list(seen.values())), members.sliding()
-        rows = {**dict(zip(seen, told, strict=True)), **dict(zip(TABLES, tables, strict=True))}
-        for name, values in (*rows.items(), ("sliding", None if slid is None else slid.T)):
+        slid = members.sliding()
+        seen = {
+            "at": at,
+            **self._committed(),
+            **{name: get(step) for name, get in _TOLD.items()},
+            **dict(zip(TABLES, tables, strict=True)),
+            "sliding": None if slid is None else slid.T,
+        }
+        for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
         self._totals.clear()
         self.drift = np.maximum(self.drift, np.abs(swayed @ self.watch.lines.sway).max(axis=0))
-        time, displacement = told[0], told[1]
-        self._snapshots.keep(time, displacement, moved, states.carried)
+        displacement = seen["displacement"]
+        self._snapshots.keep(at, displacement, moved, states.carried)
         if lost >= 0:
             members.show(lost)
             assembly.show(moved[lost], assembly.velocity[lost], seen["elastic"][lost])
-            self.watch.check(float(displacement[lost]), float(time[lost]))
+            self.watch.check(float(displacement[lost]), float(at[lost]))
 
     def column(self, name: str) -> Array:
         """As of other records."""

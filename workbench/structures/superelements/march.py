@@ -77,8 +77,9 @@ def follow_impact(
         status, count = advance(body, pace, motion, work, clock, records, stack)
         if count:
             group.show(SuperelementState(*(values[:count] for values in stack.old)))
-            assembly.show(stack.x[:count], stack.v[:count], records["stored"][:count])
-            yield _told(records[:count], striker)
+            told = _told(records[:count], striker)
+            assembly.show(stack.x[:count], stack.v[:count], told.energies.stored)
+            yield told
             group.show(SuperelementState(*(values[count - 1] for values in stack.old)))
             last = float(records["stored"][count - 1])
             assembly.show(stack.x[count - 1], stack.v[count - 1], last)
@@ -132,7 +133,9 @@ def _stack(motion: Motion, rows: int) -> Motion:
 
 def _told(records: Any, striker: PointMass) -> TimeStep:
     """What the records say, as the steps between them."""
-    told = {name: records[name] for name in RECORD.names or ()}
+    numbers = records.view(np.float64).reshape(len(records), -1).T.copy()
+    told = dict(zip(RECORD.names or (), numbers, strict=True))
+    told |= {name: records[name].astype(float) for name in ("evaluations", "cuts")}
     energies = StepEnergies(*(told[name] for name in StepEnergies._fields))
     moved = PointMass(
         striker.mass, told["striker_velocity"], striker.restitution, told["striker_position"]
