@@ -26,8 +26,9 @@ def subject(study: Study) -> Iterator[Block]:
 def measured_at(study: Study, group: str) -> str:
     """How far from their joints the struck members of a group were hit, in heights; or nothing."""
     heights = []
+    names = study.groups.get(group, [case.name for case in study.cases])  # no groups: all are one
     for case in study.cases:
-        if case.name in study.groups[group] and isinstance(case.scenario, FrameImpact):
+        if case.name in names and isinstance(case.scenario, FrameImpact):
             try:
                 line = column_line(case.scenario)
             except OutOfDomainError:  # a joint, or a beam that is no line between two
