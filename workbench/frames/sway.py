@@ -70,9 +70,8 @@ def sway_findings(sway: Sway | None, drift: Array) -> list[Finding]:
     if missing >= MISSING:
         return []
     text = (
-        f"the frame has swayed {gone:.2f} of the way from which its dead loads carry it on: with "
-        f"{100.0 * missing:.2g} % less resistance this hit lets it fall, and models differ by as "
-        "much"
+        f"the frame has swayed {gone:.2f} of the drift at which its dead loads bring it down: "
+        f"{100.0 * missing:.2g} % less resistance and this hit does, and models differ by as much"
     )
-    remedy = "compare fiber-shear, and try a few percent more velocity"
+    remedy = "try a few percent more velocity, and fiber-shear if another model answers here"
     return [Finding(SUBJECT, text, remedy=remedy, number=gone)]
