@@ -78,7 +78,7 @@ def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float)
     np.testing.assert_allclose(found.v[1:, 1], answer["striker_velocity"].values[1:], rtol=1e-9)
 
 
-@pytest.mark.parametrize("restitution", [0.0, 0.6])
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
 @pytest.mark.parametrize(
     ("integrator", "stepper"),
     [
@@ -88,7 +88,7 @@ def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float)
     ],
 )
 def test_four_dof(thesis_impact, integrator: str, stepper, restitution: float) -> None:
-    h, steps = 2e-5, 250
+    h, steps = 2e-5, 1500  # past the peak, and every contact of the way there
     column = replace(thesis_impact.column, head_mass=95.25)
     striker = Striker(1500.0, 15.0, restitution)
     scenario = ColumnImpact("hit", column, striker, duration=h * steps)
@@ -97,7 +97,7 @@ def test_four_dof(thesis_impact, integrator: str, stepper, restitution: float) -
     start = system.start, np.array([0.0, 0.0, 0.0, striker.velocity])
     found = run(stepper, system, Restitution(restitution), start, h * steps, h)
     np.testing.assert_allclose(found.q[:, 0], answer["displacement"].values, **CLOSE)
-    np.testing.assert_allclose(found.v[1:, 3], answer["striker_velocity"].values[1:], rtol=1e-9)
+    np.testing.assert_allclose(found.v[1:, 3], answer["striker_velocity"].values[1:], **CLOSE)
     if integrator == "midpoint":
         total = found.energies.sum(axis=1) + np.append(0.0, np.cumsum(found.contact_loss))
         assert np.ptp(total) < 1e-9 * found.energies[0, 0]

@@ -142,6 +142,20 @@ def test_penetration_stays_within_its_bound(name: str, e: float) -> None:
     assert worst > 0.1 or a == 0.0  # the bound is no idle one
 
 
+@pytest.mark.parametrize("name", ["ggl", "ggl-split"])
+def test_gap_closing_leaves_no_penetration_whatever_the_masses_and_open_gaps(name: str) -> None:
+    """Between floor and ceiling 3 m apart, where the other gaps are nanometres."""
+    sides = [{0: -1.0, 1: 1.0}, {0: 1.0}, {1: -1.0}]
+    for masses in ([0.01, 1000.0], [0.1, 100.0]):
+        for k in range(6):
+            load = [-9.81 * m for m in masses]
+            system = springs(masses, [], sides, [0.0, 0.0, 3.0], load)
+            start = [0.3 + 0.1 * k, 1.0 + 0.14 * k], [2.0, -4.0]
+            found = run(scheme(name).stepper, system, Restitution(0.3), start, 1.0, 0.005)
+            assert found.impacts > 3
+            assert found.conditions.penetration < 1e-12
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_limit_of_stability(name: str) -> None:
     limit = SCHEMES[name].stable

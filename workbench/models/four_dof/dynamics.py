@@ -9,6 +9,7 @@ from numba import njit
 
 from workbench.hinges.kernels import ELASTIC
 from workbench.impact import restitution as law
+from workbench.impact.stepping import SLACK
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
@@ -183,7 +184,9 @@ def midpoint_step(column, dt, closing, state, work):
     """One energy-conserving step (eqs 3.31-3.33) of `state`; returns (converged, residual).
 
     If the gap forecast for its middle is closed, the contact is; it opens if it would pull.
-    `closing`: a gap that is negative afterwards is closed (Gear-Gupta-Leimkuhler).
+    `closing`: a gap that is negative afterwards is closed (Gear-Gupta-Leimkuhler). Bodies that
+    touch then do so exactly, and are in contact whatever their velocity (Signorini's law on
+    velocity level); whether they push is for the law to say, not for a forecast.
     """
     q, w, mass = state.q, state.w, column.striker_mass
     copy(q, work.q0)
@@ -193,7 +196,8 @@ def midpoint_step(column, dt, closing, state, work):
     before = state.striker_velocity
     gamma = w[V] - before
     eps = law.rebound(gamma, column.restitution)
-    closed = law.touches(q[V] - state.striker, gamma, dt)
+    gap = q[V] - state.striker
+    closed = law.touches(gap, gamma, dt) or (closing and gap <= SLACK)
     while True:
         jump, percussion = (1.0 + eps) * gamma, 0.0
         for nested in (False, True):
