@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError, SolverError
-from workbench.impact.laws import Restitution
+from workbench.impact.laws import Penalty, Restitution
 from workbench.impact.march import Run, run
 from workbench.impact.problems import oscillator, problem
 from workbench.impact.schemes import (
@@ -23,6 +23,11 @@ from workbench.impact.schemes import (
     event_driven,
     scheme,
 )
+from workbench.impact.schemes.energy_midpoint import energy_midpoint
+from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
+from workbench.impact.schemes.generalized_alpha import generalized_alpha
+from workbench.impact.schemes.hht_alpha import hht_alpha
+from workbench.impact.schemes.moreau_jean import moreau_jean
 from workbench.impact.schemes.newmark import mean_energy_factor
 from workbench.impact.system import springs
 from workbench.report.drawing.style import house_style
@@ -233,10 +238,17 @@ def test_a_compiled_second_of_the_ball_is_quick_and_the_same() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"h": 0.0}, "problem.time_step = 0.0: must be a positive number"),
+        ({"h": 0.0}, "problem.time_step = 0.0: must be a number above 0"),
         ({"h": 1e-12}, "at most 20000000"),
         ({"duration": -1.0}, "problem.duration"),
         ({"law": Restitution((0.5, 0.5))}, "one number or 1"),
+        ({"h": "a"}, "problem.time_step = 'a'.*without quotes"),
+        ({"duration": float("nan")}, "problem.duration = nan"),
+        ({"start": ([1.0, 2.0], [0.0])}, "problem.start.q = .*must be 1, one per unknown"),
+        ({"start": ([1.0], [0.0, 1.0])}, "problem.start.v = .*must be 1, one per unknown"),
+        ({"start": ([float("nan")], [0.0])}, "problem.start.q.0 = nan"),
+        ({"start": ([1.0],)}, "problem.start = .*velocities"),
+        ({"start": ([-1.0], [0.0])}, "no gap below 0 m, contact 0 has -1 m; move the bodies"),
     ],
 )
 def test_bad_runs_get_one_clear_message(change: dict, said: str) -> None:
@@ -246,11 +258,66 @@ def test_bad_runs_get_one_clear_message(change: dict, said: str) -> None:
         run(event_driven(), ball, **given)
 
 
-def test_bad_systems_and_names_get_one_clear_message() -> None:
-    with pytest.raises(InputError, match=r"problem.masses .* positive"):
-        springs([1.0, -1.0])
-    with pytest.raises(InputError, match=r"problem.gaps .* 1, one per contact"):
-        springs([1.0], contacts=[{0: 1.0}])
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"masses": [1.0, -1.0]}, "problem.masses.1 = -1.0: must be a number above 0"),
+        ({"masses": ["a"]}, "problem.masses.0 = 'a'.*without quotes"),
+        ({"contacts": [{0: 1.0}]}, "problem.gaps .* 1, one per contact"),
+        ({"contacts": [{0: 1.0}], "gaps": [NAN]}, "problem.gaps.0 = nan"),
+        ({"contacts": [{-1: 1.0}], "gaps": [0.0]}, "problem.contacts.0 = -1.*counted from 0"),
+        ({"contacts": [{}], "gaps": [0.0]}, "problem.contacts.0 = {}.*other than 0"),
+        ({"laws": [({3: 1.0}, (5.0,), 0.0)]}, "problem.laws.0 = 3: .*from 0 to 0"),
+        ({"laws": [({0: 1.0}, (-5.0,), 0.0)]}, "problem.laws.0.law.stiffness = -5.0"),
+        ({"laws": [({0: 1.0}, (NAN,), 0.0)]}, "problem.laws.0.law.stiffness = nan"),
+        ({"laws": [({0: 1.0}, (), 0.0)]}, "problem.laws.0.law = .*yield force"),
+        ({"laws": [({0: 1.0}, (1.0, 2.0, 3.0, 4.0), 0.0)]}, "problem.laws.0.law = "),
+        ({"laws": [({0: 1.0}, (1.0, 2.0, 3.0), 0.0)]}, "cubic = 2.0: must be 0 in a spring that"),
+        ({"laws": [({0: 1.0}, (1.0, 0.0, -5.0), 0.0)]}, "yield_force = -5.0"),
+        ({"laws": [({0: 1.0}, (1.0,), NAN)]}, "problem.laws.offset.0 = nan"),
+        ({"laws": [({0: 1.0}, (1.0,))]}, "problem.laws.0 = .*offset"),
+        (
+            {"laws": [({0: 1.0}, Penalty(1e6, damping=0.5), 0.0)]},
+            "problem.laws.0.law.damping = 0.5: must be 0 in springs; take a contact with",
+        ),
+        ({"load": [1.0, 2.0]}, "problem.load = .*must be 1, one per mass"),
+        ({"swing": (1.0, 2.0, 3.0)}, "problem.swing = .*amplitude and circular frequency"),
+    ],
+)
+def test_bad_systems_get_one_clear_message(change: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        springs(**{"masses": [1.0], **change})
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: moreau_jean(0.2), "moreau-jean.theta = 0.2: must be a number from 0.5 to 1"),
+        (lambda: moreau_jean(0.0), "moreau-jean.theta = 0.0"),
+        (lambda: moreau_jean(reach=3.0), "moreau-jean.reach = 3.0"),
+        (lambda: hht_alpha(5.0), "hht-alpha.alpha = 5.0"),
+        (lambda: generalized_alpha(3.0), "generalized-alpha.radius = 3.0"),
+        (lambda: generalized_alpha(-1.0), "generalized-alpha.radius = -1.0: must .* from 0 to 1"),
+        (lambda: energy_midpoint(-1.0), "midpoint.reach = -1.0"),
+        (lambda: gear_gupta_leimkuhler(NAN), "ggl.reach = nan"),
+    ],
+)
+def test_bad_parameters_of_schemes_get_one_clear_message(make, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        make()
+
+
+def test_squeezed_contacts_say_so_instead_of_asking_for_a_shorter_step() -> None:
+    squeezed = springs([1.0], [], [{0: 1.0}, {0: -1.0}], [0.0, 0.0], swing=(0.1, 10.0))
+    with pytest.raises(SolverError, match="contradict each other") as raised:
+        run(scheme("midpoint").stepper, squeezed, Restitution(0.0), ([0.0], [0.0]), 1.0, 0.01)
+    assert "reduce the step" not in str(raised.value)
+
+
+def test_bad_names_get_one_clear_message() -> None:
     with pytest.raises(InputError, match="did you mean newmark"):
         scheme("newmarc")
     with pytest.raises(InputError, match="did you mean duffing"):

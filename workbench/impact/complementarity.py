@@ -27,6 +27,7 @@ from workbench.fields import Choice
 LEMKE, PROJECTED = "lemke", "projected"
 METHODS = Choice((LEMKE, PROJECTED))
 TOLERANCE = 1e-10
+CONTRADICTION = "no impulses keep all bodies apart, the contacts contradict each other"
 _TIE, _PIVOT = 1e-12, 1e-10
 _FLAT = 1e-8
 _LARGEST = 1e6  # of a scaled impulse; beyond it round-off has solved what has no solution
@@ -58,8 +59,7 @@ def solve_contacts(delassus: Array, free: Array, method: str = LEMKE) -> Impulse
         raise InputError("delassus", None, "must be symmetric without negative diagonal entries")
     z, residual = complementary(G, q) if method == LEMKE else projected(G, q)
     if not residual <= TOLERANCE:
-        tried = f"{method}: no impulses keep all bodies apart, the contacts contradict each other"
-        raise SolverError(f"{q.size} contacts", residual, tried)
+        raise SolverError(f"{q.size} contacts", residual, f"{method}: {CONTRADICTION}")
     return Impulses(z, G @ z + q, residual)
 
 

@@ -12,11 +12,14 @@ from numba import njit
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
+from workbench.fields import Number
+from workbench.impact.complementarity import CONTRADICTION
 from workbench.impact.laws import Restitution
-from workbench.impact.stepping import Law, State, Stepper
-from workbench.impact.system import System, energy
+from workbench.impact.stepping import SLACK, Law, State, Stepper, gaps_of
+from workbench.impact.system import PLACE, SPEED, System, energy, numbers
 
 _MOST_STEPS = 20_000_000
+_TIME = Number(0.0, 1e9, "s", low_included=False)
 _SOLVED = 1e-9  # scaled residual of a step
 
 
@@ -112,16 +115,16 @@ def run(
     Raises `InputError` and `SolverError`.
     """
     for name, value in (("duration", duration), ("time_step", h)):
-        if not 0.0 < value < np.inf:
-            raise InputError(f"problem.{name}", value, "must be a positive number (s)")
+        _TIME.check(f"problem.{name}", value)
+    if duration / h > _MOST_STEPS:
+        said = f"makes {duration / h:.3g} steps, at most {_MOST_STEPS}"
+        raise InputError("problem.time_step", h, said, "take a longer one")
     count = ceil(duration / h - 1e-9)
-    if count > _MOST_STEPS:
-        raise InputError("problem.time_step", h, f"makes {count} steps, at most {_MOST_STEPS}")
     h = duration / count
     mass = np.asarray(system.mass)
     if not np.isfinite(mass).all() or np.linalg.eigvalsh(mass).min() <= 0.0:
         raise InputError("problem.masses", None, "must make a positive definite mass matrix")
-    q, v = (np.array(part, dtype=float) for part in start)
+    q, v = _begin(system, start)
     m = system.normals.shape[1]
     given = Law(law.each(m), law.law == "poisson")
     a = np.asarray(-np.linalg.solve(mass, system.forces(q)[0]), dtype=float)
@@ -137,6 +140,8 @@ def run(
     seconds = perf_counter() - begin
     if done < count:
         tried = "Newton's method with the contact law inside; reduce the step"
+        if residual == np.inf:  # of the contact problem: a shorter step has the same
+            tried = f"the contact law: {CONTRADICTION} (squeezed bodies); change the contacts"
         raise SolverError(f"time {done * h:.6g} s (step of {h:.3g} s)", residual, tried)
     t = np.linspace(0.0, duration, count + 1)
     kinetic = 0.5 * np.einsum("ki,ij,kj->k", records[1], mass, records[1])
@@ -152,6 +157,21 @@ def run(
         evaluations,
         seconds,
     )
+
+
+def _begin(system: System, start: Any) -> tuple[Array, Array]:
+    """Places and velocities of the start. Raises `InputError`."""
+    if not isinstance(start, tuple | list) or len(start) != 2:
+        raise InputError("problem.start", start, "must be (places in m, velocities in m/s)")
+    n = len(system.mass)
+    q = numbers("start.q", start[0], PLACE, n, "one per unknown")
+    gaps = gaps_of(system, q, 0.0)
+    if (gaps < -SLACK).any():
+        worst = int(np.argmin(gaps))
+        advice = "move the bodies apart"
+        said = f"must leave no gap below 0 m, contact {worst} has {gaps[worst]:.3g} m"
+        raise InputError("problem.start.q", start[0], said, advice)
+    return q, numbers("start.v", start[1], SPEED, n, "one per unknown")
 
 
 def _follow(step: Any, system: Any, law: Law, state: State, h: float, records: Any) -> Any:

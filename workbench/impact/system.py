@@ -14,9 +14,16 @@ from numba.extending import overload
 
 from workbench.arrays import Array
 from workbench.errors import InputError
+from workbench.fields import Many, Number
 from workbench.impact.laws import Penalty
 
 ELASTIC, ONE_SIDED, PLASTIC = 0, 1, 2
+PLACE, SPEED = Number(-1e9, 1e9, "m"), Number(-1e9, 1e9, "m/s")
+_MASSES = Many(Number(0.0, 1e15, "kg", low_included=False), 1)
+_STIFF, _CUBIC = Number(0.0, 1e18, "N/m"), Number(-1e18, 1e18, "N/m^3")
+_YIELDING, _FORCE = Number(0.0, 1e18, "N/m", low_included=False), Number(0.0, 1e15, "N")
+_LOAD, _FACTOR = Number(-1e15, 1e15, "N"), Number(-1e6, 1e6)
+_SWING = Number(-1e9, 1e9, advice="an amplitude in m, a circular frequency in rad/s")
 
 
 class System(Protocol):
@@ -104,40 +111,69 @@ def springs(
     """A system of masses (kg) on springs.
 
     Arguments: `masses`; `laws`, springs as (unknown to factor, law, offset in m), the law (k,) or
-    (k, cubic) elastic, (k, cubic, yield force), or a `Penalty` without damping; `contacts`, gaps
+    (k, cubic) elastic, (k, 0, yield force), or a `Penalty` without damping; `contacts`, gaps
     as unknown to factor, and `gaps` at q = 0 in m; constant `load` in N; `swing` of all surfaces,
     amplitude (m) and circular frequency (rad/s). Raises `InputError`.
     """
-    mass = np.asarray(masses, dtype=float)
-    if mass.ndim != 1 or not mass.size or not np.isfinite(mass).all() or mass.min() <= 0.0:
-        raise InputError("problem.masses", list(masses), "must be positive numbers (kg)")
-    if len(gaps) != len(contacts):
-        raise InputError("problem.gaps", list(gaps), f"must be {len(contacts)}, one per contact")
+    mass = np.array(_MASSES.check("problem.masses", masses))
     n, s = mass.size, len(laws)
-    kind, k, b = np.zeros(s, dtype=np.int64), np.zeros(s), np.zeros(s)
-    for i, (_, law, _) in enumerate(laws):
-        if isinstance(law, Penalty):
-            kind[i], k[i], b[i] = ONE_SIDED, law.stiffness, law.exponent
-        else:
-            kind[i] = PLASTIC if len(law) == 3 else ELASTIC
-            k[i], b[i] = law[0], law[-1] if len(law) > 1 else 0.0
-
-    def rows(of: Sequence[dict[int, float]]) -> Array:
-        out = np.zeros((len(of), n))
-        for row, factors in zip(out, of, strict=True):
-            row[list(factors)] = list(factors.values())
-        return out
-
+    for i, law in enumerate(laws):
+        if not isinstance(law, tuple | list) or len(law) != 3:
+            raise InputError(f"problem.laws.{i}", law, "must be (unknown to factor, law, offset)")
+    kinds = [_spring(f"problem.laws.{i}.law", law) for i, (_, law, _) in enumerate(laws)]
+    kind, k, b = zip(*kinds, strict=True) if kinds else ((), (), ())
+    offsets = [offset for _, _, offset in laws]
     return Springs(
         np.diag(mass),
-        np.ascontiguousarray(rows(contacts).T),
-        rows([along for along, _, _ in laws]),
-        *(kind, k, b, np.array([offset for _, _, offset in laws], dtype=float), np.zeros(s)),
-        np.zeros(n) if load is None else np.asarray(load, dtype=float),
-        np.asarray(gaps, dtype=float),
-        np.asarray(swing, dtype=float),
+        np.ascontiguousarray(_rows("contacts", contacts, n).T),
+        _rows("laws", [along for along, _, _ in laws], n),
+        *(np.array(kind, dtype=np.int64), np.array(k, dtype=float), np.array(b, dtype=float)),
+        *(numbers("laws.offset", offsets, PLACE, s, "one per spring"), np.zeros(s)),
+        np.zeros(n) if load is None else numbers("load", load, _LOAD, n, "one per mass"),
+        numbers("gaps", gaps, PLACE, len(contacts), "one per contact"),
+        numbers("swing", swing, _SWING, 2, "amplitude and circular frequency"),
         *(np.zeros(1), np.zeros(n)),
     )
+
+
+def numbers(name: str, given: Any, item: Number, count: int, which: str) -> Array:
+    """So many numbers of a problem as an array; `which` says what they are. Raises `InputError`."""
+    held = Many(item).check(f"problem.{name}", given)
+    if len(held) != count:
+        raise InputError(f"problem.{name}", held, f"must be {count}, {which}")
+    return np.array(held, dtype=float)
+
+
+def _spring(path: str, law: Penalty | tuple[float, ...]) -> tuple[int, float, float]:
+    """Kind of a spring and its two numbers. Raises `InputError`."""
+    if isinstance(law, Penalty):
+        if law.damping:
+            advice = "take a contact with the restitution of Penalty.rebound for it"
+            raise InputError(f"{path}.damping", law.damping, "must be 0 in springs", advice)
+        return ONE_SIDED, law.stiffness, law.exponent
+    if not isinstance(law, tuple | list) or not 1 <= len(law) <= 3:
+        raise InputError(path, law, "must be (k,), (k, cubic), (k, 0, yield force) or a Penalty")
+    stiffness, *more = law
+    if len(more) < 2:
+        cubic = _CUBIC.check(f"{path}.cubic", more[0] if more else 0.0)
+        return ELASTIC, _STIFF.check(f"{path}.stiffness", stiffness), cubic
+    if more[0] != 0.0:
+        raise InputError(f"{path}.cubic", more[0], "must be 0 in a spring that yields")
+    force = _FORCE.check(f"{path}.yield_force", more[1])
+    return PLASTIC, _YIELDING.check(f"{path}.stiffness", stiffness), force
+
+
+def _rows(name: str, of: Sequence[dict[int, float]], n: int) -> Array:
+    """Factors of `n` unknowns, a row each. Raises `InputError`."""
+    out = np.zeros((len(of), n))
+    unknown = Number(0, n - 1, integer=True, advice="unknowns are counted from 0")
+    for i, (row, factors) in enumerate(zip(out, of, strict=True)):
+        path = f"problem.{name}.{i}"
+        if not isinstance(factors, dict) or not any(factors.values()):
+            raise InputError(path, factors, "must give unknowns factors other than 0, as {0: 1.0}")
+        for at, factor in factors.items():
+            row[int(unknown.check(path, at))] = _FACTOR.check(f"{path}.{at}", factor)
+    return out
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,12 +10,13 @@ changes it by P (1 - e) gamma_0 / 2 <= 0, which for e = 1 is nothing.
 import numpy as np
 from numba.extending import register_jitable
 
-from workbench.impact.stepping import State, Step, Stepper, forecast, implicit
+from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, implicit
 from workbench.impact.system import commit
 
 
 def energy_midpoint(reach: float = 0.5) -> Stepper:
     """The step; `reach`, the share of a step that gaps are forecast for (thesis: 1/2)."""
+    reach = REACH.check("midpoint.reach", reach)
 
     @register_jitable
     def step(system, law, state, h):

@@ -134,7 +134,7 @@ def event_driven() -> Stepper:
             system.commit(state.q)
             if state.t >= end - 1e-13 * h:
                 return Step(state._replace(t=end), impulses, evaluations, residual, loss)
-        return Step(state, impulses, evaluations, np.inf, loss)
+        return Step(state, impulses, evaluations, np.nan, loss)  # too many events
 
     return step
 

@@ -14,7 +14,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from workbench.impact.complementarity import complementary
-from workbench.impact.stepping import State, Step, Stepper, forecast, gaps_of, implicit
+from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, gaps_of, implicit
 from workbench.impact.system import commit
 
 _OVERLAP = 1e-13  # m
@@ -62,6 +62,7 @@ def gear_gupta_leimkuhler(
     Without `all_gaps` the split form moves only contacts that push, as `four-dof` does: an overlap
     that ends a step without impulse stays for that step.
     """
+    reach = REACH.check("ggl.reach", reach)
 
     @register_jitable
     def step(system, law, state, h):

@@ -12,6 +12,7 @@ and positions by half a step of that (after Chen, Acary, Virlez and Bruls 2013).
 import numpy as np
 from numba.extending import register_jitable
 
+from workbench.fields import Number
 from workbench.impact.complementarity import complementary
 from workbench.impact.stepping import State, Step, Stepper, forecast, gaps_of, impulses_on
 from workbench.impact.system import commit, forces
@@ -21,6 +22,7 @@ _ITERATIONS = 40
 
 def generalized_alpha(radius: float = 0.8, impulses: bool = False) -> Stepper:
     """The step with a spectral radius at infinity of `radius`, 0 to 1."""
+    radius = Number(0.0, 1.0).check("generalized-alpha.radius", radius)
     am, af = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     return alpha_step(am, af, 0.25 * (1.0 - am + af) ** 2, 0.5 - am + af, impulses)
 

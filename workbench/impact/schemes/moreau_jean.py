@@ -12,12 +12,15 @@ closed beyond by a step times the velocity of approach.
 import numpy as np
 from numba.extending import register_jitable
 
-from workbench.impact.stepping import State, Step, Stepper, forecast, implicit
+from workbench.fields import Number
+from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, implicit
 from workbench.impact.system import commit
 
 
 def moreau_jean(theta: float = 0.5, reach: float = 1.0) -> Stepper:
     """The step; `theta` 1/2 to 1, `reach` the share of a step that gaps are forecast for."""
+    theta = Number(0.5, 1.0).check("moreau-jean.theta", theta)
+    reach = REACH.check("moreau-jean.reach", reach)
 
     @register_jitable
     def step(system, law, state, h):
