@@ -9,14 +9,16 @@ import pandas as pd
 import pytest
 
 from workbench.evidence import load
-from workbench.models.descriptors import FEATURES, features
+from workbench.models.descriptors import FEATURES, WORDS, beyond, descriptors, features
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.validity import REFERENCE, TABLE, TOLERATED, measured_findings
+from workbench.models.validity import RANGES, REFERENCE, TABLE, TOLERATED, measured_findings
 from workbench.registry import make_model
 from workbench.responses import warnings_of
 from workbench.scenarios import Column, ColumnImpact, Striker, parse_value
 from workbench.sections import find
+from workbench.study import load_study
+from workbench.study.model_form import range_rows
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +76,9 @@ def test_a_region_with_few_errors_is_not_warned_of(table) -> None:
 def test_remedies_end_at_the_reference_and_never_come_back(thesis_impact, table) -> None:
     """From every model that was measured, over light and heavy, slow and fast hits."""
     hits = [
-        replace(thesis_impact, striker=Striker(mass, velocity, 0.5))
+        replace(thesis_impact, striker=Striker(mass, velocity))
         for mass in (40.0, 100.0, 1500.0)
-        for velocity in (2.0, 8.0, 25.0)
+        for velocity in (2.0, 8.0, 24.0)
     ]
     hits.append(replace(hits[5], column=Column(find("HEA 260"), 1.5, 3.0, fillets=False)))
     longest = 0
@@ -104,6 +106,42 @@ def test_a_frame_is_sent_to_models_of_frames(thesis_impact) -> None:
     assert any(name in told.remedy for name in (*names, REFERENCE))
     (only,) = measured_findings(FourDof(), light, ())
     assert only.remedy == f"take {REFERENCE}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"restitution": 1.0}, "(restitution 1: columns were measured at 0 only)"),
+        ({"velocity": 60.0}, "velocity over (fy / rho)^½ 0.282: columns were measured at 0.0033"),
+        ({"mass": 15.0}, "striker over lumped mass 0.1"),
+    ],
+)
+def test_nothing_is_expected_of_hits_unlike_those_that_were_drawn(
+    thesis_impact, changes, said
+) -> None:
+    slow = replace(thesis_impact, striker=Striker(300.0, 24.0))
+    hit = replace(slow, striker=replace(slow.striker, **changes))
+    for name in ("four-dof", "single-dof", "energy-estimate", "rigid-superelement"):
+        model = make_model(name, {})
+        (known,), (found,) = measured_findings(model, slow), measured_findings(model, hit)
+        assert "; expect " in known.text
+        assert known.subject in ("measured", "measured-risk")
+        assert found.subject in ("unmeasured", "unmeasured-risk")
+        assert found.outside == (found.subject == "unmeasured") == (found.number > 0.5)
+        assert said in found.text
+        assert "; expect " not in found.text
+        assert found.remedy == f"take {REFERENCE}"
+
+
+def test_the_ranges_are_those_of_the_columns_that_were_drawn() -> None:
+    columns = load_study("which_model").study
+    rows = list(range_rows(columns))
+    assert pd.DataFrame(rows).equals(load(RANGES))
+    assert {row["descriptor"] for row in rows} == set(WORDS)
+    for case in columns.cases:
+        assert beyond(descriptors(case.scenario), RANGES) == {}
+        bounced = replace(case.scenario, striker=replace(case.scenario.striker, restitution=0.01))
+        assert list(beyond(descriptors(bounced), RANGES)) == ["restitution"]
 
 
 def options_of(variant: str) -> dict[str, object]:

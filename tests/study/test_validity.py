@@ -14,7 +14,7 @@ import pytest
 from toy_models import Spring
 
 from workbench.cli import run
-from workbench.models.descriptors import FEATURES, features
+from workbench.models.descriptors import FEATURES, descriptors, features
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study import Assessment, Case, Study
@@ -171,6 +171,12 @@ def test_the_verb_writes_the_table_and_says_how_the_trees_did(
     assert run(["data", "rules", "rules", "--out", str(tmp_path), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert [row["label"] for row in told["checks"]] == ["soft", "good"]
+    spans = pd.read_csv(tmp_path / "validity_ranges.csv").set_index("descriptor")
+    assert spans.loc["restitution"].tolist() == [0.0, 0.0]
+    ends = [
+        descriptors(study.cases[number].scenario)["velocity_over_plastic"] for number in (0, -1)
+    ]
+    assert spans.loc["velocity_over_plastic"].tolist() == pytest.approx(ends, rel=0.01)
     written = pd.read_csv(tmp_path / "validity.csv")
     assert len(written) == told["rows"]
     assert set(written["study"]) == {"rules"}

@@ -14,7 +14,14 @@ from typing import Any
 from workbench.assessment.budget import COVERAGE, MODEL_FORM, Term
 from workbench.evidence import dataset, load
 from workbench.models.base import Model
-from workbench.models.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
+from workbench.models.descriptors import (
+    DEMAND,
+    STRIKER,
+    YIELDING,
+    beyond,
+    descriptors,
+    variant_of,
+)
 from workbench.scenarios import ColumnImpact
 
 TABLE, RANGES = "model-form", "model-form-ranges"
@@ -61,7 +68,7 @@ def model_form(model: Model, scenario: ColumnImpact, quantity: str) -> Term:
     """
     title = dataset(TABLE).title
     own = descriptors(scenario)
-    outside = [name for name, (low, high) in _ranges().items() if not low <= own[name] <= high]
+    outside = beyond(own, RANGES)
     if outside:
         text = f"not measured here: {', '.join(outside)} outside the columns of the study"
         return Term(MODEL_FORM, text, title, 0.0, None, None)
@@ -96,8 +103,3 @@ def _said(row: dict[str, Any], expected: float, model: Model) -> str:
 def _rows() -> tuple[dict[str, Any], ...]:
     table = load(TABLE).fillna({"options": ""})
     return tuple({str(name): v for name, v in row.items()} for row in table.to_dict("records"))
-
-
-@lru_cache(maxsize=1)
-def _ranges() -> dict[str, tuple[float, float]]:
-    return {row["descriptor"]: (row["low"], row["high"]) for _, row in load(RANGES).iterrows()}

@@ -1,7 +1,7 @@
 """`workbench data`: the catalogue of published numbers, tests and profiles, and one's own."""
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -135,19 +135,13 @@ def measure(
     Writes the tables from which `workbench simulate --budget` knows the model form.
     """
     from workbench.assessment.model_form import RANGES, TABLE
-    from workbench.evidence import dataset
     from workbench.study import assess, load_study
     from workbench.study.model_form import COLUMNS, RANGE_COLUMNS, model_form_rows, range_rows
-    from workbench.study.store import csv_bytes, write_atomically
 
     chosen = load_study(study).study
     rows = list(model_form_rows(chosen, assess(chosen, Path(store), earlier=earlier)))
     tables = {TABLE: (rows, COLUMNS), RANGES: (list(range_rows(chosen)), RANGE_COLUMNS)}
-    written = []
-    for name, (table, columns) in tables.items():
-        path = dataset(name).path if out is None else Path(out) / dataset(name).path.name
-        write_atomically(path, csv_bytes(table, columns))
-        written.append(str(path))
+    written = _written(tables, out)
     text = f"{len(rows)} rows on {len({row['model'] for row in rows})} models in {written[0]}."
     return Answer({"rows": len(rows), "files": written}, [Paragraph(text)])
 
@@ -160,27 +154,41 @@ def rules(
     """Find the rules of validity in a stored study of drawn columns, and check them.
 
     A small tree per model tells regions in which its peak is off; columns that the study marks
-    as unseen check it. Writes the table from which models warn.
+    as unseen check it. Writes the table from which models warn, and what the columns span.
     """
-    from workbench.evidence import dataset
-    from workbench.models.validity import TABLE
+    from workbench.models.validity import RANGES, TABLE
     from workbench.study import assess, load_study
-    from workbench.study.store import csv_bytes, write_atomically
+    from workbench.study.model_form import RANGE_COLUMNS, range_rows
     from workbench.study.validity import VALIDITY_COLUMNS, checked, unseen_of, validity_rows
 
     chosen = load_study(study).study
     tables = assess(chosen, Path(store), earlier=earlier).tables
     unseen = unseen_of(chosen)
     rows, checks = (list(each(chosen, tables, unseen)) for each in (validity_rows, checked))
-    path = dataset(TABLE).path if out is None else Path(out) / dataset(TABLE).path.name
-    write_atomically(path, csv_bytes(rows, VALIDITY_COLUMNS))
+    ranges = list(range_rows(chosen)), RANGE_COLUMNS
+    path, _ = _written({TABLE: (rows, VALIDITY_COLUMNS), RANGES: ranges}, out)
     right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
     text = f"{len(rows)} regions of {len(checks)} models in {path}."
     share = f" Right on {right} of {asked} answers that the trees had not seen." if asked else ""
     columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
     told = Table.of("checks", "Columns that the trees had not seen.", columns, checks)
-    content = {"rows": len(rows), "file": str(path), "checks": checks}
+    content = {"rows": len(rows), "file": path, "checks": checks}
     return Answer(content, [Paragraph(text + share), told])
+
+
+def _written(
+    tables: Mapping[str, tuple[Sequence[Any], Sequence[str]]], out: str | None
+) -> list[str]:
+    """Paths of tables of the catalogue, each its rows and columns, once they are written."""
+    from workbench.evidence import dataset
+    from workbench.study.store import csv_bytes, write_atomically
+
+    written = []
+    for name, (rows, columns) in tables.items():
+        path = dataset(name).path if out is None else Path(out) / dataset(name).path.name
+        write_atomically(path, csv_bytes(rows, columns))
+        written.append(str(path))
+    return written
 
 
 @app.command("check")

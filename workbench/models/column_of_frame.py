@@ -28,7 +28,7 @@ from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
-from workbench.models.validity import RISK, SUBJECT
+from workbench.models.validity import RISK, SUBJECT, UNMEASURED
 from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
 from workbench.scenarios import (
     Column,
@@ -138,7 +138,7 @@ class ColumnOfFrame(Declared, table="option"):
         own = _on_frame(found for found in warnings_of(response) if found.text not in told)
         if any(found.subject == "sway" for found in estimate.findings()):
             # those of the study, whose ends neither sway nor turn, are not like this column
-            own = [found for found in own if found.subject not in (SUBJECT, RISK)]
+            own = [found for found in own if found.subject not in (SUBJECT, RISK, *UNMEASURED)]
         if force is not None and self.restraint == "elastic":
             own = [*own, *estimate.restraint_findings(force)]
         set_findings(response, own)

@@ -3,28 +3,39 @@
 Regions in which models were measured, and the rules of validity found there, are told by these.
 """
 
+import csv
 import dataclasses
 from collections.abc import Mapping
 from functools import lru_cache
 from math import inf, sqrt
 from typing import Any
 
+from workbench.datafiles import data_directory
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.scenarios import ColumnImpact
 
 DEMAND, YIELDING, STRIKER = "shear_demand", "energy_over_elastic", "striker_over_lumped"
+WORDS = {  # of the descriptors
+    DEMAND: "V/Vpl of the mechanism",
+    YIELDING: "energy of the hit over the elastic one",
+    "below_over_height": "segment below over the height of the section",
+    "above_over_height": "segment above over the height of the section",
+    "axial_over_squash": "axial load over the squash load",
+    "axial_over_euler": "axial load over the Euler load",
+    "velocity_over_plastic": "velocity over (fy / rho)^½",
+    STRIKER: "striker over lumped mass",
+    "restraint_over_axial": "restraint over axial stiffness of the column",
+    "shape_factor": "shape factor",
+    "restitution": "restitution",
+    "head_mass_over_striker": "mass at the head over the striker",
+    "fixed_head": "fixed head (1: yes)",
+}
 _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
 
 
 def descriptors(scenario: ColumnImpact) -> dict[str, float]:
-    """What tells columns and hits apart, without a run and without units.
-
-    V/Vpl of the bending mechanism; energy after the hit over that of the column at its mechanism;
-    lengths over the height of the section; axial load over squash and Euler load; velocity over
-    (fy / rho)^½; striker over lumped mass; restraint over axial stiffness of the column; shape
-    factor of the section; restitution, mass at the head, and whether the head is fixed.
-    """
+    """What tells columns and hits apart, without a run and without units, by names of `WORDS`."""
     column, striker = scenario.column, scenario.striker
     properties, section, steel = column.properties, column.section, column.steel
     lumped = properties.impact_mass / striker.mass
@@ -46,12 +57,29 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
     }
 
 
+@lru_cache(maxsize=4)
+def spanned(table: str) -> Mapping[str, tuple[float, float]]:
+    """Least and largest value of each descriptor in the columns of a study, by its `table`."""
+    path = data_directory() / "validation" / f"{table.replace('-', '_')}.csv"
+    with path.open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    return {row["descriptor"]: (float(row["low"]), float(row["high"])) for row in rows}
+
+
+def beyond(own: Mapping[str, float], table: str) -> dict[str, str]:
+    """What of a column, its `own` descriptors, the columns of a study did not span; in words."""
+    told = {}
+    for name, (low, high) in spanned(table).items():
+        if not low <= own[name] <= high:
+            span = f"{low:g} only" if low == high else f"{low:g} to {high:g}"
+            told[name] = f"{WORDS[name]} {own[name]:.3g}: columns were measured at {span}"
+    return told
+
+
 FEATURES = {  # of rules of validity, and their words
-    DEMAND: "V/Vpl of the mechanism",
-    YIELDING: "energy of the hit over the elastic one",
-    STRIKER: "striker over lumped mass",
+    **{name: WORDS[name] for name in (DEMAND, YIELDING, STRIKER)},
     "turned": "energy of the hit over the work of the mechanism per length of the shorter segment",
-    "axial_over_squash": "axial load over the squash load",
+    "axial_over_squash": WORDS["axial_over_squash"],
     "stiffening": "pull of the restraint less the axial load, over the mechanism",
     "front": "velocity over the one from which shear waves yield the webs",
     "shorter_over_length": "shorter segment over the length",

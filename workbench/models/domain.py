@@ -8,10 +8,12 @@ from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding
-from workbench.scenarios import Column, ColumnScenario, FrameScenario, MemberPulse
+from workbench.scenarios import Column, ColumnImpact, ColumnScenario, FrameScenario, MemberPulse
 from workbench.scenarios.members import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
+RESTITUTION = "restitution"  # subject
+HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
 SHEAR_REMEDY = "take four-dof-shear, whose webs yield in shear, or fiber-shear"
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of plates and that of a member
@@ -130,6 +132,27 @@ def step_finding(step: float, stable: float) -> list[Finding]:
         f"scheme, {limit:.3g} s: reduce it"
     )
     return [Finding("time-step", text, refusal=True)]
+
+
+def bounce_findings(scenario: ColumnImpact) -> list[Finding]:
+    """Warning of a light striker that bounces off a lumped mass.
+
+    After a collision with restitution e striker M and mass m keep e^2 m / M more energy than after
+    one without, relative to what that leaves; a beam sends most of it off in waves. What it does
+    to the peak was measured, see docs/theory/which-model.md.
+    """
+    striker = scenario.striker
+    more = striker.restitution**2 * scenario.column.properties.impact_mass / striker.mass
+    if more <= 1.0 / HEAVY:
+        return []
+    text = (
+        f"with restitution {striker.restitution:g} a lumped mass takes up (1 + e) of the momentum "
+        f"at once and keeps {100.0 * more:.0f} % more energy than without; the struck part of a "
+        "beam is light and waves take the energy along it: the peak grows too much, by about a "
+        "third of that share, up to all of it"
+    )
+    remedy = "take rigid-superelement, flexible-superelement or fiber-shear"
+    return [Finding(RESTITUTION, text, remedy=remedy, number=more)]
 
 
 def count_finding(duration: float, step: float, most: int) -> list[Finding]:

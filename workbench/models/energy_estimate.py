@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
+from workbench.models.domain import HEAVY, RESTITUTION, bounce_findings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve
 from workbench.models.resistance.limits import (
@@ -22,8 +23,6 @@ from workbench.models.resistance.limits import (
 )
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnScenario, Scenario
-
-_HEAVY = 5.0  # striker over impact mass; above, the balance with restitution errs below 10 %
 
 
 @dataclass(frozen=True)
@@ -105,19 +104,19 @@ def energy_to_absorb(scenario: ColumnImpact) -> float:
 
 def restitution_findings(scenario: ColumnImpact) -> list[Finding]:
     """Warnings of a restitution that an energy balance does not cover."""
-    findings: list[Finding] = []
-    if scenario.striker.restitution == 0.0:
-        return findings
     restitution = scenario.striker.restitution
-    if restitution < 1.0:
-        text = (
-            f"restitution {restitution:g} is treated as 0: repeated impacts dissipate almost "
-            "all of the rest (in the thesis column the single-DOF peak is within 1 % of this "
-            "at 10 to 20 m/s, and within several percent at lower speed)"
-        )
-        findings.append(Finding("restitution", text))
+    if restitution == 0.0:
+        return []
+    if restitution == 1.0:
+        return bounce_findings(scenario)
+    text = (
+        f"restitution {restitution:g} is treated as 0: repeated impacts dissipate almost "
+        "all of the rest (in the thesis column the single-DOF peak is within 1 % of this "
+        "at 10 to 20 m/s, and within several percent at lower speed)"
+    )
+    findings = [Finding(RESTITUTION, text)]
     ratio = scenario.striker.mass / scenario.column.properties.impact_mass
-    if ratio < _HEAVY:
+    if ratio < HEAVY:
         text = (
             f"the striker has only {ratio:.3g} times the impact mass of the column: with "
             "restitution it flies off before the column rests, and the energy balance can "

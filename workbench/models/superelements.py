@@ -49,7 +49,7 @@ from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
 from workbench.models.frame_model import COLUMNS, as_column, as_frame, one_thread
-from workbench.models.validity import SUBJECT, measured_findings
+from workbench.models.validity import MOSTLY, measured_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import Section
@@ -175,7 +175,7 @@ class _HingedBars(BarFrames):
         """What was measured of columns like the struck one, where most of them were off."""
         names = RigidSuperelement.name, FlexibleSuperelement.name
         told = measured_findings(self, column_like(scenario), names)
-        return [found for found in told if found.subject == SUBJECT]
+        return [found for found in told if found.subject in MOSTLY]
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:

@@ -2,10 +2,11 @@
 
 `workbench data rules` writes the table; a row is a region of a model, told by bounds of what
 a scenario says before anything is run, with what was measured there and the model that did best.
+A second table holds what the columns of the study spanned: outside, nothing is expected from them.
 """
 
 import csv
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from functools import lru_cache
 from math import inf
 from typing import Any, NamedTuple
@@ -14,15 +15,25 @@ import numpy as np
 
 from workbench.arrays import Array, Flags
 from workbench.datafiles import data_directory
-from workbench.models.descriptors import FEATURES, asked_for, features, region_of, variant_of
+from workbench.models.descriptors import (
+    FEATURES,
+    asked_for,
+    beyond,
+    descriptors,
+    features,
+    region_of,
+    variant_of,
+)
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact
 
-TABLE = "validity"
+TABLE, RANGES = "validity", "validity-ranges"
 BEYOND = 0.10  # error of the peak that is told
 TOLERATED = 0.04  # chance of a column to be beyond it that needs no warning, see the theory page
 SUBJECT = "measured"  # most columns of the region are off: outside the domain
 RISK = "measured-risk"  # some are
+UNMEASURED = f"un{SUBJECT}", f"un{RISK}"  # the same where the hit is none of those that were drawn
+MOSTLY = SUBJECT, UNMEASURED[0]
 REFERENCE = "fiber-shear"  # ends the chain of remedies
 
 
@@ -30,6 +41,8 @@ def measured_findings(
     model: Any, scenario: Any, others: Collection[str] | None = None
 ) -> list[Finding]:
     """Warning of a column in a region where the model was measured to be off.
+
+    Of a hit outside what the study drew it says so, and what is known of the region.
 
     `others`, names of the models that the remedy may name (None: all that were measured).
     """
@@ -44,9 +57,12 @@ def measured_findings(
     held: Flags = np.all((rules.low <= at) & (at < rules.high) | rules.free, axis=1)
     if not held[mine].any():
         return []
+    risky = [i for i in mine if held[i] and rules.rows[i]["chance"] > TOLERATED]
+    outside = beyond(descriptors(scenario), RANGES) if risky else {}
+    if outside:
+        return [_unknown(rules.rows[i], own, outside.values()) for i in risky]
     there = tuple(np.flatnonzero(held).tolist())
     known = None if others is None else tuple(others)
-    risky = [i for i in there if i in mine and rules.rows[i]["chance"] > TOLERATED]
     return [_told(rules.rows[i], own, _remedy(i, there, known)) for i in risky]
 
 
@@ -121,12 +137,12 @@ def _remedy(number: int, there: tuple[int, ...], others: tuple[str, ...] | None)
 def _told(row: dict[str, Any], own: dict[str, float], remedy: str) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
     where = region_of(row["bounds"], own)
-    beyond, apart = row["low"] + row["high"], row["falls"] + row["stands"]
+    (off, share), apart = _off(row), row["falls"] + row["stands"]
     text = (
-        f"in {beyond:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
+        f"in {off:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
         f"{100.0 * BEYOND:g} % off"
     )
-    if beyond:
+    if off:
         text += f", {row['low']:.0f} too small and {row['high']:.0f} too large"
     else:
         text += ", but that few prove little"
@@ -138,5 +154,22 @@ def _told(row: dict[str, Any], own: dict[str, float], remedy: str) -> Finding:
             f"; {row['falls']:.0f} collapsed where the reference survives, {row['stands']:.0f} "
             "survived where it collapses"
         )
-    share = float(beyond / row["count"])
-    return Finding(SUBJECT if share > 0.5 else RISK, text, remedy=remedy, number=share)
+    return Finding(RISK if share <= 0.5 else SUBJECT, text, remedy=remedy, number=share)
+
+
+def _unknown(row: dict[str, Any], own: dict[str, float], outside: Iterable[str]) -> Finding:
+    """That nobody measured such a hit, and what the region holds of those that were drawn."""
+    off, share = _off(row)
+    text = (
+        f"what to expect here is not known ({'; '.join(outside)}); of the columns that were, in "
+        f"the same region ({region_of(row['bounds'], own)}), {off:.0f} of {row['count']:.0f} had a "
+        f"peak more than {100.0 * BEYOND:g} % off"
+    )
+    subject = UNMEASURED[share <= 0.5]
+    return Finding(subject, text, remedy=f"take {REFERENCE}", number=share)
+
+
+def _off(row: dict[str, Any]) -> tuple[float, float]:
+    """Columns of a region that were off, and their share."""
+    off = row["low"] + row["high"]
+    return off, float(off / row["count"])

@@ -16,7 +16,8 @@ COLUMNS = ("subject", "severity", "sentence", "remedy", "number")  # of a findin
 _NOT_OF_DOMAIN = frozenset(
     (
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
-        *("section", "plates", "exponents", "measured-risk", "no-residual"),
+        *("section", "plates", "exponents", "no-residual"),
+        *("measured-risk", "unmeasured-risk"),
         *("estimate", "ends"),  # a column cut out of its frame is always one
         *("evidence", "series", "campaigns", "bounds", "grade", "measurement", SYNTHETIC),
     )

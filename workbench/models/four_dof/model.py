@@ -11,7 +11,7 @@ from workbench.frames.shear import shear_stiffness
 from workbench.hinges import ShearSurface, YieldSurface, has_shear_surface
 from workbench.hinges.panel import SHEAR_DEPTHS
 from workbench.materials import Steel
-from workbench.models.domain import panel_findings, stub_findings
+from workbench.models.domain import panel_findings, shear_findings, stub_findings
 from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.rigid_bars import RigidBars
@@ -61,6 +61,9 @@ class FourDof(RigidBars):
             fitted.alpha if self.alpha is None else self.alpha,
             fitted.beta if self.beta is None else self.beta,
         )
+
+    def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
+        return shear_findings(scenario)
 
     def _springs(self, column: Column) -> Springs:
         section = column.strength_section

@@ -22,7 +22,7 @@ from workbench.fields import Choice, Declared, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.impact.pace import Pace
 from workbench.models.base import respond
-from workbench.models.domain import buckling_findings, count_finding, shear_findings, step_finding
+from workbench.models.domain import bounce_findings, buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
 from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
@@ -88,7 +88,7 @@ class RigidBars(Declared, table="option"):
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         """Where the yielding of the hinges stops applying."""
-        return shear_findings(scenario)
+        raise NotImplementedError
 
     def _reached(self, column: Column, values: dict[str, Any]) -> list[Finding]:
         """Warnings that only the answer can give."""
@@ -100,6 +100,7 @@ class RigidBars(Declared, table="option"):
         if any(finding.refusal for finding in findings):
             return findings
         if isinstance(scenario, ColumnImpact):
+            findings += bounce_findings(scenario)
             if self.integrator == "moreau" and self.time_step:
                 stable = 2.0 / self._highest_frequency(scenario.column)
                 findings += step_finding(self.time_step, stable)

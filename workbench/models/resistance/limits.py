@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
-from workbench.models.domain import member_findings
+from workbench.models.domain import RESTITUTION, member_findings
 from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import Array, ResistanceCurve
 from workbench.models.resistance.panel import PANEL
@@ -52,11 +52,11 @@ def out_of_reach(column: Column, displacement: float, time: float | None = None)
 def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     """Findings of all member models, and those of every model on a resistance curve.
 
-    Of the shape of panels those of the four-DOF column with them. Warning: a head mass, which
-    these models leave out. Refusal: a push beyond their reach.
+    Of the shape of panels those of the four-DOF column with them but of how its mass bounces.
+    Warning: a head mass, which these models leave out. Refusal: a push beyond their reach.
     """
     own = FourDofShear().domain if shape == PANEL else member_findings
-    findings = own(scenario)
+    findings = [found for found in own(scenario) if found.subject != RESTITUTION]
     column = scenario.column
     if column.head_mass > 0.0 and not isinstance(scenario, ColumnPushover):
         text = (

@@ -22,7 +22,7 @@ from workbench.fields import Choice, Declared, Number, checked
 from workbench.impact import collide
 from workbench.impact.pace import Pace
 from workbench.models.base import respond
-from workbench.models.domain import step_finding
+from workbench.models.domain import bounce_findings, step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
@@ -137,8 +137,10 @@ class SingleDof(Declared, table="option"):
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = curve_findings(scenario, self.resistance)
-        if isinstance(scenario, ColumnImpact) and self.time_step is not None:
-            findings.extend(self._step_findings(scenario, self.time_step))
+        if isinstance(scenario, ColumnImpact):
+            findings += bounce_findings(scenario)
+            if self.time_step is not None:
+                findings += self._step_findings(scenario, self.time_step)
         return findings
 
     def _step_findings(self, scenario: ColumnImpact, step: float) -> list[Finding]:
