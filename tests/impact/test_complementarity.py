@@ -70,6 +70,29 @@ def test_bodies_that_cannot_be_kept_apart_are_a_typed_failure(method: str) -> No
 
 
 @pytest.mark.parametrize("method", METHODS.words)
+def test_a_contact_that_nothing_moves_is_no_matter_of_round_off(method: str) -> None:
+    with pytest.raises(SolverError, match="contradict each other"):
+        solve_contacts(np.diag([1.0, 0.0]), np.array([-1.0, -1.0]), method)
+
+
+def test_nearly_dependent_contacts_are_not_said_to_contradict_each_other() -> None:
+    """Normals that differ by 1e-8, of a motion of the bodies: there is an answer."""
+    rng, said = np.random.default_rng(3), []
+    for _ in range(12):
+        normals = rng.normal(size=(10, 8))
+        normals[:, 4:] = normals[:, :4] + 1e-8 * rng.normal(size=(10, 4))
+        free = normals.T @ rng.normal(size=10)
+        for method in METHODS.words:
+            try:
+                solve_contacts(normals.T @ normals, free, method)
+            except SolverError as error:
+                said.append(str(error))
+    assert said
+    assert all("nearly depend on each other" in line for line in said)
+    assert not any("contradict" in line for line in said)
+
+
+@pytest.mark.parametrize("method", METHODS.words)
 def test_the_same_contact_twice_shares_its_impulse(method: str) -> None:
     answer = solve_contacts(np.full((2, 2), 0.5), np.array([-1.0, -1.0]), method)
     assert answer.impulses.sum() == pytest.approx(2.0, rel=1e-12)

@@ -30,6 +30,7 @@ TOLERANCE = 1e-10
 CONTRADICTION = "no impulses keep all bodies apart, the contacts contradict each other"
 _TIE, _PIVOT = 1e-12, 1e-10
 _FLAT = 1e-8
+_ROUND_OFF = 1e-6  # more cannot be: normals that differ by 1e-8 leave 2e-8
 _LARGEST = 1e6  # of a scaled impulse; beyond it round-off has solved what has no solution
 _SWEEPS, _POLISH = 2000, 400
 
@@ -47,7 +48,7 @@ def solve_contacts(delassus: Array, free: Array, method: str = LEMKE) -> Impulse
 
     Arguments: `delassus` (n, n) in 1/kg; `free` gap velocities (n,) in m/s; `method`, lemke or
     projected. Raises `InputError` for arrays that are no contact problem, `SolverError` where no
-    impulses keep the bodies apart.
+    impulses keep the bodies apart, or round-off hides those of nearly dependent contacts.
     """
     G, q = np.asarray(delassus, dtype=float), np.asarray(free, dtype=float)
     METHODS.check("method", method)
@@ -59,8 +60,16 @@ def solve_contacts(delassus: Array, free: Array, method: str = LEMKE) -> Impulse
         raise InputError("delassus", None, "must be symmetric without negative diagonal entries")
     z, residual = complementary(G, q) if method == LEMKE else projected(G, q)
     if not residual <= TOLERANCE:
-        raise SolverError(f"{q.size} contacts", residual, f"{method}: {CONTRADICTION}")
+        raise SolverError(f"{q.size} contacts", residual, f"{method}: {_lack(residual)}")
     return Impulses(z, G @ z + q, residual)
+
+
+def _lack(residual: float) -> str:
+    """Why contacts have no answer: there is none, or round-off hides it where they nearly agree."""
+    if residual > _ROUND_OFF:
+        return CONTRADICTION
+    near = "some contacts nearly depend on each other, as equal ones do"
+    return f"no impulses to {TOLERANCE:g} in round-off, {near}; leave out those"
 
 
 @njit(cache=True, error_model="numpy")
