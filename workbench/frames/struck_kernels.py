@@ -63,7 +63,7 @@ def read(places, lost, x, states, tables, most, swayed):
             e, end = hinge[h], side[h]
             tables[0, h, r] = local[r, e, 0]
             tables[1, h, r] = sign[h] * local[r, e, 1 + end]
-            tables[2, h, r] = sign[h] * (plastic[r, e, 1 + 2 * end] - plastic[r, e, 4])
+            tables[2, h, r] = sign[h] * (plastic[r, e, 1 + 2 * end] - plastic[r, e, 4] / lengths[e])
         for i in range(places.swaying.size):
             swayed[r, i] = x[r, places.swaying[i]] - places.start[i]
         gone, squashed[:] = False, 0.0

@@ -271,8 +271,7 @@ class SuperelementMembers(MemberReader):
         group = self.elements
         if not isinstance(group, Superelements) or not group.slide.any():
             return None
-        slid = group.sliding * group.lengths
-        return np.asarray(np.add.reduceat(slid, self._first[:-1], axis=-1))
+        return np.asarray(np.add.reduceat(group.sliding, self._first[:-1], axis=-1))
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""

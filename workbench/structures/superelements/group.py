@@ -18,8 +18,8 @@ REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak c
 class SuperelementState(NamedTuple):
     """State of all elements.
 
-    `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and the angle by which the web slides,
-    which is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar; `local` (e, 3), the
+    `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and how far the web slides, in m, whose
+    angle is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar; `local` (e, 3), the
     same with the regularising stiffness; `deformation` (e, 3): elongation and end rotations against
     the chord; `rate` (e,): angular velocity of the chord.
     """
@@ -168,12 +168,12 @@ class Superelements(HingedElements):
         beside them, see `sliding`.
         """
         turned = self._old.plastic[..., :4].copy()
-        turned[..., [1, 3]] -= self.sliding[..., None]
+        turned[..., [1, 3]] -= (self.sliding / self.lengths)[..., None]
         return turned
 
     @property
     def sliding(self) -> Array:
-        """Committed angle (elements,) by which the web has slid for good, in rad."""
+        """How far the web of each has slid for good (elements,), in m."""
         return self._old.plastic[..., 4]
 
     @property
