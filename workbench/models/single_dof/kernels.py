@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.impact import contact_loss, explicit_percussion, rebound, touches
+from workbench.impact.stepping import SLACK
 from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between
 
 MIDPOINT, MOREAU = 0, 1
@@ -19,7 +20,6 @@ HISTORIES = (
 )
 RECORD = np.dtype([(name, float) for name in (*HISTORIES, "time")])
 EPS = 2.220446049250313e-16
-TOUCHING = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
 
 
 class Spring(NamedTuple):
@@ -208,7 +208,7 @@ def moreau_step(dt, motion, blow, state, pieces):
     state = spring_moved(state, state.v + 0.5 * dt * w0, pieces)
     xc += 0.5 * dt * wc0
     w1, wc1, percussion = w0 - dt * state.force / mass, wc0, 0.0
-    if state.v - xc <= TOUCHING:
+    if state.v - xc <= SLACK:
         percussion = explicit_percussion(w1 - wc0, gamma, restitution, mass, striker)
         w1 += percussion / mass
         wc1 -= percussion / striker

@@ -10,6 +10,7 @@ from numba import njit
 
 from workbench.impact import contact_loss, explicit_percussion
 from workbench.impact.pace import PIECES, Pace, aimed, growth, met
+from workbench.impact.stepping import SLACK
 from workbench.models.single_dof.kernels import (
     COLLAPSE,
     EPS,
@@ -17,7 +18,6 @@ from workbench.models.single_dof.kernels import (
     NO_CONVERGENCE,
     OK,
     TOO_MANY,
-    TOUCHING,
     Blow,
     midpoint_step,
     moreau_step,
@@ -105,7 +105,7 @@ def impact(scheme, given, elastic_limit, limit, pieces, records):
     while time < pace.duration * (1.0 - 1e-12):
         w, x, wx = motion
         gap, gamma = state.v - x, w - wx
-        close = _CLOSE * velocity * pace.first + 4.0 * EPS * abs(x) if controlled else TOUCHING
+        close = _CLOSE * velocity * pace.first + 4.0 * EPS * abs(x) if controlled else SLACK
         if (controlled or time == 0.0) and gap <= close and gamma < -1e-9 * velocity:
             eps = restitution if -gamma * restitution > _SOFT * velocity else 0.0
             push = explicit_percussion(gamma, gamma, eps, mass, striker)
