@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numba.core.errors import NumbaError
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
@@ -111,7 +112,8 @@ def run(
 
     Arguments: `system`, used up by the run where it is plastic; `law`; `start`, q and v (n,);
     `duration` and step `h` in s, which is cut so that whole steps fill the duration; `compiled`,
-    whether to compile the steps for `Springs` first (worth it beyond some ten thousand).
+    whether to compile the steps for `Springs` first (worth it beyond some ten thousand; all
+    integrators but the event-driven).
     Raises `InputError` and `SolverError`.
     """
     for name, value in (("duration", duration), ("time_step", h)):
@@ -135,7 +137,11 @@ def run(
     state = State(q, v, a, np.zeros(m), 0.0)
     begin = perf_counter()
     follow = _compiled(stepper) if compiled else _follow
-    result = follow(stepper, system, given, state, h, (*records, impulses, energies))
+    try:
+        result = follow(stepper, system, given, state, h, (*records, impulses, energies))
+    except NumbaError:
+        said = "needs an integrator and a system that compile: not event-driven, and `springs`"
+        raise InputError("compiled", compiled, said, "leave it out") from None
     done, evaluations, residual = result
     seconds = perf_counter() - begin
     if done < count:

@@ -51,23 +51,24 @@ class Step(NamedTuple):
 Stepper = Callable[[Any, Law, State, float], Step]
 
 
-@register_jitable
+@register_jitable(inline="always")
 def gaps_of(system, q, t):
     """Gaps (m,) in m."""
     return system.normals.T @ q + surface(system, t)[0]
 
 
-@register_jitable
+@register_jitable(inline="always")
 def rates_of(system, v, t):
     """Gap velocities (m,) in m/s."""
     return system.normals.T @ v + surface(system, t)[1]
 
 
-@register_jitable
+@register_jitable(inline="always")
 def forecast(system, state, reach):
     """Contacts whose gap, forecast for the share `reach` of a step in s ahead, is closed."""
-    rate = rates_of(system, state.v, state.t)
-    return gaps_of(system, state.q, state.t) + reach * np.minimum(rate, 0.0) <= SLACK
+    place, speed, _ = surface(system, state.t)
+    across = system.normals.T
+    return across @ state.q + place + reach * np.minimum(across @ state.v + speed, 0.0) <= SLACK
 
 
 @register_jitable
@@ -100,8 +101,9 @@ def implicit(system, law, state, h, theta, shift, closed):
     M, q0, v0 = system.mass, state.q, state.v
     mean = theta == 0.0
     share = 0.5 if mean else theta
-    f0, _ = forces(system, q0)
+    f0 = q0 if mean else forces(system, q0)[0]  # of the theta-rule alone
     v1, P, known = v0.copy(), np.zeros(closed.size), 0.0
+    before, push, touching = np.abs(M @ v0), np.zeros(q0.size), closed.any()
     residual, count = np.inf, 1
     for turn in range(_ITERATIONS):
         q1 = q0 + h * (share * v1 + (1.0 - share) * v0) + shift
@@ -113,14 +115,16 @@ def implicit(system, law, state, h, theta, shift, closed):
             f = theta * f1 + (1.0 - theta) * f0
             A = M + (h * theta) ** 2 * K
         count += 1
-        push = system.normals @ P
-        r = M @ (v1 - v0) + h * f
-        size = np.abs(M @ v0) + np.abs(M @ v1) + h * np.abs(f) + np.abs(push)
-        before, residual = residual, np.abs(r - push).max() / max(size.max(), 1e-300)
-        if turn > 0 and (residual <= _TOLERANCE or (residual <= 1e-11 and residual >= before)):
-            break
-        v1, P, known = impulses_on(
-            system, law, closed, A, v1 - np.linalg.solve(A, r), state, state.t + h
-        )
+        r = h * f
+        if turn > 0:
+            size = before + np.abs(M @ v1) + np.abs(r) + np.abs(push)
+            r += M @ (v1 - v0)
+            last, residual = residual, np.abs(r - push).max() / max(size.max(), 1e-300)
+            if residual <= _TOLERANCE or (residual <= 1e-11 and residual >= last):
+                break
+        v1 = v1 - np.linalg.solve(A, r)
+        if touching:
+            v1, P, known = impulses_on(system, law, closed, A, v1, state, state.t + h)
+            push = system.normals @ P
     q1 = q0 + h * (share * v1 + (1.0 - share) * v0) + shift
     return q1, v1, P, count - (1 if mean else 0), max(residual, known)

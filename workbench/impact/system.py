@@ -53,22 +53,32 @@ class System(Protocol):
         """Stored energy, of loads too, and energy dissipated so far, in J."""
 
 
-class Springs(NamedTuple):
-    """Masses on springs; `springs` makes it from what a problem says.
+class SpringLaws(NamedTuple):
+    """Springs: each acts along its row of `along` (s, n) on e = along q + `offset`.
 
-    A spring i acts along row i of `along` (s, n) on e = along q + `offset`: elastic k e + b e^3;
-    one-sided -k (-e)^b for e < 0; plastic of stiffness k and yield force b, with the committed
-    elongation in `flow`. `load` (n,) in N; contact surfaces c + a sin(w t); `spent` (J), `place`.
+    Elastic k e + b e^3; one-sided -k (-e)^b for e < 0; plastic of stiffness k and yield force b,
+    with the committed elongation in `flow`.
     """
 
-    mass: Array
-    normals: Array
     along: Array
     kind: Any
     k: Array
     b: Array
     offset: Array
     flow: Array
+
+
+class Springs(NamedTuple):
+    """Masses on springs; `springs` makes it from what a problem says.
+
+    `laws` of the springs; `load` (n,) in N; contact surfaces c + a sin(w t), `gap` (m,) and
+    `swing`; `spent` (J), `place`. Kernels take the parts that they read: a call with all of them
+    costs as much as a small solution.
+    """
+
+    mass: Array
+    normals: Array
+    laws: SpringLaws
     load: Array
     gap: Array
     swing: Array
@@ -77,27 +87,26 @@ class Springs(NamedTuple):
 
     def forces(self, q: Array) -> tuple[Array, Array]:
         """As in `System`; so are the others."""
-        found: tuple[Array, Array] = spring_forces(self, q)
+        found: tuple[Array, Array] = spring_forces(self.laws, self.load, q)
         return found
 
     def mean_forces(self, q0: Array, q1: Array) -> tuple[Array, Array]:
         """Discrete gradient."""
-        found: tuple[Array, Array] = spring_mean_forces(self, q0, q1)
+        found: tuple[Array, Array] = spring_mean_forces(self.laws, self.load, q0, q1)
         return found
 
     def surface(self, t: float) -> tuple[Array, Array, Array]:
         """Place, velocity, acceleration."""
-        found: tuple[Array, Array, Array] = spring_surface(self, t)
+        found: tuple[Array, Array, Array] = spring_surface(self.gap, self.swing, t)
         return found
 
     def commit(self, q: Array) -> None:
         """Plastic flow."""
-        spring_commit(self, q)
+        spring_commit(self.laws, self.spent, self.place, q)
 
     def energy(self) -> tuple[float, float]:
         """Stored and dissipated."""
-        found: tuple[float, float] = spring_energy(self)
-        return found
+        return float(spring_energy(self.laws, self.load, self.place)), float(self.spent[0])
 
 
 def springs(
@@ -126,9 +135,11 @@ def springs(
     return Springs(
         np.diag(mass),
         np.ascontiguousarray(_rows("contacts", contacts, n).T),
-        _rows("laws", [along for along, _, _ in laws], n),
-        *(np.array(kind, dtype=np.int64), np.array(k, dtype=float), np.array(b, dtype=float)),
-        *(numbers("laws.offset", offsets, PLACE, s, "one per spring"), np.zeros(s)),
+        SpringLaws(
+            _rows("laws", [along for along, _, _ in laws], n),
+            *(np.array(kind, dtype=np.int64), np.array(k, dtype=float), np.array(b, dtype=float)),
+            *(numbers("laws.offset", offsets, PLACE, s, "one per spring"), np.zeros(s)),
+        ),
         np.zeros(n) if load is None else numbers("load", load, _LOAD, n, "one per mass"),
         numbers("gaps", gaps, PLACE, len(contacts), "one per contact"),
         numbers("swing", swing, _SWING, 2, "amplitude and circular frequency"),
@@ -208,25 +219,25 @@ def one_mean(kind, k, b, flow, e0, e1):
 
 
 @njit(cache=True, error_model="numpy")
-def spring_forces(system, q):
+def spring_forces(laws, load, q):
     """Forces and tangent of springs and loads."""
-    f, K = -system.load, np.zeros(system.mass.shape)
-    for i in range(system.k.size):
-        row = system.along[i]
-        e = row @ q + system.offset[i]
-        force, slope, _ = one_spring(system.kind[i], system.k[i], system.b[i], system.flow[i], e)
+    f, K = -load, np.zeros((q.size, q.size))
+    for i in range(laws.k.size):
+        row = laws.along[i]
+        e = row @ q + laws.offset[i]
+        force, slope, _ = one_spring(laws.kind[i], laws.k[i], laws.b[i], laws.flow[i], e)
         f += force * row
         K += slope * np.outer(row, row)
     return f, K
 
 
 @njit(cache=True, error_model="numpy")
-def spring_mean_forces(system, q0, q1):
+def spring_mean_forces(laws, load, q0, q1):
     """Energy-consistent forces of a step and their tangent."""
-    f, K = -system.load, np.zeros(system.mass.shape)
-    for i in range(system.k.size):
-        row, c = system.along[i], system.offset[i]
-        law = system.kind[i], system.k[i], system.b[i], system.flow[i]
+    f, K = -load, np.zeros((q0.size, q0.size))
+    for i in range(laws.k.size):
+        row, c = laws.along[i], laws.offset[i]
+        law = laws.kind[i], laws.k[i], laws.b[i], laws.flow[i]
         force, slope = one_mean(*law, row @ q0 + c, row @ q1 + c)
         f += force * row
         K += slope * np.outer(row, row)
@@ -234,38 +245,39 @@ def spring_mean_forces(system, q0, q1):
 
 
 @njit(cache=True, error_model="numpy")
-def spring_surface(system, t):
+def spring_surface(gap, swing, t):
     """Gaps at q = 0, with their velocity and acceleration."""
-    size, w = system.swing
-    still = np.zeros(system.gap.size)
+    still = np.zeros(gap.size)
+    size, w = swing
+    if size == 0.0:
+        return gap, still, still
     move = size * np.sin(w * t)
-    return system.gap - move, still - size * w * np.cos(w * t), still + w * w * move
+    return gap - move, still - size * w * np.cos(w * t), still + w * w * move
 
 
 @njit(cache=True, error_model="numpy")
-def spring_commit(system, q):
+def spring_commit(laws, spent, place, q):
     """Flow of the plastic springs, and the place."""
-    for i in range(system.k.size):
-        if system.kind[i] == PLASTIC:
-            k, row = system.k[i], system.along[i]
-            before = k * (row @ system.place + system.offset[i] - system.flow[i])
-            e = row @ q + system.offset[i]
-            after, _, _ = one_spring(PLASTIC, k, system.b[i], system.flow[i], e)
+    for i in range(laws.k.size):
+        if laws.kind[i] == PLASTIC:
+            k, row = laws.k[i], laws.along[i]
+            before = k * (row @ place + laws.offset[i] - laws.flow[i])
+            e = row @ q + laws.offset[i]
+            after, _, _ = one_spring(PLASTIC, k, laws.b[i], laws.flow[i], e)
             flow = e - after / k
-            system.spent[0] += 0.5 * (before + after) * (flow - system.flow[i])
-            system.flow[i] = flow
-    system.place[:] = q
+            spent[0] += 0.5 * (before + after) * (flow - laws.flow[i])
+            laws.flow[i] = flow
+    place[:] = q
 
 
 @njit(cache=True, error_model="numpy")
-def spring_energy(system):
-    """Stored energy with that of the loads, and dissipated energy."""
-    stored = -(system.load @ system.place)
-    for i in range(system.k.size):
-        e = system.along[i] @ system.place + system.offset[i]
-        law = system.kind[i], system.k[i], system.b[i], system.flow[i]
-        stored += one_spring(*law, e)[2]
-    return stored, system.spent[0]
+def spring_energy(laws, load, place):
+    """Stored energy with that of the loads."""
+    stored = -(load @ place)
+    for i in range(laws.k.size):
+        e = laws.along[i] @ place + laws.offset[i]
+        stored += one_spring(laws.kind[i], laws.k[i], laws.b[i], laws.flow[i], e)[2]
+    return stored
 
 
 def forces(system: System, q: Array) -> tuple[Array, Array]:
@@ -295,24 +307,27 @@ def energy(system: System) -> tuple[float, float]:
 
 @overload(forces)
 def _forces(system, q):
-    return lambda system, q: spring_forces(system, q)
+    return lambda system, q: spring_forces(system.laws, system.load, q)
 
 
 @overload(mean_forces)
 def _mean_forces(system, q0, q1):
-    return lambda system, q0, q1: spring_mean_forces(system, q0, q1)
+    return lambda system, q0, q1: spring_mean_forces(system.laws, system.load, q0, q1)
 
 
 @overload(surface)
 def _surface(system, t):
-    return lambda system, t: spring_surface(system, t)
+    return lambda system, t: spring_surface(system.gap, system.swing, t)
 
 
 @overload(commit)
 def _commit(system, q):
-    return lambda system, q: spring_commit(system, q)
+    return lambda system, q: spring_commit(system.laws, system.spent, system.place, q)
 
 
 @overload(energy)
 def _energy(system):
-    return lambda system: spring_energy(system)
+    return lambda system: (
+        spring_energy(system.laws, system.load, system.place),
+        system.spent[0],
+    )

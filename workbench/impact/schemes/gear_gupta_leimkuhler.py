@@ -24,15 +24,14 @@ _EPS = 1e-15
 
 
 @register_jitable
-def move_apart(system, q, t, moved, among):
-    """Psi (m,) that closes the overlaps `among` contacts at q, which `moved` has moved already."""
-    psi = np.zeros(among.size)
-    on = np.flatnonzero(among)
+def move_apart(system, gaps, moved, among):
+    """Psi (m,) that closes the overlaps `among` contacts, and residual; `moved` is in `gaps`."""
+    psi, on = np.zeros(among.size), np.flatnonzero(among)
     if on.size == 0:
         return psi, 0.0
     W = np.ascontiguousarray(system.normals[:, on])
     G = W.T @ np.linalg.solve(system.mass, W)
-    bare = gaps_of(system, q, t)[on] - G @ moved[on]
+    bare = gaps[on] - G @ moved[on]
     found, residual = complementary(G, bare)
     psi[on] = _exact(G, bare, found)
     return psi, residual
@@ -67,22 +66,24 @@ def gear_gupta_leimkuhler(
     @register_jitable
     def step(system, law, state, h):
         closed = forecast(system, state, reach * h)
-        t, evaluations, psi = state.t + h, 0, np.zeros(closed.size)
+        t, evaluations, psi, shift = state.t + h, 0, np.zeros(closed.size), np.zeros(state.q.size)
         for _ in range(_TURNS):
-            shift = np.linalg.solve(system.mass, system.normals @ psi)
             q, v, P, count, residual = implicit(system, law, state, h, 0.0, shift, closed)
             evaluations += count
             if split:
                 commit(system, q)
                 closed = (P > 0.0) | all_gaps
-            new, left = move_apart(system, q, t, psi, closed)
-            change = np.linalg.solve(system.mass, system.normals @ (new - psi))
-            psi, residual = new, max(residual, left)
-            # a contact may meet that the forecast has not seen
-            met = (gaps_of(system, q + change, t) < -_OVERLAP) & ~closed
+            gaps, change = gaps_of(system, q, t), np.zeros(q.size)
+            if (closed & ((gaps < 0.0) | (psi > 0.0))).any():
+                new, left = move_apart(system, gaps, psi, closed)
+                change = np.linalg.solve(system.mass, system.normals @ (new - psi))
+                psi, shift, residual = new, shift + change, max(residual, left)
+                gaps = gaps_of(system, q + change, t)
             if split:
                 q = q + change
                 break
+            # a contact may meet that the forecast has not seen
+            met = (gaps < -_OVERLAP) & ~closed
             if np.abs(change).max() <= _OVERLAP and not met.any():
                 break
             closed |= met
