@@ -74,7 +74,7 @@ def gear_gupta_leimkuhler(
                 commit(system, q)
                 closed = (P > 0.0) | all_gaps
             gaps, change = gaps_of(system, q, t), np.zeros(q.size)
-            if (closed & ((gaps < 0.0) | (psi > 0.0))).any():
+            if (closed & ((gaps < -_OVERLAP) | (psi > 0.0))).any():
                 new, left = move_apart(system, gaps, psi, closed)
                 change = np.linalg.solve(system.mass, system.normals @ (new - psi))
                 psi, shift, residual = new, shift + change, max(residual, left)
