@@ -80,7 +80,7 @@ class Snapshots:
             even = [*even, self._last]
         if len(even) > EVENLY:
             even = [even[i] for i in np.linspace(0, len(even) - 1, EVENLY).round().astype(int)]
-        shown = sorted({*even, *(() if self._peak is None else (self._peak,))})
+        shown = even if self._peak is None or self._peak in even else sorted([*even, self._peak])
         shapes, used = self._drawn(shown)
         return {
             "snapshot_at": shown,

@@ -47,7 +47,9 @@ class StruckSnapshots(Snapshots):
         self._kept.append((times[kept], moved[kept], carried[kept]))
 
     def _drawn(self, shown: list[float]) -> tuple[Array, Array]:
-        times, moved, carried = map(np.concatenate, zip(*self._kept, strict=True))
+        times, moved, carried = self._kept[0]
+        if len(self._kept) > 1:
+            times, moved, carried = map(np.concatenate, zip(*self._kept, strict=True))
         rows = np.searchsorted(times, shown)
         return cast(SuperelementMembers, self._structure.members).pictures(
             moved[rows], carried[rows]
@@ -75,20 +77,18 @@ class StruckRecord(Record):
             structure.found["places"] = members.places(structure, self.watch.lines)
         places, moved, states = structure.found["places"], assembly.displacement, members.states
         tables = np.empty((len(TABLES), len(places.hinge), len(moved)))
-        swayed = np.empty((len(moved), len(places.swaying)))
-        lost = read(places, LOST, moved, states, tables, self._most, swayed)
-        slid = members.sliding()
+        slid = np.empty((len(places.chain) if places.slide.any() else 0, len(moved)))
+        lost = read(places, LOST, moved, states, tables, slid, self._most, self.drift)
         seen = {
             "at": at,
             **self._committed(),
             **{name: get(step) for name, get in _TOLD.items()},
             **dict(zip(TABLES, tables, strict=True)),
-            "sliding": None if slid is None else slid.T,
+            "sliding": slid if len(slid) else None,
         }
         for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
         self._totals.clear()
-        self.drift = np.maximum(self.drift, np.abs(swayed @ self.watch.lines.sway).max(axis=0))
         displacement = seen["displacement"]
         self._snapshots.keep(at, displacement, moved, states.carried)
         if lost >= 0:

@@ -18,7 +18,8 @@ class Places(NamedTuple):
     `lengths`, whether webs `slide`, and `first_order`, see `Bars`. Of its members: dofs u, v of
     both `corners` (members, 4), and what of their movement counts `across` and `along` (members,
     2), over the length; which straight line of members each is in, its `chain`, and the `share` of
-    that in 1/m. Of its uprights: dofs that make them drift, and from where these `start`.
+    that in 1/m. Of its uprights: dofs that make them drift, from where these `start`, and what of
+    each counts for the drift, `sway` (dofs, uprights).
     """
 
     hinge: Indices
@@ -35,6 +36,7 @@ class Places(NamedTuple):
     share: Array
     swaying: Indices
     start: Array
+    sway: Array
 
 
 class Lost(NamedTuple):
@@ -46,17 +48,18 @@ class Lost(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def read(places, lost, x, states, tables, most, swayed):
+def read(places, lost, x, states, tables, slid, most, drift):
     """Read all records; returns the number of the first one in which the frame is lost, or -1.
 
-    Written: `tables` (3, hinges, records), see `TABLES`; `most` (2, members), the largest shear
-    force in an element of a member so far, and of the mean along it where no web slides; `swayed`
-    (records, dofs), movements that make uprights drift.
+    Written: `tables` (3, hinges, records), see `TABLES`; how far the webs of members have `slid`
+    (members, records); `most` (2, members), the largest shear force in an element of a member so
+    far, and of the mean along it where no web slides; the largest `drift` (uprights,) so far.
     """
     local, carried, plastic = states.local, states.carried, states.plastic
     deformed, slide, lengths, first = states.deformation, places.slide, places.lengths, places.first
     hinge, side, sign, corners = places.hinge, places.side, places.sign, places.corners
     across, along, chain, share = places.across, places.along, places.chain, places.share
+    swaying, start, sway = places.swaying, places.start, places.sway
     fallen, squashed = -1, np.zeros(first.size - 1)
     for r in range(x.shape[0]):
         for h in range(hinge.size):
@@ -64,15 +67,19 @@ def read(places, lost, x, states, tables, most, swayed):
             tables[0, h, r] = local[r, e, 0]
             tables[1, h, r] = sign[h] * local[r, e, 1 + end]
             tables[2, h, r] = sign[h] * (plastic[r, e, 1 + 2 * end] - plastic[r, e, 4] / lengths[e])
-        for i in range(places.swaying.size):
-            swayed[r, i] = x[r, places.swaying[i]] - places.start[i]
+        for u in range(drift.size):
+            across_line = 0.0
+            for i in range(swaying.size):
+                across_line += sway[i, u] * (x[r, swaying[i]] - start[i])
+            drift[u] = max(drift[u], abs(across_line))
         gone, squashed[:] = False, 0.0
         for m in range(first.size - 1):
-            largest = total = stretched = 0.0
+            largest = total = stretched = slides = 0.0
             for e in range(first[m], first[m + 1]):
                 longer = deformed[r, e, 0]
                 if slide[e]:
                     shear = (carried[r, e, 1] + carried[r, e, 2]) / lengths[e]
+                    slides += plastic[r, e, 4]
                 else:
                     chord = lengths[e] + (0.0 if places.first_order else longer)
                     shear = (local[r, e, 1] + local[r, e, 2]) / chord
@@ -80,6 +87,8 @@ def read(places, lost, x, states, tables, most, swayed):
                 largest = max(largest, abs(shear))
                 stretched += longer
                 gone = gone or longer < (lost.length - 1.0) * lengths[e]
+            if slid.size > 0:
+                slid[m, r] = slides
             most[0, m] = max(most[0, m], largest)
             most[1, m] = max(most[1, m], abs(total) / (first[m + 1] - first[m]))
             squashed[chain[m]] -= share[m] * stretched
@@ -122,12 +131,12 @@ def choose(times, displacement, turns, seen, even, kept):
 
 
 @njit(cache=True, error_model="numpy")
-def draw(drawn, along, origin, bends, bars, x, moments, shapes):
+def draw(drawn, along, origin, bends, bars, x, carried, shapes):
     """Write the `shapes` (2, members, points, pictures) in m, as `MemberElements.bent` has them.
 
     Arguments: of each point of each member the element it is `drawn` on, where `along` that (0..1),
     and the `origin` of the element; flexibility `bends` of all elements; displacements `x`
-    (pictures, dofs) and end `moments` (pictures, elements, 2).
+    (pictures, dofs) and forces `carried` (pictures, elements, 3), axial force and end moments.
     """
     for m in range(drawn.shape[0]):
         for p in range(drawn.shape[1]):
@@ -137,7 +146,7 @@ def draw(drawn, along, origin, bends, bars, x, moments, shapes):
             for k in range(x.shape[0]):
                 dx = bars.chords[e, 0] + x[k, u1] - x[k, u0]
                 dy = bars.chords[e, 1] + x[k, v1] - x[k, v0]
-                m1, m4 = moments[k, e, 0], moments[k, e, 1]
+                m1, m4 = carried[k, e, 1], carried[k, e, 2]
                 across = soft * ((1.0 - at) * (2.0 * m1 - m4) - at * (2.0 * m4 - m1))
                 shapes[0, m, p, k] = origin[m, p, 0] + (x[k, u0] + at * dx - across * dy)
                 shapes[1, m, p, k] = origin[m, p, 1] + (x[k, v0] + at * dy + across * dx)

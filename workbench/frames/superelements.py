@@ -4,7 +4,6 @@ The element itself stands in `structures/superelements`, the two models in `mode
 """
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -310,12 +309,11 @@ class SuperelementMembers(MemberReader):
 
         Where dofs have `moved` (pictures, dofs), of the forces `carried` (pictures, elements, 3).
         """
-        group = copy(cast(Superelements, self.elements))
-        group.show(self.states._replace(carried=carried))
+        group = cast(Superelements, self.elements)
         shapes = np.empty((2, *self._drawn.shape, len(moved)))
-        ends = np.ascontiguousarray(carried[..., 1:])
-        draw(self._drawn, self._along, self._origin, group.bends, group.bars, moved, ends, shapes)
-        return shapes, group.utilisation()[:, self._ends, self._side].T
+        at = self._drawn, self._along, self._origin
+        draw(*at, group.bends, group.bars, moved, carried, shapes)
+        return shapes, group.used_by(carried)[:, self._ends, self._side].T
 
     def places(self, structure: FrameStructure, lines: Lines) -> Places:
         """Where what a response holds stands in the states of these members of a structure."""
@@ -340,4 +338,5 @@ class SuperelementMembers(MemberReader):
             lines.chained.max(axis=0),
             lines.swaying,
             structure.start[lines.swaying],
+            lines.sway,
         )

@@ -86,13 +86,15 @@ FEATURES = {  # of rules of validity, and their words
 }
 
 
-def features(scenario: ColumnImpact) -> dict[str, float]:
+def features(scenario: ColumnImpact, told: Mapping[str, float] | None = None) -> dict[str, float]:
     """The numbers that rules of validity may ask for, by the names of `FEATURES`.
+
+    Of a scenario whose `descriptors` are `told`, or not yet known.
 
     The pull acts at the displacement that the mechanism alone would need, elastic up to the squash
     load, and across the column by the turn of both segments.
     """
-    own, column = descriptors(scenario), scenario.column
+    own, column = dict(told or descriptors(scenario)), scenario.column
     properties, below, above = column.properties, column.length_below, column.length_above
     resistance = sum(min(each, 1.0) for each in shear_demand(scenario).values())
     resistance *= properties.shear_resistance

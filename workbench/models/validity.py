@@ -8,7 +8,7 @@ A second table holds what the columns of the study spanned: outside, nothing is 
 import csv
 from collections.abc import Collection, Iterable
 from functools import lru_cache
-from math import inf
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,13 +52,14 @@ def measured_findings(
     mine = rules.of.get((model.name, variant_of(model)))
     if mine is None:
         return []
-    own = features(scenario)
+    told = descriptors(scenario)
+    own = features(scenario, told)
     at = np.array(list(own.values()))
-    held: Flags = np.all((rules.low <= at) & (at < rules.high) | rules.free, axis=1)
-    if not held[mine].any():
-        return []
+    held: Flags = np.asarray(~((at < rules.low) | (at >= rules.high)).any(axis=1))
     risky = [i for i in mine if held[i] and rules.rows[i]["chance"] > TOLERATED]
-    outside = beyond(descriptors(scenario), RANGES) if risky else {}
+    if not risky:
+        return []
+    outside = beyond(told, RANGES)
     if outside:
         return [_unknown(rules.rows[i], own, outside.values()) for i in risky]
     there = tuple(np.flatnonzero(held).tolist())
@@ -69,14 +70,13 @@ def measured_findings(
 class _Rules(NamedTuple):
     """Rows of the table, which are `of` each model and options; bounds (rows, features) of regions.
 
-    Where they bound nothing a row is `free`.
+    Where they bound nothing they are NaN, which no number is below or above.
     """
 
     rows: list[dict[str, Any]]
     of: dict[tuple[str, str], list[int]]
     low: Array
     high: Array
-    free: Flags
 
 
 @lru_cache(maxsize=1)
@@ -88,9 +88,9 @@ def _rules() -> _Rules:
     of: dict[tuple[str, str], list[int]] = {}
     for number, row in enumerate(rows):
         of.setdefault((row["model"], row["options"]), []).append(number)
-    ends = [[row["bounds"].get(name, (-inf, inf)) for name in FEATURES] for row in rows]
+    ends = [[row["bounds"].get(name, (nan, nan)) for name in FEATURES] for row in rows]
     low, high = np.moveaxis(np.array(ends).reshape(-1, len(FEATURES), 2), 2, 0)
-    return _Rules(rows, of, low, high, np.isinf(low) & np.isinf(high))
+    return _Rules(rows, of, low, high)
 
 
 def _typed(row: dict[str, str]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.core.indexing import PandasIndexingAdapter
 from xarray.indexes import PandasIndex
 
 from workbench.arrays import Array
@@ -20,9 +21,15 @@ _ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
 
 def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
     """A coordinate of a response: its index and its variable."""
-    known = pd.Index(values, name=name)
-    axis = xr.IndexVariable(name, known, _ATTRIBUTES[name])  # type: ignore[no-untyped-call]
-    return PandasIndex(known, name), axis
+    if isinstance(values, np.ndarray) and values.dtype == np.float64:  # the rest is for asking
+        known = pd.Index._simple_new(values, name=name)  # type: ignore[attr-defined]
+        index = PandasIndex(known, name, values.dtype, fastpath=True)
+    else:
+        known = pd.Index(values, name=name)
+        index = PandasIndex(known, name)
+    held = PandasIndexingAdapter(known, index.coord_dtype)
+    axis = xr.IndexVariable((name,), held, _ATTRIBUTES[name], fastpath=True)  # type: ignore[no-untyped-call]
+    return index, axis
 
 
 def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:

@@ -188,7 +188,7 @@ def check_response(response: Response) -> None:
         name = next(name for name, values in standard.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if "time" in variables:
-        time = variables["time"].values
+        time = response.get_index("time").values
         if (time[1:] <= time[:-1]).any():
             raise WorkbenchError("response time does not increase")
 

@@ -4,6 +4,7 @@ The ledger is closed in `balance_error`; a model that sums in an order of its ow
 """
 
 from collections.abc import Mapping
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -122,16 +123,10 @@ def residual_of(time: Array, displacement: Array) -> float | None:
     A cycle runs between two upward crossings of the mid-level of the record after its first
     minimum behind the peak. None if the record holds no whole cycle: run longer.
     """
-    from workbench.responses.kernels import cycles  # what only reads responses needs no compiler
+    from workbench.responses.kernels import mean_of_cycles  # readers of responses need no compiler
 
-    start, end, first, last, level = cycles(time, displacement)
-    if start == end:
-        return None
-    inside = slice(start + 1, end + 1)
-    times = np.concatenate([[first], time[inside], [last]])
-    heights = np.concatenate([[level], displacement[inside], [level]])
-    area = 0.5 * (times[1:] - times[:-1]) @ (heights[1:] + heights[:-1])
-    return float(area / (last - first))
+    mean = mean_of_cycles(time, displacement)
+    return None if isnan(mean) else float(mean)
 
 
 def residual_over(

@@ -5,11 +5,10 @@ from numba import njit
 
 
 @njit(cache=True, error_model="numpy")
-def cycles(time, displacement):
-    """Whole cycles after the peak: places and times of the first and last upward crossing, level.
+def mean_of_cycles(time, displacement):
+    """Mean over the whole cycles after the peak, between upward crossings of the mid-level.
 
-    Of the mid-level of the record after its first minimum behind the peak; places count from the
-    start, and are equal if there is no whole cycle.
+    That is of the record after its first minimum behind the peak. NaN if there is no whole cycle.
     """
     last, start = displacement.size - 1, np.argmax(displacement)
     while start < last and not displacement[start + 1] > displacement[start]:
@@ -17,17 +16,21 @@ def cycles(time, displacement):
     high = low = displacement[start]
     for i in range(start, last + 1):
         high, low = max(high, displacement[i]), min(low, displacement[i])
-    level, places, times = 0.5 * (high + low), [0, 0], [0.0, 0.0]
-    count = 0
+    level, count, area = 0.5 * (high + low), 0, 0.0
+    first = final = whole = 0.0
     for i in range(start, last):
-        if displacement[i] < level <= displacement[i + 1]:
-            end = min(count, 1)
-            share = (level - displacement[i]) / (displacement[i + 1] - displacement[i])
-            places[end], times[end] = i, time[i] + share * (time[i + 1] - time[i])
+        left, right, step = displacement[i], displacement[i + 1], time[i + 1] - time[i]
+        full = 0.5 * step * (left + right)
+        if left < level <= right:
+            part = step * (level - left) / (right - left)
+            before = 0.5 * part * (left + level)
+            if count == 0:
+                first, area = time[i] + part, -before
+            final, whole = time[i] + part, area + before
             count += 1
-    if count < 2:
-        places[1] = places[0]
-    return places[0], places[1], times[0], times[1], level
+        if count > 0:
+            area += full
+    return whole / (final - first) if count > 1 else np.nan
 
 
 @njit(cache=True, error_model="numpy")

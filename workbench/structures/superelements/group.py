@@ -195,7 +195,10 @@ class Superelements(HingedElements):
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
-        carried = np.ascontiguousarray(self._old.carried)
+        return self.used_by(np.ascontiguousarray(self._old.carried))
+
+    def used_by(self, carried: Array) -> Array:
+        """The same (..., elements, 2) of the forces `carried` (..., elements, 3)."""
         bounds, exponents = self._hinges.bounds, self._hinges.exponents
         axial, moment = carried[..., :1], carried[..., 1:]
         used = np.zeros_like(moment)
