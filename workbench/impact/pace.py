@@ -2,15 +2,18 @@
 
 What the models that step by error share. The trapezoidal rule errs by dt^3 / 12 times the rate of
 the acceleration of the hit point in its displacement. An impact is stepped on to and followed by a
-first, very short step, so that its instant is found. After the first rebound only the phase of an
-elastic vibration is at stake, and longer steps are taken.
+first, very short step, so that its instant is found. After the first rebound mostly the phase of an
+elastic vibration is at stake, and longer steps are taken; not before the time `calm`, where a peak
+is known to come later.
 """
 
-from math import ceil
+from math import ceil, inf
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+
+from workbench.arrays import Array
 
 PIECES = 64  # into which the shortest step may be cut where it does not converge
 
@@ -22,7 +25,7 @@ class Pace(NamedTuple):
     displacement of a step over the way that the striker goes in it (infinite: equal steps, each
     the `longest`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
     step, in the measure of the model; shortest time between two records, `spacing`; steps at
-    `most`.
+    `most`; the time `calm` before which no vibration is told from the hit.
     """
 
     duration: float
@@ -33,11 +36,27 @@ class Pace(NamedTuple):
     flow: float
     spacing: float
     most: int
+    calm: float = 0.0
 
     @property
     def records(self) -> int:
         """How many records it takes at most: of three, the outer ones are a spacing apart."""
         return 2 * ceil(self.duration / self.spacing) + 4
+
+
+def late_peak(
+    pace: Pace, time: Array, displacement: Array, velocity: Array, percussion: Array
+) -> float:
+    """Time (s) of a peak that came in the long steps of a vibration; zero of one that did not.
+
+    Of the hit point, of all records (n,) of an impact that went at this pace, in SI units.
+    """
+    top = int(np.argmax(displacement))
+    if time[top] <= pace.calm or not pace.error < inf:
+        return 0.0
+    below = displacement[1 : top + 1] < np.maximum.accumulate(displacement[:top])
+    rising = (velocity[1 : top + 1] > 0.0) & (percussion[1 : top + 1] == 0.0)
+    return float(time[top]) if (below & rising & (time[:top] >= pace.calm)).any() else 0.0
 
 
 @njit(cache=True, error_model="numpy")

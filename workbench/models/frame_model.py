@@ -80,7 +80,7 @@ def as_column(structure: FrameStructure) -> FrameStructure:
     return replace(structure, watched=watched, hinges=COLUMN_HINGES)
 
 
-class _Clock:
+class Clock:
     """Counts the `seconds` in which steps are solved, without those in which they are read."""
 
     def __init__(self) -> None:
@@ -193,14 +193,12 @@ class FrameModel(ABC, Declared, table="option"):
 
     def run(self, scenario: FrameScenario, structure: FrameStructure) -> Response:
         """Answer it on a structure of its own, see `structure` and `as_column`."""
-        least, clock = self.least_yield_ratio, _Clock()
+        least, clock = self.least_yield_ratio, Clock()
         if isinstance(scenario, FrameStatic):
             path = clock.timed(self._push(scenario, structure))
             response = run_static(scenario, structure, path)
         elif isinstance(scenario, FrameImpact):
-            steps = clock.timed(self._hit(scenario, structure))
-            error, kept = self.largest_error, self.record
-            response = run_impact(scenario, structure, steps, error, least, kept)
+            response = self._struck(scenario, structure, clock)
         elif isinstance(scenario, FramePulse):
             pattern = structure.pattern(scenario.loads)
             pattern += structure.line_load(scenario.members, scenario.direction)
@@ -212,6 +210,18 @@ class FrameModel(ABC, Declared, table="option"):
             response = run_driven(scenario, structure, steps, least)
         response.attrs["solve_time"] = clock.seconds
         return response
+
+    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
+        """The response to an impact, its steps timed by the `clock`."""
+        steps = clock.timed(self._hit(scenario, structure))
+        return self._told(scenario, structure, steps)
+
+    def _told(
+        self, scenario: FrameImpact, structure: FrameStructure, steps: Iterator[TimeStep]
+    ) -> Response:
+        """The response to an impact of these time steps."""
+        error, least = self.largest_error, self.least_yield_ratio
+        return run_impact(scenario, structure, steps, error, least, self.record)
 
     def _push(self, scenario: FrameStatic, structure: FrameStructure) -> Iterator[PathStep]:
         """Steps of a static path; paths to and fro have longer ones, four times as many in all."""

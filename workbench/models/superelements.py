@@ -19,7 +19,7 @@ hinges return to the surface at the midpoint of a step.
 """
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf
@@ -44,11 +44,11 @@ from workbench.frames.superelements import (
 )
 from workbench.frames.timing import wave_times
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
-from workbench.impact.pace import Pace
+from workbench.impact.pace import Pace, late_peak
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
-from workbench.models.frame_model import COLUMNS, as_column, as_frame, one_thread
+from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
 from workbench.models.validity import MOSTLY, measured_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
@@ -56,13 +56,15 @@ from workbench.sections import Section
 from workbench.structures.impact import MIDPOINT, MOREAU
 from workbench.structures.superelements import Superelement, Superelements, sway_stiffness
 from workbench.structures.superelements.march import follow_impact
-from workbench.structures.time_steps import PointMass, TimeStep
+from workbench.structures.time_steps import PointMass
 
 ACCURACY = 1e-3  # of the peak, with the numbers that follow and the longest step
 # errors of a step, see `Pace`; square root of what hinges settle by over the energy brought in
 CONTROL = (1e-4, 1.2e-2, 0.01)
 FIRST = 0.005  # step after an impact over the time of an axial wave along an element
+PAST = 1.05  # times as long as it took to a late peak, steps are small
 RECORDS, MOST_STEPS = 20_000, 10_000_000  # of a run, at most
+_SEEN = "time", "displacement", "velocity", "percussion"
 INERTIAS = ("nonlinear", "linear", "none")
 COMMON = (
     "All plasticity in hinges at the ends of the elements: an impacted member needs a node where "
@@ -114,7 +116,7 @@ class _HingedBars(BarFrames):
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """As all; compiled steps leave the kept structure as it is, and need no libraries."""
         if isinstance(as_frame(scenario), FrameImpact) and self.integrator == MIDPOINT:
-            return self.run(as_frame(scenario), self._standing(scenario).seen())
+            return self.run(as_frame(scenario), self._standing(scenario))
         return super().solve(scenario)
 
     def bring_up(self, frame: Frame, parts: Sequence[int]) -> FrameStructure:
@@ -200,14 +202,21 @@ class _HingedBars(BarFrames):
         """Read many states at a time, as the compiled march hands them over."""
         return StruckRecord if self.integrator == MIDPOINT else Record
 
-    def _hit(self, scenario: FrameImpact, structure: FrameStructure) -> Iterator[TimeStep]:
-        """Time steps of an impact, compiled ones where the scheme is the midpoint one."""
+    def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
+        """As all; anew where the peak came in long steps, with small ones as far as that."""
         if self.integrator != MIDPOINT:
-            return super()._hit(scenario, structure)
+            return super()._struck(scenario, structure, clock)
         striker, pace = scenario.striker, self.pace(scenario)
-        dof, sign = structure.dof(striker.node, striker.direction)
         mass = PointMass(striker.mass, striker.velocity, striker.restitution)
-        return follow_impact(structure.assembly, dof, mass, pace, sign=sign)
+        dof, sign = structure.dof(striker.node, striker.direction)
+        while True:
+            own = structure.seen()
+            steps = follow_impact(own.assembly, dof, mass, pace, sign=sign)
+            response = self._told(scenario, own, clock.timed(steps))
+            late = late_peak(pace, *(response.variables[name].values for name in _SEEN))
+            if not late:
+                return response
+            pace = pace._replace(calm=pace.duration if pace.calm else PAST * late)
 
 
 @lru_cache(maxsize=16)
@@ -261,7 +270,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 12
+    version: ClassVar[int] = 13
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -314,7 +323,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 11
+    version: ClassVar[int] = 12
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -84,7 +84,8 @@ def advance(body, pace, motion, work, clock, records, stack):
         if struck:
             factor, clock.error = 0.0, pace.error
         if controlled and clock.smooth and not struck:
-            if body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0:
+            back = body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0
+            if back and clock.time >= pace.calm:
                 clock.error = pace.vibration
             rate = abs(acceleration - clock.acceleration) / (0.5 * (dt + clock.before))
             flow = (max(energies[4], 0.0) / energy) ** 0.5

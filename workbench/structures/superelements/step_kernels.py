@@ -20,6 +20,7 @@ from workbench.structures.superelements.kernels import assemble
 ITERATIONS, SEARCHES = 25, 8
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
+WORK = 1e-9  # of the energy brought in, that the residual may do in a step
 
 
 class Body(NamedTuple):
@@ -135,14 +136,15 @@ def newton(body, motion, work, dt, closed, touch):
     Result: whether it converged, the residual over the allowed one, number of evaluations.
     """
     size = evaluate(body, motion, work, dt, closed, touch, work.x)
-    allowed = kernels.allowed_residual(
-        body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size),
-        work.band, body.width, max(largest(motion.x), body.shortest),
-    )  # fmt: skip
+    reach, brought = max(largest(motion.x), body.shortest), 0.5 * body.striker * body.speed**2
+    rounding = kernels.allowed_residual(0.0, work.band, body.width, reach)
+    least = body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size)
+    allowed = max(least, rounding)
     evaluations, n = 1, work.x.size
     for _ in range(ITERATIONS):
-        if size <= allowed and evaluations > 1:  # where a step starts may be right by chance
-            return True, size / allowed, evaluations
+        light = abs(_dot(work.residual, work.moved)) <= WORK * brought
+        if size <= allowed and (light or size <= rounding) and evaluations > 1:
+            return True, size / allowed, evaluations  # where a step starts may be right by chance
         for i in range(n):
             work.step[i] = -work.residual[i]
         kernels.hold(work.band, body.width, body.held, n)
