@@ -15,6 +15,7 @@ from numba import njit
 
 from workbench.arrays import Array
 
+NEARLY = 0.99  # of the peak; long steps may have missed what is higher
 PIECES = 64  # into which the shortest step may be cut where it does not converge
 
 
@@ -47,11 +48,11 @@ class Pace(NamedTuple):
 def late_peak(
     pace: Pace, time: Array, displacement: Array, velocity: Array, percussion: Array
 ) -> float:
-    """Time (s) of a peak that came in the long steps of a vibration; zero of one that did not.
+    """Time (s) of a peak that came, or nearly came again, in the long steps of a vibration; else 0.
 
     Of the hit point, of all records (n,) of an impact that went at this pace, in SI units.
     """
-    top = int(np.argmax(displacement))
+    top = int(np.flatnonzero(displacement >= NEARLY * displacement.max())[-1])
     if time[top] <= pace.calm or not pace.error < inf:
         return 0.0
     below = displacement[1 : top + 1] < np.maximum.accumulate(displacement[:top])

@@ -20,7 +20,7 @@ from workbench.structures.superelements.kernels import assemble
 ITERATIONS, SEARCHES = 25, 8
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
-WORK = 1e-9  # of the energy brought in, that the residual may do in a step
+WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 
 
 class Body(NamedTuple):
@@ -136,15 +136,14 @@ def newton(body, motion, work, dt, closed, touch):
     Result: whether it converged, the residual over the allowed one, number of evaluations.
     """
     size = evaluate(body, motion, work, dt, closed, touch, work.x)
-    reach, brought = max(largest(motion.x), body.shortest), 0.5 * body.striker * body.speed**2
-    rounding = kernels.allowed_residual(0.0, work.band, body.width, reach)
-    least = body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size)
-    allowed = max(least, rounding)
+    allowed = kernels.allowed_residual(
+        body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size),
+        work.band, body.width, max(largest(motion.x), body.shortest),
+    )  # fmt: skip
     evaluations, n = 1, work.x.size
     for _ in range(ITERATIONS):
-        light = abs(_dot(work.residual, work.moved)) <= WORK * brought
-        if size <= allowed and (light or size <= rounding) and evaluations > 1:
-            return True, size / allowed, evaluations  # where a step starts may be right by chance
+        if size <= allowed and evaluations > 1:  # where a step starts may be right by chance
+            return True, size / allowed, evaluations
         for i in range(n):
             work.step[i] = -work.residual[i]
         kernels.hold(work.band, body.width, body.held, n)
@@ -197,6 +196,7 @@ def solve(body, motion, work, dt):
     eps = law.rebound(gamma, body.restitution)
     touch = motion.striker[1] - eps * gamma
     may, refused, d = gap + dt * min(gamma, 0.0) <= 0.0, False, body.dof
+    allowed = WORK * 0.5 * body.striker * body.speed**2
     closed, evaluations, residual = may and not gamma > 0.0, 0, 0.0
     for i in range(work.given.size):
         work.given[i] = 2.0 / dt * motion.momentum[i] + body.load[i]
@@ -205,8 +205,11 @@ def solve(body, motion, work, dt):
             ahead = motion.rate[i] + 0.5 * (dt + motion.lasted[0]) * motion.trend[i]
             work.x[i] = motion.x[i] + dt * ahead
         copy(motion.old.carried, motion.new.carried)
-        done, residual, spent = newton(body, motion, work, dt, closed, touch)
-        evaluations += spent
+        for _again in range(REPEATS):
+            done, residual, spent = newton(body, motion, work, dt, closed, touch)
+            evaluations += spent
+            if not done or abs(_dot(work.residual, work.moved)) <= allowed:
+                break
         if done:
             end = body.sign * (2.0 * (work.x[d] - motion.x[d]) / dt - motion.v[d])
             percussion = body.striker * (touch - end) if closed else 0.0
