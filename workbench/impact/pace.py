@@ -2,9 +2,8 @@
 
 What the models that step by error share. The trapezoidal rule errs by dt^3 / 12 times the rate of
 the acceleration of the hit point in its displacement. An impact is stepped on to and followed by a
-first, very short step, so that its instant is found. After the first rebound mostly the phase of an
-elastic vibration is at stake, and longer steps are taken; not before the time `calm`, where a peak
-is known to come later.
+first, very short step, so that its instant is found. After the first rebound only the phase of an
+elastic vibration is at stake, and longer steps are taken; `late_peak` tells where more was.
 """
 
 from math import ceil, inf
@@ -26,7 +25,7 @@ class Pace(NamedTuple):
     displacement of a step over the way that the striker goes in it (infinite: equal steps, each
     the `longest`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
     step, in the measure of the model; shortest time between two records, `spacing`; steps at
-    `most`; the time `calm` before which no vibration is told from the hit.
+    `most`.
     """
 
     duration: float
@@ -37,7 +36,6 @@ class Pace(NamedTuple):
     flow: float
     spacing: float
     most: int
-    calm: float = 0.0
 
     @property
     def records(self) -> int:
@@ -46,18 +44,19 @@ class Pace(NamedTuple):
 
 
 def late_peak(
-    pace: Pace, time: Array, displacement: Array, velocity: Array, percussion: Array
+    pace: Pace, calm: float, time: Array, displacement: Array, velocity: Array, percussion: Array
 ) -> float:
     """Time (s) of a peak that came, or nearly came again, in the long steps of a vibration; else 0.
 
-    Of the hit point, of all records (n,) of an impact that went at this pace, in SI units.
+    Of the hit point, of all records (n,) of an impact that went at this pace, with long steps not
+    before the time `calm`, in SI units.
     """
     top = int(np.flatnonzero(displacement >= NEARLY * displacement.max())[-1])
-    if time[top] <= pace.calm or not pace.error < inf:
+    if time[top] <= calm or not pace.error < inf:
         return 0.0
     below = displacement[1 : top + 1] < np.maximum.accumulate(displacement[:top])
     rising = (velocity[1 : top + 1] > 0.0) & (percussion[1 : top + 1] == 0.0)
-    return float(time[top]) if (below & rising & (time[:top] >= pace.calm)).any() else 0.0
+    return float(time[top]) if (below & rising & (time[:top] >= calm)).any() else 0.0
 
 
 @njit(cache=True, error_model="numpy")

@@ -209,14 +209,15 @@ class _HingedBars(BarFrames):
         striker, pace = scenario.striker, self.pace(scenario)
         mass = PointMass(striker.mass, striker.velocity, striker.restitution)
         dof, sign = structure.dof(striker.node, striker.direction)
+        calm = 0.0
         while True:
             own = structure.seen()
-            steps = follow_impact(own.assembly, dof, mass, pace, sign=sign)
+            steps = follow_impact(own.assembly, dof, mass, pace, sign=sign, calm=calm)
             response = self._told(scenario, own, clock.timed(steps))
-            late = late_peak(pace, *(response.variables[name].values for name in _SEEN))
+            late = late_peak(pace, calm, *(response.variables[name].values for name in _SEEN))
             if not late:
                 return response
-            pace = pace._replace(calm=pace.duration if pace.calm else PAST * late)
+            calm = pace.duration if calm else PAST * late
 
 
 @lru_cache(maxsize=16)

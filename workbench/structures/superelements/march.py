@@ -33,10 +33,12 @@ def follow_impact(
     *,
     sign: float = 1.0,
     tolerance: float = 1e-9,
+    calm: float = 0.0,
 ) -> Iterator[TimeStep]:
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
-    Arguments as there, but the `pace` of the steps. The only group of the `assembly` are
+    Arguments as there, but the `pace` of the steps, and the time `calm` (s) before which none is
+    long as in a vibration. The only group of the `assembly` are
     superelements. Yields several records at a time, the first one of the start: the numbers of a
     `TimeStep` are arrays (records,), and the displacement, velocity and stored energy of the
     assembly and the states of its elements have the records as their first axis while a step is
@@ -64,6 +66,7 @@ def follow_impact(
     work = Work._make([np.empty_like(assembly.band), *scratch, np.zeros(assembly.size, np.int64)])
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
+    clock["calm"] = calm
     rows = max(8, min(1024, NUMBERS // (2 * x.size + sum(values.size for values in old))))
     status = GOING
     while status == GOING:

@@ -25,7 +25,7 @@ _NUMBERS = (
     *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
 )
 RECORD = np.dtype([(name, "f8") for name in _NUMBERS] + [("evaluations", "i8"), ("cuts", "i8")])
-_CLOCK = ("time", "dt", "before", "acceleration", "highest", "error", "residual")
+_CLOCK = ("time", "calm", "dt", "before", "acceleration", "highest", "error", "residual")
 CLOCK = np.dtype([(name, "f8") for name in _CLOCK] + [("smooth", "?"), ("steps", "i8")])
 
 
@@ -85,7 +85,7 @@ def advance(body, pace, motion, work, clock, records, stack):
             factor, clock.error = 0.0, pace.error
         if controlled and clock.smooth and not struck:
             back = body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0
-            if back and clock.time >= pace.calm:
+            if back and clock.time >= clock.calm:
                 clock.error = pace.vibration
             rate = abs(acceleration - clock.acceleration) / (0.5 * (dt + clock.before))
             flow = (max(energies[4], 0.0) / energy) ** 0.5
