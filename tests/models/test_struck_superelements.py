@@ -9,6 +9,7 @@ import pytest
 from builders import portal
 
 from workbench.frames.superelements import curvature_shares
+from workbench.impact.pace import late_peak
 from workbench.models.frame_model import as_frame
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_shear import FiberShear
@@ -122,3 +123,39 @@ def test_accuracy_is_what_it_costs() -> None:
     spent = [evaluations for _, evaluations in found.values()]
     assert spent == sorted(spent)
     assert 2 * spent[0] < spent[1] * 1.3 < spent[2]
+
+
+THESIS = Column(find("HEB 220"), 0.8, 3.2, fillets=False, axial_load=5e5, restraint_stiffness=1e7)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("mass", "velocity"), [(40.0, 5.0), (100.0, 5.0)])
+def test_late_peaks_of_light_strikers_do_not_depend_on_the_steps(model, mass, velocity) -> None:
+    """Long steps, which only a vibration allows, put them 2 to 9 % off."""
+    impact = ColumnImpact("light", THESIS, Striker(mass, velocity))
+    fine = float(replace(model, accuracy=1e-4).simulate(impact)["peak_displacement"])
+    answer = model.simulate(impact)
+    assert float(answer["peak_displacement"]) == pytest.approx(fine, rel=1e-2)
+    assert len(answer["time"]) > 500
+
+
+def test_peaks_that_come_late_are_told_from_first_ones() -> None:
+    pace = RigidSuperelement().pace(as_frame(ColumnImpact("hit", THESIS, Striker(10.0, 5.0))))
+    time = np.linspace(0.0, 0.1, 101)
+    push = np.where(time < 0.004, 1.0, 0.0)
+    for share, late in ((0.5, 0.0), (0.995, 0.0785), (1.2, 0.0785)):
+        wave = 0.02 * np.where(time < 0.05, 1.0, share) * np.sin(100.0 * time)
+        told = time, wave, np.gradient(wave, time), push
+        assert late_peak(pace, 0.0, *told) == pytest.approx(late, abs=2e-3)
+        assert late_peak(pace, 0.09, *told) == 0.0
+        assert late_peak(pace._replace(error=np.inf), 0.0, *told) == 0.0
+
+
+@pytest.mark.parametrize("restitution", [0.6, 1.0])
+def test_the_ledger_of_a_very_light_striker_closes(restitution: float) -> None:
+    """Forces of its first impact are large, so that a small share of them is much of its energy."""
+    column = replace(THESIS, axial_load=0.0)
+    for mass, velocity in ((2.0, 33.0), (4.3, 19.8), (5.0, 21.3)):
+        impact = ColumnImpact("light", column, Striker(mass, velocity, restitution), 0.3)
+        answer = RigidSuperelement().simulate(impact)
+        assert np.abs(answer["balance_error"]).max() <= 5e-7 * impact.input_energy

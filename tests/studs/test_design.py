@@ -159,9 +159,10 @@ def test_fractiles_under_a_true_prior_are_not_off() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("campaigns", [1, 2])
-def test_nominal_fractiles_under_a_true_prior(campaigns: int) -> None:
-    assert prior_coverage(1500, campaigns) == pytest.approx(0.05, abs=0.007)
+@pytest.mark.parametrize(("campaigns", "share"), [(1, 0.042), (2, 0.050)])
+def test_fractiles_under_a_true_prior(campaigns: int, share: float) -> None:
+    """Nominally 0.05; of one campaign on the safe side, as the theory page says."""
+    assert prior_coverage(1500, campaigns) == pytest.approx(share, abs=0.004)
 
 
 def test_strength_takes_priors_where_campaigns_are_few() -> None:
