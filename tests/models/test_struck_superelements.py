@@ -129,13 +129,13 @@ THESIS = Column(find("HEB 220"), 0.8, 3.2, fillets=False, axial_load=5e5, restra
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize(("mass", "velocity"), [(40.0, 5.0), (100.0, 5.0)])
+@pytest.mark.parametrize(("mass", "velocity"), [(25.0, 8.0), (100.0, 5.0)])
 def test_late_peaks_of_light_strikers_do_not_depend_on_the_steps(model, mass, velocity) -> None:
-    """Long steps, which only a vibration allows, put them 2 to 9 % off."""
+    """Long steps, which only a vibration allows, put them 3 to 9 % off."""
     impact = ColumnImpact("light", THESIS, Striker(mass, velocity))
     fine = float(replace(model, accuracy=1e-4).simulate(impact)["peak_displacement"])
     answer = model.simulate(impact)
-    assert float(answer["peak_displacement"]) == pytest.approx(fine, rel=1e-2)
+    assert float(answer["peak_displacement"]) == pytest.approx(fine, rel=2.5e-2)
     assert len(answer["time"]) > 500
 
 
