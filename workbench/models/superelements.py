@@ -256,8 +256,9 @@ class RigidSuperelement(_HingedBars):
     `inertia` of the turning bar, nonlinear, linear (of the initial
     position) or none; `integrator`; `time_step` in s (None: by the error, of
     frames that peak after several rebounds up to 0.6 % off the peak, of columns whose light striker
-    does mostly 1 %; of the other integrators 1/150 of the expected time to the peak, four times as long after six such times,
-    at most the time of a wave along an element and back, half of that with restitution);
+    is thrown off mostly 1 %; of the other integrators 1/150 of the expected time to the peak, four
+    times as long after six such times, at most the time of a wave along an element and back, half
+    of that with restitution);
     `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
     the heaviest bar there): without it the rotation of a joint at which all hinges yield is
     indeterminate; `regularisation`, share of the elastic stiffness
