@@ -85,7 +85,7 @@ def test_bands_of_two_hundred_laboratories(truth: str) -> None:
     share, _, no_loss, median = measured(truth, 200, 31)
     assert 0.87 <= share <= 0.95, share
     assert no_loss <= 0.05
-    assert 0.86 <= median <= 0.99, median
+    assert 0.80 <= median <= 0.99, median  # nominally 0.90; 0.84 to 0.95, see the theory page
 
 
 def test_a_loss_that_shows_beyond_the_tests_is_not_denied_there() -> None:
