@@ -139,6 +139,15 @@ def test_late_peaks_of_light_strikers_do_not_depend_on_the_steps(model, mass, ve
     assert len(answer["time"]) > 500
 
 
+def test_a_late_peak_that_small_steps_do_not_find_is_looked_for_later() -> None:
+    """The first answer peaks at 68 ms, by long steps alone; the next one, small to there, at 37."""
+    column = Column(find("HEB 220"), 0.605, 3.395, fillets=False, restraint_stiffness=1e7)
+    impact = ColumnImpact("light", column, Striker(47.13, 4.59, 0.5))
+    answer = FlexibleSuperelement().simulate(impact)
+    assert float(answer["peak_displacement"]) == pytest.approx(1.507e-3, rel=2.5e-2)
+    assert float(answer["time_of_peak"]) == pytest.approx(0.09, abs=2e-3)
+
+
 def test_peaks_that_come_late_are_told_from_first_ones() -> None:
     pace = RigidSuperelement().pace(as_frame(ColumnImpact("hit", THESIS, Striker(10.0, 5.0))))
     time = np.linspace(0.0, 0.1, 101)

@@ -98,8 +98,9 @@ def test_contract_violations_are_found() -> None:
     check_response(good)
     with pytest.raises(WorkbenchError, match="not finite"):
         check_response(build_response({"displacement": [0.0, np.nan]}, time=[0.0, 1.0]))
-    with pytest.raises(WorkbenchError, match="does not increase"):
-        check_response(build_response({"displacement": [0.0, 1.0]}, time=[1.0, 1.0]))
+    for time in ([1.0, 1.0], [0.0, np.nan], [0.0, np.inf]):
+        with pytest.raises(WorkbenchError, match="does not increase"):
+            check_response(build_response({"displacement": [0.0, 1.0]}, time=time))
     stranger = good.assign(colour=("time", [0.0, 1.0]))
     with pytest.raises(WorkbenchError, match="colour"):
         check_response(stranger)
