@@ -177,14 +177,14 @@ def test_figure_5_14_on_uniform_meshes(thesis_frame, kind, size) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="+0.3 and +0.5 %: the independent steps damp")
 @pytest.mark.parametrize(
     ("smallest", "largest", "step", "expected"),
     [(0.0125, 0.1, 1e-4, 0.4913), (0.00625, 0.05, 5e-5, 0.4927)],
 )
 def test_figure_5_14_on_graded_meshes(thesis_frame, smallest, largest, step, expected) -> None:
     response = run("fiber-reissner", thesis_frame, smallest, largest, step)
-    # the independent steps damp, as on uniform meshes: +0.3 and +0.5 % measured
-    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=7.5e-3)
+    assert float(response["peak_displacement"]) == pytest.approx(expected, rel=2e-3)
     assert float(response["time_of_peak"]) == pytest.approx(0.029, abs=5e-4)
 
 

