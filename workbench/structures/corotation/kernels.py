@@ -55,17 +55,17 @@ def chord_rotation(Dx: float, Dy: float, dx: float, dy: float, mean_rotation: fl
 @njit(cache=True, error_model="numpy", forceinline=True)
 def chord_at(bars, e, q):
     """The chord of element `e` at displacements `q` (dofs,); of first order where bars are."""
-    i1, i2, i3, i4, i5, i6 = bars.dofs[e]
+    d = bars.dofs
     Dx, Dy, L = bars.chords[e, 0], bars.chords[e, 1], bars.lengths[e]
-    ux, uy = q[i4] - q[i1], q[i5] - q[i2]
+    ux, uy = q[d[e, 3]] - q[d[e, 0]], q[d[e, 4]] - q[d[e, 1]]
     if bars.first_order:
         return Chord(Dx, Dy, L, (Dx * uy - Dy * ux) / (L * L), (ux * Dx + uy * Dy) / L)
     dx, dy = Dx + ux, Dy + uy
     if not bars.relative:
-        dx, dy = Dx + q[i4] - q[i1], Dy + q[i5] - q[i2]
+        dx, dy = Dx + q[d[e, 3]] - q[d[e, 0]], Dy + q[d[e, 4]] - q[d[e, 1]]
         ux, uy = dx - Dx, dy - Dy
     length = math.sqrt(dx * dx + dy * dy)
-    rotation = chord_rotation(Dx, Dy, dx, dy, 0.5 * (q[i3] + q[i6]))
+    rotation = chord_rotation(Dx, Dy, dx, dy, 0.5 * (q[d[e, 2]] + q[d[e, 5]]))
     # l - L without cancellation: elements of centimetres carry strains of 1e-6
     return Chord(dx, dy, length, rotation, (ux * (dx + Dx) + uy * (dy + Dy)) / (length + L))
 
@@ -142,12 +142,12 @@ def add_element(step, bars, e, chord, local_old, local, k, work):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def chord_before(bars, e, q, deformation):
-    """The chord at displacements `q` (dofs,) where its local `deformation` (3,) is known."""
-    dofs = bars.dofs[e]
-    x = bars.chords[e, 0] + (q[dofs[3]] - q[dofs[0]])
-    y = bars.chords[e, 1] + (q[dofs[4]] - q[dofs[1]])
-    turned = q[dofs[2]] - deformation[1]
-    return Chord(x, y, bars.lengths[e] + deformation[0], turned, deformation[0])
+    """The chord at displacements `q` (dofs,) where local `deformation` (e, 3) is known."""
+    d, elongation = bars.dofs, deformation[e, 0]
+    x = bars.chords[e, 0] + (q[d[e, 3]] - q[d[e, 0]])
+    y = bars.chords[e, 1] + (q[d[e, 4]] - q[d[e, 1]])
+    turned = q[d[e, 2]] - deformation[e, 1]
+    return Chord(x, y, bars.lengths[e] + elongation, turned, elongation)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -168,57 +168,56 @@ def add_moved_element(step, bars, e, before, chord, local_old, local, k, work):
         N = rest * local_old[0] + step.weight * N
         M1 = rest * local_old[1] + step.weight * M1
         M2 = rest * local_old[2] + step.weight * M2
-    add_force(step.force, bars.dofs[e], N, M1, M2, gradients)
+    add_force(step.force, bars.dofs, e, N, M1, M2, gradients)
     if step.tangent:
-        add_tangent(step, bars.positions[e], k, N, M1 + M2, gradients, chord, work)
+        add_tangent(step, bars.positions, e, k, N, M1 + M2, gradients, chord, work)
     return gradients, turn
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def add_force(force, dofs, N, M1, M2, gradients):
-    """Add the six global forces of an element with local forces (N, M1, M2) to `force`."""
+def add_force(force, dofs, e, N, M1, M2, gradients):
+    """Add the six global forces of element `e` with local forces (N, M1, M2) to `force`."""
     rx, ry, gx, gy = gradients[0], gradients[1], gradients[2], gradients[3]
     fx = N * rx - (M1 + M2) * gx
     fy = N * ry - (M1 + M2) * gy
-    force[dofs[0]] -= fx
-    force[dofs[1]] -= fy
-    force[dofs[2]] += M1
-    force[dofs[3]] += fx
-    force[dofs[4]] += fy
-    force[dofs[5]] += M2
+    force[dofs[e, 0]] -= fx
+    force[dofs[e, 1]] -= fy
+    force[dofs[e, 2]] += M1
+    force[dofs[e, 3]] += fx
+    force[dofs[e, 4]] += fy
+    force[dofs[e, 5]] += M2
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def add_tangent(step, positions, k, N, moment, gradients, chord, work):
-    """Add the 6 x 6 tangent of an element to the band of a `step`.
+def add_tangent(step, positions, e, k, N, moment, gradients, chord, work):
+    """Add the 6 x 6 tangent of element `e` to the band of a `step`.
 
-    Arguments: `positions` (36,), where each entry goes; `k` (3, 3), see `add_element`; N and the
+    Arguments: `positions` (e, 36), where each entry goes; `k` (3, 3), see `add_element`; N and the
     sum of both end moments, weighted as in the step; `gradients` used for the forces; `chord` at
     the end; `work`, scratch (7, 4).
     """
     band, weight, l1 = step.band, step.weight, chord.length
     rx, ry, gx, gy, rxx, rxy, ryx, ryy, gxx, gxy, gyx, gyy = gradients
     e1x, e1y = chord.x / l1, chord.y / l1
-    # columns of the end gradient over (d_x, d_y, theta_1, theta_2); right = k B_1
+    # columns of the end gradient over (d_x, d_y, theta_1, theta_2); k B_1 in the first three
+    # rows of `work`, what is left of it with the gradients of the forces in the others
     nx, ny = -e1y / l1, e1x / l1
-    right = work[0:3]
     for i in range(3):
         pair = k[i, 1] + k[i, 2]
-        right[i, 0] = weight * (k[i, 0] * e1x - pair * nx)
-        right[i, 1] = weight * (k[i, 0] * e1y - pair * ny)
-        right[i, 2] = weight * k[i, 1]
-        right[i, 3] = weight * k[i, 2]
-    reduced = work[3:7]
+        work[i, 0] = weight * (k[i, 0] * e1x - pair * nx)
+        work[i, 1] = weight * (k[i, 0] * e1y - pair * ny)
+        work[i, 2] = weight * k[i, 1]
+        work[i, 3] = weight * k[i, 2]
     for j in range(4):
-        pair = right[1, j] + right[2, j]
-        reduced[0, j] = rx * right[0, j] - gx * pair
-        reduced[1, j] = ry * right[0, j] - gy * pair
-        reduced[2, j] = right[1, j]
-        reduced[3, j] = right[2, j]
-    reduced[0, 0] += N * rxx - moment * gxx
-    reduced[0, 1] += N * rxy - moment * gxy
-    reduced[1, 0] += N * ryx - moment * gyx
-    reduced[1, 1] += N * ryy - moment * gyy
+        pair = work[1, j] + work[2, j]
+        work[3, j] = rx * work[0, j] - gx * pair
+        work[4, j] = ry * work[0, j] - gy * pair
+        work[5, j] = work[1, j]
+        work[6, j] = work[2, j]
+    work[3, 0] += N * rxx - moment * gxx
+    work[3, 1] += N * rxy - moment * gxy
+    work[4, 0] += N * ryx - moment * gyx
+    work[4, 1] += N * ryy - moment * gyy
     for i in range(6):
         node_i, row = i // 3, i % 3
         a = 2 + node_i if row == 2 else row
@@ -227,4 +226,4 @@ def add_tangent(step, positions, k, N, moment, gradients, chord, work):
             node_j, column = j // 3, j % 3
             b = 2 + node_j if column == 2 else column
             sign_j = -1.0 if (column != 2 and node_j == 0) else 1.0
-            band[positions[6 * i + j]] += sign_i * sign_j * reduced[a, b]
+            band[positions[e, 6 * i + j]] += sign_i * sign_j * work[3 + a, b]

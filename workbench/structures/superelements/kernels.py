@@ -164,11 +164,10 @@ def assemble(step, bars, hinges, old, new):
         chords[e, 3], chords[e, 4] = chord.rotation, chord.elongation
     obey(weight, hinges, old, new, tangents)
     for e in range(dofs.shape[0]):
-        c = chords[e]
-        chord = Chord(c[0], c[1], c[2], c[3], c[4])
+        chord = Chord(chords[e, 0], chords[e, 1], chords[e, 2], chords[e, 3], chords[e, 4])
         before = chord
         if step.dynamic:
-            before = chord_before(bars, e, step.start, old.deformation[e])
+            before = chord_before(bars, e, step.start, old.deformation)
         gradients, turn = add_moved_element(
             step, bars, e, before, chord, old.local[e], new.local[e], tangents[e], work
         )
@@ -181,13 +180,13 @@ def assemble(step, bars, hinges, old, new):
 @njit(cache=True, error_model="numpy", forceinline=True)
 def turn_chord(step, bars, e, chord, gradients, inertia, change):
     """Add the forces that change the angular velocity of a chord by `change`, and their tangent."""
-    dofs, positions = bars.dofs[e], bars.positions[e]
+    dofs, positions = bars.dofs, bars.positions
     couple = inertia * change / step.duration
     gx, gy = gradients.gx, gradients.gy
-    step.force[dofs[0]] -= couple * gx
-    step.force[dofs[1]] -= couple * gy
-    step.force[dofs[3]] += couple * gx
-    step.force[dofs[4]] += couple * gy
+    step.force[dofs[e, 0]] -= couple * gx
+    step.force[dofs[e, 1]] -= couple * gy
+    step.force[dofs[e, 3]] += couple * gx
+    step.force[dofs[e, 4]] += couple * gy
     # d alpha / d d_1 = n_1 / l_1
     turn = 2.0 * inertia / (step.duration * step.duration * chord.length)
     e1x, e1y = chord.x / chord.length, chord.y / chord.length
@@ -199,10 +198,10 @@ def turn_chord(step, bars, e, chord, gradients, inertia, change):
         for j in range(2):
             sign = 1.0 if i == j else -1.0
             first = 18 * i + 3 * j
-            step.band[positions[first]] += sign * xx
-            step.band[positions[first + 1]] += sign * xy
-            step.band[positions[first + 6]] += sign * yx
-            step.band[positions[first + 7]] += sign * yy
+            step.band[positions[e, first]] += sign * xx
+            step.band[positions[e, first + 1]] += sign * xy
+            step.band[positions[e, first + 6]] += sign * yx
+            step.band[positions[e, first + 7]] += sign * yy
 
 
 @njit(cache=True, error_model="numpy")

@@ -62,8 +62,8 @@ def follow_impact(
         np.zeros(1),
         np.array([assembly.largest_force]),
     )
-    scratch: list[Array] = list(np.zeros((7, assembly.size)))
-    work = Work._make([np.empty_like(assembly.band), *scratch, np.zeros(assembly.size, np.int64)])
+    scratch: list[Array] = [*np.empty((2, assembly.band.size)), *np.zeros((8, assembly.size))]
+    work = Work._make([*scratch, np.zeros(assembly.size, np.int64)])
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
     clock["calm"] = calm

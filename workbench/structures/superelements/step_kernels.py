@@ -19,6 +19,8 @@ from workbench.structures.superelements.kernels import assemble
 
 ITERATIONS, SEARCHES = 25, 8
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
+CLOSEST = 0.02  # of a bracket, to its ends, that the tangent along a step may lead
+LARGEST_TURN = 0.03  # rad of a node in an iteration, beyond which its tangent is made stiffer
 FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
 WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 
@@ -74,9 +76,10 @@ class Motion(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch of a step: the flat `band` of the tangent, and vectors (dofs,)."""
+    """Scratch of a step: the flat `band` of the tangent, one `kept`, and vectors (dofs,)."""
 
     band: Array
+    kept: Array
     x: Array
     trial: Array
     moved: Array
@@ -84,6 +87,7 @@ class Work(NamedTuple):
     internal: Array
     residual: Array
     step: Array
+    pull: Array
     pivots: Indices
 
 
@@ -128,11 +132,40 @@ def _dot(a, b):
 
 
 @njit(cache=True, error_model="numpy")
+def _aim(body, work):
+    """Write Newton's step; False if there is none.
+
+    A joint at which all hinges yield turns freely, and a step that follows its tangent far beyond
+    where they unload would cut all others short: nodes that would turn by more than `LARGEST_TURN`
+    have their diagonal raised in that ratio.
+    """
+    n, rows, diagonal = work.x.size, 3 * body.width + 1, 2 * body.width
+    kernels.hold(work.band, body.width, body.held, n)
+    copy(work.band, work.kept)
+    for i in range(n):
+        work.step[i] = -work.residual[i]
+    solved = kernels.solve_band(work.band, body.width, work.step, work.pivots)
+    far = False
+    for i in range(2, n, 3):
+        turn = abs(work.step[i]) / LARGEST_TURN
+        if turn > 1.0:
+            work.kept[i * rows + diagonal] *= turn
+            far = True
+    if far:
+        for i in range(n):
+            work.step[i] = -work.residual[i]
+        solved = kernels.solve_band(work.kept, body.width, work.step, work.pivots)
+    return solved
+
+
+@njit(cache=True, error_model="numpy")
 def newton(body, motion, work, dt, closed, touch):
     """Solve a step from `work.x`, as `structures/newton` does.
 
     A step is taken for its residual only where that falls to `FALLEN`: with halves, steps in which
-    all hinges of a joint yield take a sixth more evaluations.
+    all hinges of a joint yield take a sixth more evaluations. The line search follows the tangent
+    of its last point where that stays inside the bracket: hinges unload at a kink, on whose far
+    side the step is steep.
     Result: whether it converged, the residual over the allowed one, number of evaluations.
     """
     size = evaluate(body, motion, work, dt, closed, touch, work.x)
@@ -144,10 +177,7 @@ def newton(body, motion, work, dt, closed, touch):
     for _ in range(ITERATIONS):
         if size <= allowed and evaluations > 1:  # where a step starts may be right by chance
             return True, size / allowed, evaluations
-        for i in range(n):
-            work.step[i] = -work.residual[i]
-        kernels.hold(work.band, body.width, body.held, n)
-        solved = kernels.solve_band(work.band, body.width, work.step, work.pivots)
+        solved = _aim(body, work)
         if not (solved and np.isfinite(size)):
             break
         slope = _dot(work.step, work.residual)
@@ -168,10 +198,14 @@ def newton(body, motion, work, dt, closed, touch):
                 high, slope_high = s, new_slope
             else:
                 low, slope_low = s, new_slope
-            share = 0.5
-            if np.isfinite(slope_high):
-                share = slope_low / (slope_low - slope_high)
-                share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
+            kernels.band_product(work.band, body.width, work.step, work.pull)
+            bend = _dot(work.step, work.pull)
+            share = (s - new_slope / bend - low) / (high - low)
+            if not CLOSEST < share < 1.0 - CLOSEST:
+                share = 0.5
+                if np.isfinite(slope_high):
+                    share = slope_low / (slope_low - slope_high)
+                    share = min(max(share, SMALLEST_CUT), LARGEST_CUT)
             s = low + share * (high - low)
         copy(work.trial, work.x)
         size = new_size
