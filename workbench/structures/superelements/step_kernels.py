@@ -20,7 +20,7 @@ from workbench.structures.superelements.kernels import assemble
 ITERATIONS, SEARCHES = 25, 8
 LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 CLOSEST = 0.02  # of a bracket, to its ends, that the tangent along a step may lead
-LARGEST_TURN = 0.03  # rad of a node in an iteration, beyond which its tangent is made stiffer
+LARGEST_TURN = 0.03  # rad of a node in an iteration; beyond it a spring holds it back
 FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
 WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 
@@ -137,7 +137,8 @@ def _aim(body, work):
 
     A joint at which all hinges yield turns freely, and a step that follows its tangent far beyond
     where they unload would cut all others short: nodes that would turn by more than `LARGEST_TURN`
-    have their diagonal raised in that ratio.
+    are held by a spring, in that ratio stiffer than they are by themselves or, at most, in the
+    whole step.
     """
     n, rows, diagonal = work.x.size, 3 * body.width + 1, 2 * body.width
     kernels.hold(work.band, body.width, body.held, n)
@@ -145,11 +146,12 @@ def _aim(body, work):
     for i in range(n):
         work.step[i] = -work.residual[i]
     solved = kernels.solve_band(work.band, body.width, work.step, work.pivots)
-    far = False
+    far, energy = False, abs(_dot(work.step, work.residual))
     for i in range(2, n, 3):
-        turn = abs(work.step[i]) / LARGEST_TURN
+        turn, at = abs(work.step[i]) / LARGEST_TURN, i * rows + diagonal
         if turn > 1.0:
-            work.kept[i * rows + diagonal] *= turn
+            soft = min(abs(work.kept[at]), energy / work.step[i] ** 2)
+            work.kept[at] += (turn - 1.0) * soft
             far = True
     if far:
         for i in range(n):
