@@ -312,7 +312,8 @@ class SuperelementMembers(MemberReader):
         group = cast(Superelements, self.elements)
         shapes = np.empty((2, *self._drawn.shape, len(moved)))
         at = self._drawn, self._along, self._origin
-        draw(*at, group.bends, group.bars, moved, carried, shapes)
+        last = np.ascontiguousarray(moved.T), np.ascontiguousarray(carried.transpose(1, 2, 0))
+        draw(*at, group.bends, group.bars, *last, shapes)
         return shapes, group.used_by(carried)[:, self._ends, self._side].T
 
     def places(self, structure: FrameStructure, lines: Lines) -> Places:

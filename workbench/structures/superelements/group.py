@@ -199,16 +199,15 @@ class Superelements(HingedElements):
 
     def used_by(self, carried: Array) -> Array:
         """The same (..., elements, 2) of the forces `carried` (..., elements, 3)."""
-        bounds, exponents = self._hinges.bounds, self._hinges.exponents
-        axial, moment = carried[..., :1], carried[..., 1:]
-        used = np.zeros_like(moment)
+        rows = carried.reshape(-1, len(self._own), 3)
+        used: Array = np.zeros((*rows.shape[:2], 2))
         if not self.slide.all():
-            n = np.abs(axial) / np.where(axial >= 0.0, bounds[..., 0], bounds[..., 1])
-            m = np.abs(moment) / np.where(moment >= 0.0, bounds[..., 2], bounds[..., 3])
-            used[:] = m ** exponents[..., 0] + n ** exponents[..., 1]
-        rows = -1, len(self._own)
-        kernels.use_webs(self._hinges, carried.reshape(*rows, 3), used.reshape(*rows, 2))
-        return used
+            shares = np.empty((2, *used.shape))
+            kernels.use_bounds(self._hinges.bounds, rows, shares)
+            shares **= np.moveaxis(self._hinges.exponents, -1, 0)[:, None]
+            np.add(*shares, out=used)
+        kernels.use_webs(self._hinges, rows, used)
+        return used.reshape(*carried.shape[:-1], 2)
 
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
         """Displaced axis (points, 2), bent by committed moments where it is flexible."""
