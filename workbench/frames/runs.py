@@ -38,21 +38,19 @@ OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a r
 
 def run_impact(
     scenario: FrameImpact,
-    structure: FrameStructure,
+    record: Record,
     steps: Iterator[TimeStep],
     largest_error: float | None,
     least_yield_ratio: float,
-    kept: type[Record] = Record,
 ) -> Response:
-    """Follow `steps` of the impact driver on a frame under its dead loads.
+    """Follow `steps` of the impact driver on the structure of a `record`, under its dead loads.
 
     Arguments: `largest_error` of the energy ledger over the input energy (None: whatever it is);
-    `least_yield_ratio` without a warning; how its record is `kept`. Raises `SolverError`, and
-    `CollapseError` when the frame collapses.
+    `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the frame
+    collapses.
     """
-    striker, brought = scenario.striker, scenario.input_energy
-    node, direction, end = striker.node, striker.direction, scenario.duration
-    record = kept(structure, node, direction, end)
+    striker, brought, structure = scenario.striker, scenario.input_energy, record.structure
+    node, direction = striker.node, striker.direction
     length = _follow(record, scenario, steps)
     push = record.told(0.0, "percussion")
     rest, told = _remaining(record, scenario, direction, push)

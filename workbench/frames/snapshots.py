@@ -17,13 +17,13 @@ class Snapshots:
 
     Arguments: the `structure`, whose committed state is read; `end` of the record, which starts
     at zero (time in s; None: unknown, snapshots are then even in the number of steps). Evenly
-    spaced ones are those of the first step at or after their turn. The one of the peak follows the
-    largest displacement by one step in time, and is the state where a path turns back in statics.
+    spaced ones are those of the first step at or after their turn (`turns`, s). That of the peak
+    follows the largest displacement by one step in time, and is where a path turns in statics.
     """
 
     def __init__(self, structure: FrameStructure, end: float | None) -> None:
         self._structure = structure
-        self._turns = None if end is None else end * _SHARES
+        self.turns = None if end is None else end * _SHARES
         self._even: list[float] = []
         self._peak: float | None = None
         self._pictures: list[tuple[float, Array, Array]] = []  # times, shapes, utilisation
@@ -38,10 +38,10 @@ class Snapshots:
         `turns`, whether a static path ends or turns back here.
         """
         size = abs(displacement)
-        if self._turns is None:
+        if self.turns is None:
             drawn = self._count(at, size, turns)
         else:
-            drawn = self._follow(self._turns, at, size)
+            drawn = self._follow(self.turns, at, size)
         self._last = at
         if drawn:
             self._draw(at)

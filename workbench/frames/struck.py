@@ -9,9 +9,10 @@ from workbench.arrays import Array
 from workbench.frames import collapse_watch as watch
 from workbench.frames.record import Record
 from workbench.frames.snapshots import Snapshots
-from workbench.frames.struck_kernels import TABLES, Lost, choose, read
 from workbench.frames.superelements import SuperelementMembers
 from workbench.structures.paths import PathStep
+from workbench.structures.superelements.march import reading_of
+from workbench.structures.superelements.reading_kernels import Lost, Pictures, Reading
 from workbench.structures.time_steps import TimeStep
 
 _TOLD = {  # of steps
@@ -26,34 +27,23 @@ LOST = Lost(watch.COLLAPSE_SIDEWAYS, watch.COLLAPSE_CONTRACTION, watch.LEAST_LEN
 
 
 class StruckSnapshots(Snapshots):
-    """The same of many records at a time, drawn at the end: nothing but what is shown."""
+    """The same of states that were kept while the impact was followed, drawn at the end."""
 
-    def __init__(self, structure: Any, end: float | None) -> None:
-        super().__init__(structure, end)
-        self._passed: Array = np.zeros(3)
-        self._kept: list[tuple[Array, Array, Array]] = []  # times, displacements, forces carried
+    kept: Pictures
 
-    def keep(self, times: Array, displacement: Array, moved: Array, carried: Array) -> None:
-        """Look at records at `times` (s) with a `displacement` (m), and keep what may be drawn.
-
-        That is what their dofs have `moved` (records, dofs), and forces `carried` by elements.
-        """
-        even, kept = np.empty((2, len(times)), dtype=bool)
-        peak = choose(times, displacement, self._turns, self._passed, even, kept)
-        if peak >= 0:
-            self._peak = float(times[peak])
-        self._even += times[even].tolist()
-        self._last = float(times[-1])
-        self._kept.append((times[kept], moved[kept], carried[kept]))
+    def values(self) -> dict[str, Any]:
+        """As of other records."""
+        last, count = len(self.kept.turns), int(self.kept.seen[3])
+        times = self.kept.time.tolist()
+        self._even, self._last = times[:count], times[last + 1]
+        self._peak = None if np.isnan(times[last]) else times[last]
+        return super().values()
 
     def _drawn(self, shown: list[float]) -> tuple[Array, Array]:
-        times, moved, carried = self._kept[0]
-        if len(self._kept) > 1:
-            times, moved, carried = map(np.concatenate, zip(*self._kept, strict=True))
-        rows = np.searchsorted(times, shown)
-        return cast(SuperelementMembers, self._structure.members).pictures(
-            moved[rows], carried[rows]
-        )
+        place = {time: row for row, time in enumerate(self.kept.time.tolist())}
+        rows = [place[time] for time in shown]
+        members = cast(SuperelementMembers, self._structure.members)
+        return members.pictures(self.kept.moved[rows], self.kept.carried[rows])
 
 
 class StruckRecord(Record):
@@ -61,9 +51,18 @@ class StruckRecord(Record):
 
     pictures: ClassVar[type[Snapshots]] = StruckSnapshots
     _snapshots: StruckSnapshots
+    reading: Reading
 
     def _begin(self) -> None:
-        """The first records tell of the start as well."""
+        """Nothing is seen yet: the first records tell of the start as well."""
+        structure, members = self.structure, cast(SuperelementMembers, self.structure.members)
+        key = f"places of {self._dof}"
+        if key not in structure.found:
+            structure.found[key] = members.places(structure, self.watch.lines, self._dof)
+        turns = self._snapshots.turns
+        self.reading = reading_of(structure.assembly, structure.found[key], LOST, turns)
+        self._most, self.drift = self.reading.most, self.reading.drift
+        self._snapshots.kept = self.reading.pictures
 
     def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
         """Append several steps, the states that they lead to, and those of the start.
@@ -71,30 +70,28 @@ class StruckRecord(Record):
         Raises `CollapseError` when the frame has collapsed, `OutOfDomainError` when an element
         crumples.
         """
-        structure, assembly = self.structure, self.structure.assembly
-        members = cast(SuperelementMembers, structure.members)
-        if "places" not in structure.found:
-            structure.found["places"] = members.places(structure, self.watch.lines)
-        places, moved, states = structure.found["places"], assembly.displacement, members.states
-        tables = np.empty((len(TABLES), len(places.hinge), len(moved)))
-        slid = np.empty((len(places.chain) if places.slide.any() else 0, len(moved)))
-        lost = read(places, LOST, moved, states, tables, slid, self._most, self.drift)
+        told = cast(TimeStep, step)
+        rows, lost = told.read
+        moved, slid = rows.watched.T, rows.sliding.T
+        displacement = self._sign * (moved[0] - self.structure.start[self._dof])
+        watched = zip(self.structure.watched.items(), moved[1:], strict=True)
         seen = {
             "at": at,
-            **self._committed(),
+            "displacement": displacement,
+            "velocity": self._sign * rows.velocity,
+            "elastic": told.energies.stored,
+            **{name: sign * one for (name, (_, sign)), one in watched},
             **{name: get(step) for name, get in _TOLD.items()},
-            **dict(zip(TABLES, tables, strict=True)),
+            "axial_force": rows.axial_force.T,
+            "moment": rows.moment.T,
+            "plastic_rotation": rows.plastic_rotation.T,
             "sliding": slid if len(slid) else None,
         }
         for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
         self._totals.clear()
-        displacement = seen["displacement"]
-        self._snapshots.keep(at, displacement, moved, states.carried)
-        if lost >= 0:
-            members.show(lost)
-            assembly.show(moved[lost], assembly.velocity[lost], seen["elastic"][lost])
-            self.watch.check(float(displacement[lost]), float(at[lost]))
+        if lost:
+            self.watch.check(float(displacement[-1]), float(at[-1]))
 
     def column(self, name: str) -> Array:
         """As of other records."""

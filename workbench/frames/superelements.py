@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.arrays import Array, Indices
 from workbench.frames.collapse_watch import Lines
-from workbench.frames.struck_kernels import Places, draw
+from workbench.frames.struck_kernels import draw
 from workbench.frames.structure import POINTS, FrameStructure, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.responses import Finding
@@ -22,7 +22,7 @@ from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, J
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd, Superelements
-from workbench.structures.superelements.group import SuperelementState
+from workbench.structures.superelements.reading_kernels import Places
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
@@ -294,16 +294,6 @@ class SuperelementMembers(MemberReader):
         drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
         return np.asarray(self._origin + drawn)
 
-    @property
-    def states(self) -> SuperelementState:
-        """The states that are shown."""
-        return cast(Superelements, self.elements).states[0]
-
-    def show(self, number: int) -> None:
-        """Go on with that of the states shown."""
-        one = SuperelementState(*(values[number] for values in self.states))
-        cast(Superelements, self.elements).show(one)
-
     def pictures(self, moved: Array, carried: Array) -> tuple[Array, Array]:
         """Shapes (2, members, points, pictures) and utilisation (hinges, pictures).
 
@@ -316,8 +306,11 @@ class SuperelementMembers(MemberReader):
         draw(*at, group.bends, group.bars, *last, shapes)
         return shapes, group.used_by(carried)[:, self._ends, self._side].T
 
-    def places(self, structure: FrameStructure, lines: Lines) -> Places:
-        """Where what a response holds stands in the states of these members of a structure."""
+    def places(self, structure: FrameStructure, lines: Lines, dof: int) -> Places:
+        """Where what a response holds stands in the states of these members of a structure.
+
+        The displacement of the record is that of a `dof`.
+        """
         frame, assembly, elements = structure.frame, structure.assembly, self.elements
         number = {node.name: i for i, node in enumerate(frame.nodes)}
         ends = [(number[member.start], number[member.end]) for member in frame.members]
@@ -340,4 +333,6 @@ class SuperelementMembers(MemberReader):
             lines.swaying,
             structure.start[lines.swaying],
             lines.sway,
+            np.array([dof, *(watched for watched, _ in structure.watched.values())]),
+            float(structure.start[dof]),
         )

@@ -79,7 +79,8 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             text = f"{scenario.name}: {error}"
             response = _refused([Finding("domain", text, refusal=True)])
     warnings = [finding for finding in findings if not finding.refusal]
-    set_findings(response, [*warnings, *findings_of(response)])
+    if warnings:
+        set_findings(response, [*warnings, *findings_of(response)])
     return _signed(response, model, scenario, started)
 
 

@@ -131,11 +131,6 @@ class FrameModel(ABC, Declared, table="option"):
         return OPEN_LEDGER
 
     @property
-    def record(self) -> type[Record]:
-        """How the record of an impact is kept."""
-        return Record
-
-    @property
     def halvings(self) -> int:
         """How often the steps are halved."""
         return 0
@@ -168,9 +163,10 @@ class FrameModel(ABC, Declared, table="option"):
         """
         response = respond(self, scenario, self.solve)
         if isinstance(scenario, FrameImpact) and "shear_utilisation" in response:
-            settled = self.settled(scenario, response)
-            known = findings_of(response)
-            set_findings(response, [found for found in known if found.subject not in settled])
+            settled, known = self.settled(scenario, response), findings_of(response)
+            left = [found for found in known if found.subject not in settled]
+            if len(left) < len(known):
+                set_findings(response, left)
         return response
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
@@ -213,15 +209,9 @@ class FrameModel(ABC, Declared, table="option"):
 
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         """The response to an impact, its steps timed by the `clock`."""
-        steps = clock.timed(self._hit(scenario, structure))
-        return self._told(scenario, structure, steps)
-
-    def _told(
-        self, scenario: FrameImpact, structure: FrameStructure, steps: Iterator[TimeStep]
-    ) -> Response:
-        """The response to an impact of these time steps."""
-        error, least = self.largest_error, self.least_yield_ratio
-        return run_impact(scenario, structure, steps, error, least, self.record)
+        striker, steps = scenario.striker, clock.timed(self._hit(scenario, structure))
+        record = Record(structure, striker.node, striker.direction, scenario.duration)
+        return run_impact(scenario, record, steps, self.largest_error, self.least_yield_ratio)
 
     def _push(self, scenario: FrameStatic, structure: FrameStructure) -> Iterator[PathStep]:
         """Steps of a static path; paths to and fro have longer ones, four times as many in all."""

@@ -29,7 +29,7 @@ import numpy as np
 
 from workbench.fields import Choice, Number, checked
 from workbench.frames.column_estimate import column_like
-from workbench.frames.record import Record
+from workbench.frames.runs import run_impact
 from workbench.frames.shear import shear_findings
 from workbench.frames.struck import StruckRecord
 from workbench.frames.structure import FrameStructure
@@ -197,11 +197,6 @@ class _HingedBars(BarFrames):
         first = min(first, longest)
         return Pace(duration, first, longest, error, vibration, flow, spacing, MOST_STEPS)
 
-    @property
-    def record(self) -> type[Record]:
-        """Read many states at a time, as the compiled march hands them over."""
-        return StruckRecord if self.integrator == MIDPOINT else Record
-
     def _struck(self, scenario: FrameImpact, structure: FrameStructure, clock: Clock) -> Response:
         """As all; anew where the peak came in long steps, with small ones as far as that."""
         if self.integrator != MIDPOINT:
@@ -212,8 +207,12 @@ class _HingedBars(BarFrames):
         calm = before = 0.0
         while True:
             own = structure.seen()
-            steps = follow_impact(own.assembly, dof, mass, pace, sign=sign, calm=calm)
-            response = self._told(scenario, own, clock.timed(steps))
+            record = StruckRecord(own, striker.node, striker.direction, scenario.duration)
+            steps = clock.timed(
+                follow_impact(own.assembly, dof, mass, pace, record.reading, sign=sign, calm=calm)
+            )
+            error, least = self.largest_error, self.least_yield_ratio
+            response = run_impact(scenario, record, steps, error, least)
             told = [response.variables[name].values for name in _SEEN]
             late, highest = late_peak(pace, calm, *told), float(told[1].max())
             gone = highest < NEARLY * before  # what small steps looked for: it may come yet later

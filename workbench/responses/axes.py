@@ -19,6 +19,13 @@ from workbench.responses.variables import COORDINATES
 _ATTRIBUTES = {name: one.attributes for name, one in COORDINATES.items()}
 
 
+def variable_of(kind: Any, dims: tuple[Any, ...], data: Any, attributes: dict[str, str]) -> Any:
+    """A variable of xarray of what is known to fit; to check it again takes as long as the rest."""
+    one = object.__new__(kind)
+    one._dims, one._data, one._attrs, one._encoding = dims, data, dict(attributes), None
+    return one
+
+
 def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
     """A coordinate of a response: its index and its variable."""
     if isinstance(values, np.ndarray) and values.dtype == np.float64:  # the rest is for asking
@@ -28,20 +35,22 @@ def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.V
         known = pd.Index(values, name=name)
         index = PandasIndex(known, name)
     held = PandasIndexingAdapter(known, index.coord_dtype)
-    axis = xr.IndexVariable((name,), held, _ATTRIBUTES[name], fastpath=True)  # type: ignore[no-untyped-call]
-    return index, axis
+    return index, variable_of(xr.IndexVariable, (name,), held, _ATTRIBUTES[name])
 
 
 def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
     """`axis_of` the names of parts, whose index many responses share."""
-    index, axis = _kept(name, values)
-    return index, axis.copy(deep=False)
+    return _own(name, *_kept(name, values))
 
 
 def counted_axis(name: str, size: int) -> tuple[PandasIndex, xr.Variable]:
     """`axis_of` points along members, evenly spaced, or of numbers from 0; many share it."""
-    index, axis = _counted(name, size)
-    return index, axis.copy(deep=False)
+    return _own(name, *_counted(name, size))
+
+
+def _own(name: str, index: PandasIndex, axis: xr.Variable) -> tuple[PandasIndex, xr.Variable]:
+    """The index, and a variable of the same data with attributes of its own."""
+    return index, variable_of(xr.IndexVariable, (name,), axis._data, _ATTRIBUTES[name])
 
 
 @lru_cache(maxsize=256)

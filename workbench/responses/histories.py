@@ -16,13 +16,13 @@ NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
 SETTLED = 1.5  # periods that a residual displacement takes
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
 _ROUNDED = 1e-4  # of the energy stored before an impact
-# extremes over all parts of a structure: of which variable, and what of it counts
+# extremes over all parts of a structure: of which variable, and with which signs it counts
 EXTREMES = {
-    "largest_drift": ("drift", np.abs),
-    "largest_plastic_rotation": ("plastic_rotation", np.abs),
-    "largest_sliding": ("sliding", np.abs),
-    "largest_compression": ("axial_force", np.negative),
-    "largest_tension": ("axial_force", np.positive),
+    "largest_drift": ("drift", (1, -1)),
+    "largest_plastic_rotation": ("plastic_rotation", (1, -1)),
+    "largest_sliding": ("sliding", (1, -1)),
+    "largest_compression": ("axial_force", (-1,)),
+    "largest_tension": ("axial_force", (1,)),
 }
 FORCE_WINDOW = 1e-3  # s; contact forces of nonsmooth models are means over this window
 
@@ -62,10 +62,15 @@ def implied(
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:
     """Largest drift, plastic rotation (rad), sliding (m), compression, tension (N) of all parts."""
     return {
-        name: max(0.0, float(counted(values[of]).max())) if values[of].size else 0.0
-        for name, (of, counted) in EXTREMES.items()
+        name: max(0.0, *(_end(values[of], sign) for sign in signs)) if values[of].size else 0.0
+        for name, (of, signs) in EXTREMES.items()
         if of in values
     }
+
+
+def _end(values: Array, sign: int) -> float:
+    """The largest of the values with that sign."""
+    return float(values.max() if sign > 0 else -values.min())
 
 
 def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,7 +50,8 @@ class TimeStep(NamedTuple):
     residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
     `percussion` of the step in N s and the energy `contact_loss` in J. Of a ground motion, all
     relative to the ground, its mean `acceleration` in m/s2 (of a force its mean factor) and the
-    `input_energy` and `damped` energy of the step in J.
+    `input_energy` and `damped` energy of the step in J. `read`, what is known of the states behind
+    several steps, whose numbers are arrays.
     """
 
     length: float
@@ -66,6 +67,7 @@ class TimeStep(NamedTuple):
     acceleration: float = 0.0
     input_energy: float = 0.0
     damped: float = 0.0
+    read: Any = None
 
 
 class Pull(NamedTuple):

@@ -102,6 +102,8 @@ class Superelements(HingedElements):
         flexible = [1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own]
         self.bends: Array = np.array(flexible)  # in 1 / (N m2)
         pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
+        exponents = np.stack([section.exponents() for section in self._own])
+        self._powers: Array = np.moveaxis(exponents, -1, 0)[:, None].copy()
         self._hinges = HingeTables(
             bending,
             flexibility,
@@ -109,7 +111,7 @@ class Superelements(HingedElements):
             webs,
             self.lengths,
             np.stack([section.bounds() for section in self._own]),
-            np.stack([section.exponents() for section in self._own]),
+            exponents,
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
@@ -200,13 +202,14 @@ class Superelements(HingedElements):
     def used_by(self, carried: Array) -> Array:
         """The same (..., elements, 2) of the forces `carried` (..., elements, 3)."""
         rows = carried.reshape(-1, len(self._own), 3)
-        used: Array = np.zeros((*rows.shape[:2], 2))
+        used = np.zeros((*rows.shape[:2], 2))
         if not self.slide.all():
             shares = np.empty((2, *used.shape))
             kernels.use_bounds(self._hinges.bounds, rows, shares)
-            shares **= np.moveaxis(self._hinges.exponents, -1, 0)[:, None]
-            np.add(*shares, out=used)
-        kernels.use_webs(self._hinges, rows, used)
+            shares **= self._powers
+            used = shares[0] + shares[1]
+        if self.slide.any():
+            kernels.use_webs(self._hinges, rows, used)
         return used.reshape(*carried.shape[:-1], 2)
 
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:

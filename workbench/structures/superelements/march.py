@@ -1,7 +1,7 @@
 """The impact of a structure of superelements, stepped through in compiled code."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,15 +14,60 @@ from workbench.structures.superelements.group import Superelements, Superelement
 from workbench.structures.superelements.march_kernels import (
     CLOCK,
     GOING,
+    LOST,
     NO_CONVERGENCE,
     RECORD,
     TOO_MANY,
     advance,
 )
+from workbench.structures.superelements.reading_kernels import (
+    Lost,
+    Pictures,
+    Places,
+    Reading,
+    Rows,
+)
 from workbench.structures.superelements.step_kernels import Body, Motion, Work
 from workbench.structures.time_steps import PointMass, TimeStep
 
-NUMBERS = 500_000  # of the states that are handed over at a time, at most
+NUMBERS = 500_000  # that are handed over at a time, at most
+
+
+class Read(NamedTuple):
+    """What was read of several records, and whether the structure was `lost` in the last one."""
+
+    rows: Rows
+    lost: bool
+
+
+def reading_of(
+    assembly: PlanarAssembly, places: Places, lost: Lost | None = None, turns: Array | None = None
+) -> Reading:
+    """What is read of the records of one impact on a structure, empty.
+
+    Arguments: `places` of it; beyond what it is `lost` (None: never); `turns` (s) of its pictures
+    (None: there are none).
+    """
+    at = np.zeros(0) if turns is None else turns
+    states, members = len(at) + 2, len(places.first) - 1
+    elements = len(assembly.groups[0].nodes)
+    moved, carried = np.zeros((states, assembly.size)), np.zeros((states, elements, 3))
+    return Reading(
+        places,
+        lost or Lost(np.inf, np.inf, -np.inf),
+        _room(places, 0),
+        Pictures(at, np.zeros(4), np.full(states, np.nan), moved, carried),
+        np.zeros((2, members)),
+        np.zeros(places.sway.shape[1]),
+        np.zeros(members),
+    )
+
+
+def _room(places: Places, rows: int) -> Rows:
+    """Room for what is read of so many records."""
+    hinges, members = len(places.hinge), len(places.first) - 1 if places.slide.any() else 0
+    counts = hinges, hinges, hinges, members, len(places.watched)
+    return Rows._make([*(np.empty((rows, count)) for count in counts), np.empty(rows)])
 
 
 def follow_impact(
@@ -30,6 +75,7 @@ def follow_impact(
     dof: int,
     striker: PointMass,
     pace: Pace,
+    reading: Reading,
     *,
     sign: float = 1.0,
     tolerance: float = 1e-9,
@@ -37,12 +83,11 @@ def follow_impact(
 ) -> Iterator[TimeStep]:
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
-    Arguments as there, but the `pace` of the steps, and the time `calm` (s) before which none is
-    long as in a vibration. The only group of the `assembly` are
-    superelements. Yields several records at a time, the first one of the start: the numbers of a
-    `TimeStep` are arrays (records,), and the displacement, velocity and stored energy of the
-    assembly and the states of its elements have the records as their first axis while a step is
-    looked at. Raises `SolverError`.
+    Arguments as there, but the `pace` of the steps, what is read of the records, see `reading_of`,
+    and the time `calm` (s) before which none is long as in a vibration. The only group of the
+    `assembly` are superelements. Yields several records at a time, the first one of the start: the
+    numbers of a `TimeStep` are arrays (records,), and it holds what was `read`; assembly and
+    elements show the state of the last one. Raises `SolverError`.
     """
     (group,) = assembly.groups
     assert isinstance(group, Superelements)
@@ -67,25 +112,22 @@ def follow_impact(
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
     clock["calm"] = calm
-    rows = max(8, min(1024, NUMBERS // (2 * x.size + sum(values.size for values in old))))
+    rows = max(1, min(1024, NUMBERS // (3 * len(reading.places.hinge) + 1)))
     status = GOING
-    while status == GOING:
+    group.show(motion.old)
+    while status in (GOING, LOST):
         records = np.zeros(rows, RECORD)
-        stack = _stack(motion, rows)
-        if clock["steps"] == 0:
+        own = reading._replace(rows=_room(reading.places, rows))
+        if not clock["begun"]:
             start = {"stored": assembly.stored, "kinetic": assembly.kinetic_energy()}
             start |= {"striker_position": striker.position, "striker_velocity": striker.velocity}
             for name, value in start.items():
                 records[name][0] = value
-        status, count = advance(body, pace, motion, work, clock, records, stack)
+        status, count = advance(body, pace, motion, work, clock, records, own)
         if count:
-            group.show(SuperelementState(*(values[:count] for values in stack.old)))
-            told = _told(records[:count], striker)
-            assembly.show(stack.x[:count], stack.v[:count], told.energies.stored)
-            yield told
-            group.show(SuperelementState(*(values[count - 1] for values in stack.old)))
-            last = float(records["stored"][count - 1])
-            assembly.show(stack.x[count - 1], stack.v[count - 1], last)
+            assembly.show(motion.x, motion.v, float(records["stored"][count - 1]))
+            read = Rows(*(values[:count] for values in own.rows))
+            yield _told(records[:count], striker, Read(read, status == LOST))
     if status == NO_CONVERGENCE:
         tried = f"line search, open and closed contact, steps down to {2 * clock['dt']:.3g} s"
         raise SolverError(f"time {clock['time']:.6g} s", float(clock["residual"]), tried)
@@ -124,17 +166,7 @@ def _body(
     )
 
 
-def _stack(motion: Motion, rows: int) -> Motion:
-    """Room for so many states."""
-
-    def room(values: Array) -> Array:
-        return np.empty((rows, *values.shape))
-
-    old = SuperelementState(*map(room, motion.old))
-    return motion._replace(x=room(motion.x), v=room(motion.v), old=old)
-
-
-def _told(records: Any, striker: PointMass) -> TimeStep:
+def _told(records: Any, striker: PointMass, read: Read) -> TimeStep:
     """What the records say, as the steps between them."""
     numbers = records.view(np.float64).reshape(len(records), -1).T.copy()
     told = dict(zip(RECORD.names or (), numbers, strict=True))
@@ -144,4 +176,4 @@ def _told(records: Any, striker: PointMass) -> TimeStep:
         striker.mass, told["striker_velocity"], striker.restitution, told["striker_position"]
     )
     same = {name: told[name] for name in told.keys() & set(TimeStep._fields)}
-    return TimeStep(energies=energies, striker=moved, **same)
+    return TimeStep(energies=energies, striker=moved, read=read, **same)

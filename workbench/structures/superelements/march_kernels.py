@@ -11,49 +11,40 @@ import numpy as np
 from numba import njit
 
 from workbench.impact.pace import aimed, growth, met
-from workbench.structures.kernels import copy
 from workbench.structures.superelements.kernels import settle
+from workbench.structures.superelements.reading_kernels import read
 from workbench.structures.superelements.step_kernels import commit, gap_of, solve
 
 CUTS = 4096  # pieces into which the shortest step may be cut where it does not converge
 LONGER = 1.5  # times as long a step may be as the one before
 BACK = 4.0  # the same on the way back to equal steps, which impacts interrupt
 CLOSER = 0.999  # of the way to the next impact: contact closes where a step would end in overlap
-GOING, DONE, NO_CONVERGENCE, TOO_MANY = range(4)
+GOING, DONE, LOST, NO_CONVERGENCE, TOO_MANY = range(5)
 _NUMBERS = (
     *("time", "length", "striker_position", "striker_velocity", "percussion", "contact_loss"),
     *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
 )
 RECORD = np.dtype([(name, "f8") for name in _NUMBERS] + [("evaluations", "i8"), ("cuts", "i8")])
 _CLOCK = ("time", "calm", "dt", "before", "acceleration", "highest", "error", "residual")
-CLOCK = np.dtype([(name, "f8") for name in _CLOCK] + [("smooth", "?"), ("steps", "i8")])
+CLOCK = np.dtype(
+    [(name, "f8") for name in _CLOCK] + [("begun", "?"), ("smooth", "?"), ("steps", "i8")]
+)
 
 
 @njit(cache=True, error_model="numpy")
-def _keep(motion, stack, row):
-    """Write the committed state into a row of the stack."""
-    copy(motion.x, stack.x[row])
-    copy(motion.v, stack.v[row])
-    copy(motion.old.plastic, stack.old.plastic[row])
-    copy(motion.old.carried, stack.old.carried[row])
-    copy(motion.old.local, stack.old.local[row])
-    copy(motion.old.deformation, stack.old.deformation[row])
-    copy(motion.old.rate, stack.old.rate[row])
-
-
-@njit(cache=True, error_model="numpy")
-def advance(body, pace, motion, work, clock, records, stack):
+def advance(body, pace, motion, work, clock, records, reading):
     """Go on until the records are full or the impact is over; returns (status, records).
 
-    The first record of all is that of the start.
+    Or until the structure is lost, which the last record then tells of. The first record of all is
+    that of the start.
     """
     row, d, end = 0, body.dof, pace.duration * (1.0 - 1e-12)
     controlled, scale = pace.error < np.inf, abs(body.speed)
     energy = 0.5 * body.striker * body.speed**2
-    if clock.steps == 0:
-        _keep(motion, stack, row)
-        row += 1
-    while clock.time < end:
+    if not clock.begun:
+        read(reading, row, 0.0, motion.x, motion.v, motion.old)
+        row, clock.begun = 1, True
+    while clock.time < end and row < records.size:
         record = records[row]
         gap, gamma = gap_of(body, motion)
         dt = aimed(pace, clock.time, clock.dt, CLOSER * gap, gamma)
@@ -102,8 +93,8 @@ def advance(body, pace, motion, work, clock, records, stack):
         clock.dt = min(max(dt * factor, pace.first), pace.longest)
         if record.length >= pace.spacing or not clock.time < end:
             record.time = clock.time
-            _keep(motion, stack, row)
+            lost = read(reading, row, clock.time, motion.x, motion.v, motion.old)
             row += 1
-            if row == records.size:
-                break
+            if lost:
+                return LOST, row
     return GOING if clock.time < end else DONE, row
