@@ -11,7 +11,7 @@ from workbench.errors import CollapseError, SolverError
 from workbench.frames.chains import named
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.frames.record import Record
-from workbench.frames.shear import shear_reached
+from workbench.frames.shear import SOLID_BOUND, shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
 from workbench.frames.sway import sway_findings, sway_of
 from workbench.frames.timing import slowest_period
@@ -271,6 +271,6 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
             remedy = "take the solid, or four-dof-shear, whose bars stretch as they slide"
         return [Finding("shear-strain", text, remedy=remedy, number=float(strains.max()))]
     reached = record.unyielding_shear()
-    if not reached.any():
+    if not (reached > SOLID_BOUND).any():
         return []
     return shear_reached(scenario, dict(zip(names, reached.tolist(), strict=True)))

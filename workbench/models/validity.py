@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.arrays import Array, Flags
+from workbench.arrays import Array, Flags, Indices
 from workbench.datafiles import data_directory
 from workbench.models.descriptors import (
     FEATURES,
@@ -49,34 +49,39 @@ def measured_findings(
     if not isinstance(scenario, ColumnImpact):
         return []
     rules = _rules()
-    mine = rules.of.get((model.name, variant_of(model)))
-    if mine is None:
+    mine = rules.risky.get((model.name, variant_of(model)))
+    if mine is None or not mine.size:
         return []
     told = descriptors(scenario)
     own = features(scenario, told)
     at = np.array(list(own.values()))
-    held: Flags = np.asarray(~((at < rules.low) | (at >= rules.high)).any(axis=1))
-    risky = [i for i in mine if held[i] and rules.rows[i]["chance"] > TOLERATED]
+    risky = mine[_holds(rules, at, mine)].tolist()
     if not risky:
         return []
     outside = beyond(told, RANGES)
     if outside:
         return [_unknown(rules.rows[i], own, outside.values()) for i in risky]
-    there = tuple(np.flatnonzero(held).tolist())
+    there = tuple(np.flatnonzero(_holds(rules, at, slice(None))).tolist())
     known = None if others is None else tuple(others)
     return [_told(rules.rows[i], own, _remedy(i, there, known)) for i in risky]
 
 
 class _Rules(NamedTuple):
-    """Rows of the table, which are `of` each model and options; bounds (rows, features) of regions.
+    """Rows of the table, numbers of the `risky` ones of each model and options, which warn.
 
-    Where they bound nothing they are NaN, which no number is below or above.
+    And bounds (rows, features) of their regions: NaN, which no number is below or above, where they
+    bound nothing.
     """
 
     rows: list[dict[str, Any]]
-    of: dict[tuple[str, str], list[int]]
+    risky: dict[tuple[str, str], Indices]
     low: Array
     high: Array
+
+
+def _holds(rules: _Rules, at: Array, numbers: Any) -> Flags:
+    """In which of the rows of these numbers the features `at` (features,) lie."""
+    return np.asarray(~((at < rules.low[numbers]) | (at >= rules.high[numbers])).any(axis=1))
 
 
 @lru_cache(maxsize=1)
@@ -85,12 +90,14 @@ def _rules() -> _Rules:
     path = data_directory() / "validation" / f"{TABLE}.csv"
     with path.open(newline="", encoding="utf-8") as stream:
         rows = [_typed(row) for row in csv.DictReader(stream)]
-    of: dict[tuple[str, str], list[int]] = {}
+    risky: dict[tuple[str, str], list[int]] = {}
     for number, row in enumerate(rows):
-        of.setdefault((row["model"], row["options"]), []).append(number)
+        own = risky.setdefault((row["model"], row["options"]), [])
+        own += [number] if row["chance"] > TOLERATED else []
     ends = [[row["bounds"].get(name, (nan, nan)) for name in FEATURES] for row in rows]
     low, high = np.moveaxis(np.array(ends).reshape(-1, len(FEATURES), 2), 2, 0)
-    return _Rules(rows, of, low, high)
+    told = {of: np.array(numbers, dtype=np.int64) for of, numbers in risky.items()}
+    return _Rules(rows, told, low, high)
 
 
 def _typed(row: dict[str, str]) -> dict[str, Any]:
