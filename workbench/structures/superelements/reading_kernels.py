@@ -102,7 +102,7 @@ class Reading(NamedTuple):
     squashed: Array
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def read(reading, row, time, x, v, state):
     """Read the state of a record at a `time` (s); whether the structure is lost."""
     _picture(reading, time, x, state.carried)
@@ -121,7 +121,7 @@ def read(reading, row, time, x, v, state):
     return _members(reading, row, x, state)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _hinges(places, rows, row, state):
     local, plastic, lengths = state.local, state.plastic, places.lengths
     hinge, side, sign = places.hinge, places.side, places.sign
@@ -133,7 +133,7 @@ def _hinges(places, rows, row, state):
         rows.plastic_rotation[row, h] = sign[h] * turned
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _members(reading, row, x, state):
     """Read shear and sliding of all members; whether one is lost."""
     places, lost, most, squashed = reading.places, reading.lost, reading.most, reading.squashed
@@ -176,7 +176,7 @@ def _members(reading, row, x, state):
     return gone
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _picture(reading, time, x, carried):
     """Keep the state where it is the first at or after a turn; one after the largest so far.
 
@@ -199,7 +199,7 @@ def _picture(reading, time, x, carried):
     seen[0], seen[1], seen[2], seen[3] = passed, max(seen[1], size), rising, count
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _draw(pictures, number, time, x, carried):
     pictures.time[number] = time
     copy(x, pictures.moved[number])

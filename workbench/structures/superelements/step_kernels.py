@@ -133,31 +133,37 @@ def _dot(a, b):
 
 @njit(cache=True, error_model="numpy")
 def _aim(body, work):
-    """Write Newton's step; False if there is none.
+    """Write Newton's step; False if there is none."""
+    kernels.hold(work.band, body.width, body.held, work.x.size)
+    copy(work.band, work.kept)
+    for i in range(work.x.size):
+        work.step[i] = -work.residual[i]
+    if not kernels.solve_band(work.band, body.width, work.step, work.pivots):
+        return False
+    for i in range(2, work.x.size, 3):
+        if abs(work.step[i]) > LARGEST_TURN:
+            return _hold_back(body, work)
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _hold_back(body, work):
+    """Write the step anew where a node turns by more than `LARGEST_TURN`; False if there is none.
 
     A joint at which all hinges yield turns freely, and a step that follows its tangent far beyond
-    where they unload would cut all others short: nodes that would turn by more than `LARGEST_TURN`
-    are held by a spring, in that ratio stiffer than they are by themselves or, at most, in the
-    whole step.
+    where they unload would cut all others short: such nodes are held by a spring, in the ratio of
+    the turns stiffer than they are by themselves or, at most, in the whole step.
     """
-    n, rows, diagonal = work.x.size, 3 * body.width + 1, 2 * body.width
-    kernels.hold(work.band, body.width, body.held, n)
-    copy(work.band, work.kept)
-    for i in range(n):
-        work.step[i] = -work.residual[i]
-    solved = kernels.solve_band(work.band, body.width, work.step, work.pivots)
-    far, energy = False, abs(_dot(work.step, work.residual))
-    for i in range(2, n, 3):
+    rows, diagonal = 3 * body.width + 1, 2 * body.width
+    energy = abs(_dot(work.step, work.residual))
+    for i in range(2, work.x.size, 3):
         turn, at = abs(work.step[i]) / LARGEST_TURN, i * rows + diagonal
         if turn > 1.0:
             soft = min(abs(work.kept[at]), energy / work.step[i] ** 2)
             work.kept[at] += (turn - 1.0) * soft
-            far = True
-    if far:
-        for i in range(n):
-            work.step[i] = -work.residual[i]
-        solved = kernels.solve_band(work.kept, body.width, work.step, work.pivots)
-    return solved
+    for i in range(work.x.size):
+        work.step[i] = -work.residual[i]
+    return kernels.solve_band(work.kept, body.width, work.step, work.pivots)
 
 
 @njit(cache=True, error_model="numpy")
