@@ -145,7 +145,7 @@ def settle(weight, hinges, old, new):
     return stored, plastic + excess, algorithmic, ideal + excess, excess
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def assemble(step, bars, hinges, old, new):
     """Add forces and tangents of all superelements for a `step`; write the state `new`.
 
