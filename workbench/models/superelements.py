@@ -49,7 +49,7 @@ from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import panel_findings
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
-from workbench.models.validity import MOSTLY, measured_findings
+from workbench.models.validity import MOSTLY, may_warn, measured_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import Section
@@ -175,6 +175,8 @@ class _HingedBars(BarFrames):
 
     def _measured(self, scenario: FrameImpact) -> list[Finding]:
         """What was measured of columns like the struck one, where most of them were off."""
+        if not may_warn(self):
+            return []
         names = RigidSuperelement.name, FlexibleSuperelement.name
         told = measured_findings(self, column_like(scenario), names)
         return [found for found in told if found.subject in MOSTLY]

@@ -37,6 +37,12 @@ MOSTLY = SUBJECT, UNMEASURED[0]
 REFERENCE = "fiber-shear"  # ends the chain of remedies
 
 
+def may_warn(model: Any) -> bool:
+    """Whether the model was measured to be off anywhere."""
+    numbers = _rules().risky.get((model.name, variant_of(model)))
+    return numbers is not None and bool(numbers.size)
+
+
 def measured_findings(
     model: Any, scenario: Any, others: Collection[str] | None = None
 ) -> list[Finding]:
@@ -46,12 +52,10 @@ def measured_findings(
 
     `others`, names of the models that the remedy may name (None: all that were measured).
     """
-    if not isinstance(scenario, ColumnImpact):
+    if not isinstance(scenario, ColumnImpact) or not may_warn(model):
         return []
     rules = _rules()
-    mine = rules.risky.get((model.name, variant_of(model)))
-    if mine is None or not mine.size:
-        return []
+    mine = rules.risky[model.name, variant_of(model)]
     told = descriptors(scenario)
     own = features(scenario, told)
     at = np.array(list(own.values()))

@@ -2,8 +2,8 @@
 
 The midpoint scheme of `structures/impact` in one call per step: M (v1 - v0) / dt + f = p + w P / dt
 with v1 = 2 (x1 - x0) / dt - v0 and energy-exact forces f; a closed contact eliminates the
-percussion P. A test holds both to each other. What takes a whole body is inlined: a call that passes
-all its arrays costs as much as an element.
+percussion P. A test holds both to each other. What takes a whole body is inlined: a call that
+passes all its arrays costs as much as an element.
 """
 
 from typing import Any, NamedTuple
