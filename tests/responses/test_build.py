@@ -93,6 +93,18 @@ def test_shapes_that_do_not_belong_together_are_refused(values: Any, named: str)
         build_response(values, time=[0.0, 1.0], hinges=("base", "hit", "head"))
 
 
+@pytest.mark.parametrize("steps", [3, 2000])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_numbers_that_are_none_are_found_in_any_layout(steps: int, wrong: float) -> None:
+    time, moment = np.linspace(0.0, 1.0, steps), np.ones((steps, 2))
+    for values in (moment.T, moment.T.copy()):
+        response = build_response({"moment": values}, time=time, hinges=("base", "head"))
+        check_response(response)
+        response["moment"].values[1, -1] = wrong
+        with pytest.raises(WorkbenchError, match="'moment' holds numbers that are not finite"):
+            check_response(response)
+
+
 def test_contract_violations_are_found() -> None:
     good = build_response({"displacement": [0.0, 1.0]}, time=[0.0, 1.0])
     check_response(good)
@@ -101,6 +113,8 @@ def test_contract_violations_are_found() -> None:
     for time in ([1.0, 1.0], [0.0, np.nan], [0.0, np.inf]):
         with pytest.raises(WorkbenchError, match="does not increase"):
             check_response(build_response({"displacement": [0.0, 1.0]}, time=time))
+    with pytest.raises(WorkbenchError, match="does not increase"):
+        build_response({"displacement": [0.0, 2.0, 1.0]}, time=[0.0, 1.0, 1.0])
     stranger = good.assign(colour=("time", [0.0, 1.0]))
     with pytest.raises(WorkbenchError, match="colour"):
         check_response(stranger)

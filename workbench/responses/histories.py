@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.errors import WorkbenchError
 from workbench.responses.outcome import Finding
 
 NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
@@ -103,7 +104,8 @@ def open_share(balance: Array, given: float, stored: float) -> float:
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     """Peak and its time from a history by the parabola through its three highest points.
 
-    Empty if the displacement still grows at the end of the record: then there is no peak.
+    Empty if the displacement still grows at the end of the record: then there is no peak. Raises
+    `WorkbenchError` where times do not increase around it.
     """
     top = int(np.argmax(displacement))
     if top == len(displacement) - 1:
@@ -111,6 +113,8 @@ def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     if top == 0:
         return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
     before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
+    if not before < 0.0 < after:
+        raise WorkbenchError("response time does not increase")
     fall_before = float(displacement[top - 1] - displacement[top]) / before
     fall_after = float(displacement[top + 1] - displacement[top]) / after
     curvature = (fall_after - fall_before) / (after - before)
