@@ -25,7 +25,9 @@ _NUMBERS = (
     *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
 )
 RECORD = np.dtype([(name, "f8") for name in _NUMBERS] + [("evaluations", "i8"), ("cuts", "i8")])
-_CLOCK = ("time", "calm", "dt", "before", "acceleration", "highest", "error", "residual")
+_CLOCK = (
+    *("time", "calm", "dt", "before", "acceleration", "change", "highest", "error", "residual"),
+)
 CLOCK = np.dtype(
     [(name, "f8") for name in _CLOCK] + [("begun", "?"), ("smooth", "?"), ("steps", "i8")]
 )
@@ -64,6 +66,7 @@ def advance(body, pace, motion, work, clock, records, reading):
         moved, v0 = body.sign * (work.x[d] - motion.x[d]), body.sign * motion.v[d]
         v1 = 2.0 * moved / dt - v0
         acceleration = (v1 - v0) / dt
+        change = acceleration - clock.acceleration
         if controlled and percussion == 0.0 and dt > pace.first:
             meeting = met(gap, gamma, v1 - motion.striker[1], dt, pace.error * scale * dt)
             if meeting < dt:
@@ -78,7 +81,10 @@ def advance(body, pace, motion, work, clock, records, reading):
             back = body.sign * work.x[d] < clock.highest and v1 > 0.0 and percussion == 0.0
             if back and clock.time >= clock.calm:
                 clock.error = pace.vibration
-            rate = abs(acceleration - clock.acceleration) / (0.5 * (dt + clock.before))
+            trend = abs(change)
+            if change * clock.change < 0.0:  # a velocity that rings from step to step keeps ringing
+                trend = 0.5 * abs(change + clock.change)
+            rate = trend / (0.5 * (dt + clock.before))
             flow = (max(energies[4], 0.0) / energy) ** 0.5
             factor = growth(pace, clock.error * scale, rate, dt, flow)
             if factor < 0.7 and dt > pace.first:
@@ -87,6 +93,7 @@ def advance(body, pace, motion, work, clock, records, reading):
             factor = min(max(factor, 0.3), LONGER)
         commit(body, motion, work, dt, percussion, energies, record)
         if not struck:
+            clock.change = change if clock.smooth else 0.0
             clock.acceleration = acceleration
         clock.smooth, clock.before, clock.time = not struck, dt, clock.time + dt
         clock.highest = max(clock.highest, body.sign * motion.x[d])
