@@ -35,20 +35,21 @@ def alpha_step(am: float, af: float, beta: float, gamma: float, impulses: bool) 
         M, W = system.mass, system.normals
         q0, v0, a0, l0, t = state.q, state.v, state.a, state.force, state.t + h
         f0, _ = forces(system, q0)
+        Ma0, Wl0 = M @ a0, W @ l0
         a1, l1 = a0.copy(), np.zeros(l0.size)
         residual, count = np.inf, 0
         for turn in range(_ITERATIONS):
             q1 = q0 + h * v0 + h * h * ((0.5 - beta) * a0 + beta * a1)
             f1, K = forces(system, q1)
             count += 1
-            push = W @ ((1.0 - af) * l1 + af * l0)
-            r = M @ ((1.0 - am) * a1 + am * a0) + (1.0 - af) * f1 + af * f0
-            size = np.abs(M @ a1) + np.abs(M @ a0) + np.abs(f1) + np.abs(f0) + np.abs(push)
+            Ma1, push = M @ a1, (1.0 - af) * (W @ l1) + af * Wl0
+            r = (1.0 - am) * Ma1 + am * Ma0 + (1.0 - af) * f1 + af * f0
+            size = np.abs(Ma1) + np.abs(Ma0) + np.abs(f1) + np.abs(f0) + np.abs(push)
             before, residual = residual, np.abs(r - push).max() / max(size.max(), 1e-300)
             if turn > 0 and (residual <= 1e-14 or (residual <= 1e-11 and residual >= before)):
                 break
             A = (1.0 - am) * M + (1.0 - af) * beta * h * h * K
-            a1 = a1 - np.linalg.solve(A, r - af * (W @ l0))
+            a1 = a1 - np.linalg.solve(A, r - af * Wl0)
             if not impulses:
                 q1 = q0 + h * v0 + h * h * ((0.5 - beta) * a0 + beta * a1)
                 back = (1.0 - af) * np.linalg.solve(A, W)
