@@ -16,7 +16,7 @@ from workbench.frames.structure import FrameStructure, hinge_names, member_names
 from workbench.frames.sway import sway_findings, sway_of
 from workbench.frames.timing import slowest_period
 from workbench.responses import Finding, Response, build_response, energy_error
-from workbench.responses.histories import residual_over
+from workbench.responses.histories import residual_over, still_grows
 from workbench.scenarios import (
     FrameGroundMotion,
     FrameImpact,
@@ -152,7 +152,7 @@ def _remaining(
     All that leaves something has happened once the `push` (steps,) and the plastic work are over.
     """
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
-    if record.structure.is_column or int(moved.argmax()) == len(moved) - 1:  # it still grows
+    if record.structure.is_column or still_grows(moved):
         return {}, []
     node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
     slow = slowest_period(scenario.frame, node, direction)

@@ -101,15 +101,19 @@ def open_share(balance: Array, given: float, stored: float) -> float:
     return float(np.abs(balance).max()) / max(given, _ROUNDED * stored)
 
 
+def still_grows(displacement: Array) -> bool:
+    """Whether the displacement is largest at the end of the record: then it shows no peak."""
+    return int(displacement.argmax()) == len(displacement) - 1
+
+
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     """Peak and its time from a history by the parabola through its three highest points.
 
-    Empty if the displacement still grows at the end of the record: then there is no peak. Raises
-    `WorkbenchError` where times do not increase around it.
+    Empty where it `still_grows`. Raises `WorkbenchError` where times do not increase around it.
     """
-    top = int(np.argmax(displacement))
-    if top == len(displacement) - 1:
+    if still_grows(displacement):
         return {}
+    top = int(displacement.argmax())
     if top == 0:
         return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
     before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])

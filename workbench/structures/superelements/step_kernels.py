@@ -141,7 +141,7 @@ def _aim(body, work):
         work.step[i] = -work.residual[i]
     if not kernels.solve_band(work.band, body.width, work.step, work.pivots):
         return False
-    for i in range(2, work.x.size, 3):
+    for i in range(2, work.x.size, 3):  # rotations: a node has u, v and that
         if abs(work.step[i]) > LARGEST_TURN:
             return _hold_back(body, work)
     return True
