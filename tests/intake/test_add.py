@@ -407,3 +407,51 @@ def test_a_broken_catalogue_of_ones_own_is_named(capsys: pytest.CaptureFixture[s
     assert "lab_data/catalogue.toml" in capsys.readouterr().err
     own.write_text("[[dataset]\n", encoding="utf-8")
     assert run(["data", "list"]) == 2
+
+
+def test_a_file_that_is_not_of_the_catalogue_is_never_replaced() -> None:
+    """The table may lie where it would be written; any other file of that name is the user's."""
+    Path("lab_data").mkdir()
+    table = impacts().rename("lab_data/tests.csv")
+    before = table.read_bytes()
+    Path("lab_data/tests-2.csv").write_text("precious", encoding="utf-8")
+    added = add_table(table)
+    assert table.read_bytes() == before
+    assert Path("lab_data/tests-2.csv").read_text("utf-8") == "precious"
+    assert added.entry.path == dataset("tests").path == Path("lab_data/tests-3.csv")
+    assert load("tests")["span_m"].tolist() == [4.0, 4.0]
+    assert [note for note in added.notes if "is left as it is" in note] == [
+        f"lab_data/tests{end}.csv was there and is left as it is" for end in ("", "-2")
+    ]
+    assert add_table(table).already
+
+
+def test_tables_that_are_added_at_once_are_all_catalogued() -> None:
+    count = 4
+    for number in range(count):
+        text = "\n".join((HEADER, UNITS, ROWS[0].format("validate"))) + "\n"
+        text = text.replace("our lab", f"lab {number}").replace("68,3,", f"68.{number},3,")
+        Path(f"t{number}.csv").write_text(text, encoding="utf-8")
+    command = [sys.executable, "-c", "from workbench.cli import main; main()", "data", "add"]
+    ran = [
+        subprocess.Popen([*command, f"t{number}.csv"], stdout=subprocess.PIPE, stderr=-2)
+        for number in range(count)
+    ]
+    told = [each.communicate(timeout=600)[0].decode() for each in ran]
+    assert [each.returncode for each in ran] == [0] * count, told
+    assert {f"t{number}" for number in range(count)} <= {entry.name for entry in datasets()}
+    assert check() == problems_of_own() == []
+
+
+def test_one_waits_for_who_adds_a_table_and_does_not_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+    from workbench.intake import add
+    from workbench.study.store import locked
+
+    add_table(impacts())
+    before = Path("lab_data/catalogue.toml").read_bytes()
+    monkeypatch.setattr(add, "_PATIENCE", 0.1)
+    with locked(Path("lab_data/.lock")), pytest.raises(InputError, match="in use by another"):
+        add_table(push_outs(), mapping=mapping())
+    assert Path("lab_data/catalogue.toml").read_bytes() == before
+    assert not Path("lab_data/doe.csv").exists()
+    assert not add_table(push_outs(), mapping=mapping()).already  # the lock itself is never stale

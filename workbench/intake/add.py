@@ -2,8 +2,10 @@
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +22,13 @@ from workbench.intake.kinds import KINDS, Kind, kind_of, rows_of
 from workbench.intake.mapping import Mapping, check_stated, read_mapping
 from workbench.studs.reading import read_text
 from workbench.studs.schema import Table
-from workbench.study.store import write_atomically
+from workbench.study.store import locked, write_atomically
 
 _NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,59}")
 _MARK = "SYNTHETIC"
 _PROVENANCE = ("licence", "year", "role")
 _SHOWN = 8  # doubts in a message
+_PATIENCE = 60.0  # s to wait for others who add a table
 
 
 @dataclass(frozen=True)
@@ -81,22 +84,23 @@ def add_table(
     entry = replace(entry, file=f"{entry.name}.csv")
     rows = _marked(rows, entry)
     content = _csv(rows)
-    already = _same(entry, content, folder)
+    judge = partial(_judged, entry, rows, content, path.name, despite_doubts)
+    already, doubts = judge()  # refused before a folder is made
+    kept: list[str] = []
+    if already is None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with locked(folder / ".lock", _PATIENCE):
+                already, doubts = judge()  # another may have added since
+                if already is None:
+                    entry, kept = _write(entry, doubts, content)
+        except OSError as error:
+            text = f"cannot be written: {error.strerror}"
+            raise InputError("--into", str(folder), text) from error
+    read = folder_is_read(folder)
     if already is not None:
-        return Added(already, len(rows), (), (), True, folder_is_read(folder))
-    doubts = tuple(finding.text for finding in KINDS[which].suspicions(rows))
-    doubts += tuple(_copies(entry, rows, folder))
-    if doubts and not despite_doubts:
-        more = f"; and {len(doubts) - _SHOWN} more" if len(doubts) > _SHOWN else ""
-        advice = "correct the table, or take it as it is with --despite-doubts"
-        raise InputError(
-            path.name, None, f"looks wrong: {'; '.join(doubts[:_SHOWN])}{more}", advice
-        )
-    if doubts:
-        accepted = "; ".join(doubts)[:800]
-        entry = replace(entry, uncertainty=f"{entry.uncertainty}; taken despite: {accepted}")
-    _write(entry, content, folder)
-    return Added(entry, len(rows), converted.notes, doubts, False, folder_is_read(folder))
+        return Added(already, len(rows), (), (), True, read)
+    return Added(entry, len(rows), (*converted.notes, *kept), doubts, False, read)
 
 
 def folder_is_read(folder: Path) -> bool:
@@ -233,16 +237,47 @@ def _copies(entry: Dataset, rows: pd.DataFrame, folder: Path) -> Iterator[str]:
                     yield f"{second} holds the same numbers as {first}"
 
 
-def _write(entry: Dataset, content: bytes, folder: Path) -> None:
-    """The table first, then the catalogue that names it: a table without a name is never read."""
-    target, told = folder / entry.file, asdict(entry)
+def _judged(
+    entry: Dataset, rows: pd.DataFrame, content: bytes, name: str, despite_doubts: bool
+) -> tuple[Dataset | None, tuple[str, ...]]:
+    """The table that holds the same rows, if there is one, else the doubts. Raises `InputError`."""
+    folder = Path(entry.folder)
+    already = _same(entry, content, folder)
+    if already is not None:
+        return already, ()
+    doubts = tuple(finding.text for finding in KINDS[entry.kind].suspicions(rows))
+    doubts += tuple(_copies(entry, rows, folder))
+    if doubts and not despite_doubts:
+        more = f"; and {len(doubts) - _SHOWN} more" if len(doubts) > _SHOWN else ""
+        advice = "correct the table, or take it as it is with --despite-doubts"
+        raise InputError(name, None, f"looks wrong: {'; '.join(doubts[:_SHOWN])}{more}", advice)
+    return None, doubts
+
+
+def _write(entry: Dataset, doubts: Sequence[str], content: bytes) -> tuple[Dataset, list[str]]:
+    """The table first, then the catalogue that names it: a table without a name is never read.
+
+    A file that stands there already is the user's: the table goes beside it. Gives the entry as
+    it is written, and the files that were kept.
+    """
+    if doubts:
+        accepted = "; ".join(doubts)[:800]
+        entry = replace(entry, uncertainty=f"{entry.uncertainty}; taken despite: {accepted}")
+    kept = []
+    while True:
+        with suppress(FileExistsError):
+            entry.path.touch(exist_ok=False)  # from here on no one else takes the name
+            break
+        kept.append(f"{entry.path} was there and is left as it is")
+        entry = replace(entry, file=f"{entry.name}-{len(kept) + 1}.csv")
+    told, path = asdict(entry), Path(entry.folder) / CATALOGUE
     given = {name: told[name] for name in told if told[name] and name != "folder"}
     block = tomli_w.dumps({"dataset": [given]})
-    path = folder / CATALOGUE
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         before = path.read_text(encoding="utf-8") if path.is_file() else ""
-        write_atomically(target, content)
+        write_atomically(entry.path, content)
         write_atomically(path, f"{before.rstrip()}\n\n{block}".lstrip().encode())
-    except OSError as error:
-        raise InputError("--into", str(folder), f"cannot be written: {error.strerror}") from error
+    except BaseException:
+        entry.path.unlink(missing_ok=True)
+        raise
+    return entry, kept

@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -89,6 +90,39 @@ def own_directory(parent: Path, name: str) -> Path:
     except OSError as error:
         raise _not_written("directory", path, error) from error
     return path
+
+
+@contextmanager
+def locked(path: Path, patience: float = 0.0) -> Iterator[None]:
+    """Hold the lock that a file stands for; the system frees it when this process ends in any way.
+
+    Arguments: `patience`, s to wait for who holds it. Raises `InputError` if it stays held, or if
+    the file cannot be written or is a link.
+    """
+    try:
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+    except OSError as error:
+        raise _not_written("directory", path.parent, error) from error
+    try:
+        _lock(lock, path.parent, time.monotonic() + patience)
+        yield
+    finally:
+        os.close(lock)
+
+
+def _lock(lock: int, directory: Path, until: float) -> None:
+    try:
+        import fcntl
+    except ImportError:  # not a POSIX system: nothing to lock with
+        return
+    while True:
+        try:
+            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if time.monotonic() > until:
+                text, advice = "is in use by another run", "wait until it is over"
+                raise InputError("directory", str(directory), text, advice) from error
+            time.sleep(0.02)
 
 
 def _not_written(field: str, path: Path, error: OSError) -> InputError:
@@ -190,30 +224,11 @@ class Store:
         another run holds it, whose files are not touched.
         """
         self.prepare()
-        try:
-            path, how = self.directory / ".lock", os.O_RDWR | os.O_CREAT
-            lock = os.open(path, how | getattr(os, "O_NOFOLLOW", 0), 0o666)
-        except OSError as error:
-            raise _not_written("store", self.directory, error) from error
-        try:
-            self._lock(lock)
+        with locked(self.directory / ".lock"):
             for directory in (self.directory, self.cells, self.tables):
                 for leftover in directory.glob(f"*{TEMPORARY}"):
                     leftover.unlink(missing_ok=True)
             yield
-        finally:
-            os.close(lock)
-
-    def _lock(self, lock: int) -> None:
-        try:
-            import fcntl
-        except ImportError:  # not a POSIX system: nothing to lock with
-            return
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            text, advice = "is in use by another run", "wait until it is over"
-            raise InputError("store", str(self.directory), text, advice) from error
 
     def holds(self, key: str) -> bool:
         """Whether a cell has come to be stored under this key, whatever has become of it since."""
