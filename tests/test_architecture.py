@@ -12,8 +12,19 @@ import workbench
 
 ROOT = Path(workbench.__file__).parent
 FLOORS = (
-    *("arrays", "errors", "fields", "datafiles", "materials", "sections", "hinges", "scenarios"),
-    *("responses", "impact", "structures", "frames", "models", "references", "evidence", "studs"),
+    *("arrays", "errors", "fields", "datafiles", "compiled", "materials", "sections"),
+    *(
+        "hinges",
+        "scenarios",
+        "responses",
+        "impact",
+        "structures",
+        "frames",
+        "models",
+        "references",
+        "evidence",
+        "studs",
+    ),
     *("impact_tests", "assessment", "registry", "testing", "study", "intake", "content"),
     *("report", "cli"),
 )

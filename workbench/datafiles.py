@@ -5,6 +5,7 @@ import os
 import stat
 from io import BufferedReader
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from workbench.errors import InputError, WorkbenchError
 
@@ -65,3 +66,13 @@ def digest(path: Path) -> str:
     """First digits of the SHA-256 of a file that a user names: the same table, the same digits."""
     with open_input(path, path.name) as stream:
         return hashlib.sha256(stream.read()).hexdigest()[:16]
+
+
+def can_write(directory: Path) -> bool:
+    """Whether files can be made in a directory, which is made if need be."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=directory):
+            return True
+    except OSError:
+        return False

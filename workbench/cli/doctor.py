@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from workbench.cli.output import Answer, option, verb
 from workbench.content.tree import Block, Cell, Column, Paragraph, Table
+from workbench.datafiles import can_write
 
 if TYPE_CHECKING:
     from workbench.responses import Response
@@ -30,17 +30,6 @@ class Check(NamedTuple):
 def _judged(name: str, fine: str, problem: str, remedy: str, state: str = "fail") -> Check:
     """A check that found what is `fine`, or a `problem` (empty: none) with its remedy."""
     return Check(name, state, problem, remedy) if problem else Check(name, "ok", fine)
-
-
-def _can_write(directory: Path) -> bool:
-    import tempfile
-
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory):
-            return True
-    except OSError:
-        return False
 
 
 @verb
@@ -125,10 +114,9 @@ def _libraries() -> Iterator[Check]:
 
 
 def _kernel_cache() -> Iterator[Check]:
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    package = Path(__file__).resolve().parents[1]
-    writable = _can_write(Path(given) if given else package / "hinges" / "__pycache__")
-    problem = "" if writable else "cannot be written: every process compiles all kernels anew"
+    from workbench.compiled import usual_folder
+
+    problem = "" if can_write(usual_folder()) else f"{usual_folder()} cannot be written: temporary"
     remedy = "set NUMBA_CACHE_DIR to a directory that can be written"
     yield _judged("kernel cache", "can be written", problem, remedy, "warn")
 
@@ -151,7 +139,7 @@ def _store(root: Path) -> Iterator[Check]:
     import shutil
 
     nearest = next(p for p in (root.resolve(), *root.resolve().parents) if p.exists())
-    problem = "" if _can_write(nearest) else f"{root} cannot be written"
+    problem = "" if can_write(nearest) else f"{root} cannot be written"
     remedy = "choose another directory with --store"
     yield _judged("store", f"{root} can be written", problem, remedy)
     if not problem:

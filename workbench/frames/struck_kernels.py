@@ -1,6 +1,6 @@
 """Drawing members of superelements in many states at once."""
 
-from numba import njit
+from workbench.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -13,7 +13,8 @@ unknown z = ln tan t, which keeps full relative accuracy at both ends of the qua
 import math
 
 import numpy as np
-from numba import njit
+
+from workbench.compiled import njit
 
 ELASTIC, CURVE, CORNER, APEX, SMOOTH_APEX, AXIS = 0, 1, 2, 3, 4, 5
 ITERATIONS = 200

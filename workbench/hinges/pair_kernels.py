@@ -18,9 +18,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from workbench.compiled import njit
 from workbench.hinges import kernels as surface
 from workbench.hinges.kernels import APEX, AXIS, CURVE, ELASTIC, capacity
 

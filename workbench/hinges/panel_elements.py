@@ -5,8 +5,8 @@ The forces (N, M_1, M_4) and arguments are those of `pair_kernels`; domain and s
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.panel_kernels import (
     elastic,

@@ -15,9 +15,9 @@ Here d is given; `panel_elements` finds it from the equilibrium of the panel.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.pair_kernels import End, moments_in_box
 

@@ -18,9 +18,9 @@ diagonal and q to a largest entry of 1.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
 

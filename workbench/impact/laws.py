@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from math import exp
 
 import numpy as np
-from numba import njit
 from scipy.optimize import brentq
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Many, Number, checked
 from workbench.impact.complementarity import (

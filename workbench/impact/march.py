@@ -8,10 +8,10 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.core.errors import NumbaError
 
 from workbench.arrays import Array
+from workbench.compiled import njit, register_jitable
 from workbench.errors import InputError, SolverError
 from workbench.fields import Number
 from workbench.impact.complementarity import CONTRADICTION
@@ -198,11 +198,11 @@ def _follow(step: Any, system: Any, law: Law, state: State, h: float, records: A
 
 @cache
 def _compiled(step: Stepper) -> Any:
-    """The same, compiled for this integrator."""
-    compiled = njit(_follow, cache=True)
+    """The same, compiled for a step; kept on disk if the step can be imported by name."""
+    body = register_jitable(_follow)
 
-    def follow(_: Stepper, *arguments: Any) -> Any:
-        return compiled(jitted, *arguments)
+    def follow(system, law, state, h, records):
+        return body(step, system, law, state, h, records)
 
-    jitted = njit(step, cache=True)
-    return follow
+    jitted = njit(follow, cache="<locals>" not in step.__qualname__)
+    return lambda _, *arguments: jitted(*arguments)

@@ -10,9 +10,9 @@ from math import ceil, inf
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 
 NEARLY = 0.99  # of the peak; long steps may have missed what is higher
 PIECES = 64  # into which the shortest step may be cut where it does not converge

@@ -10,7 +10,7 @@ step (`touches`), for its end in frames, at the position reached in Moreau's.
 
 from typing import NamedTuple
 
-from numba import njit
+from workbench.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from workbench.arrays import Array
+from workbench.compiled import register_jitable
 from workbench.fields import Number
 from workbench.impact.laws import percussions
 from workbench.impact.system import forces, mean_forces, surface

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from numba.extending import overload
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.errors import InputError
 from workbench.fields import Many, Number
 from workbench.impact.laws import Penalty

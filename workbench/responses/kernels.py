@@ -1,7 +1,8 @@
 """Loops over histories. Imported where these are reduced alone: reading responses needs none."""
 
 import numpy as np
-from numba import njit
+
+from workbench.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,9 +1,9 @@
 """Band storage: products, and rows that are held; largest entries; small dense systems; copies."""
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array, Indices
+from workbench.compiled import njit
 
 ROUNDINGS = 8 * float(np.finfo(float).eps)
 STALLED = 100.0  # times the allowed residual; iterations that stall below it have converged too

@@ -8,8 +8,8 @@ velocity form of Verlet between impacts.
 """
 
 import numpy as np
-from numba.extending import register_jitable
 
+from workbench.compiled import register_jitable
 from workbench.impact.stepping import State, Step, Stepper, forecast, impulses_on
 from workbench.impact.system import commit, forces
 

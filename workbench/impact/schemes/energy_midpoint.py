@@ -8,8 +8,8 @@ changes it by P (1 - e) gamma_0 / 2 <= 0, which for e = 1 is nothing.
 """
 
 import numpy as np
-from numba.extending import register_jitable
 
+from workbench.compiled import register_jitable
 from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, implicit
 from workbench.impact.system import commit
 

@@ -11,8 +11,8 @@ the forces: energy is not kept.
 """
 
 import numpy as np
-from numba.extending import register_jitable
 
+from workbench.compiled import register_jitable
 from workbench.impact.complementarity import complementary
 from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, gaps_of, implicit
 from workbench.impact.system import commit

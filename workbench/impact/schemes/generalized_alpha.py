@@ -10,8 +10,8 @@ and positions by half a step of that (after Chen, Acary, Virlez and Bruls 2013).
 """
 
 import numpy as np
-from numba.extending import register_jitable
 
+from workbench.compiled import register_jitable
 from workbench.fields import Number
 from workbench.impact.complementarity import complementary
 from workbench.impact.stepping import State, Step, Stepper, forecast, gaps_of, impulses_on

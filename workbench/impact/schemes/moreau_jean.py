@@ -10,8 +10,8 @@ closed beyond by a step times the velocity of approach.
 """
 
 import numpy as np
-from numba.extending import register_jitable
 
+from workbench.compiled import register_jitable
 from workbench.fields import Number
 from workbench.impact.stepping import REACH, State, Step, Stepper, forecast, implicit
 from workbench.impact.system import commit

@@ -5,8 +5,7 @@ The striker (mass m_c, position x_c) may touch the hit point: gap g = v1 - x_c >
 gamma, with the contact law of `workbench.impact.restitution`.
 """
 
-from numba import njit
-
+from workbench.compiled import njit
 from workbench.hinges.kernels import ELASTIC
 from workbench.impact import restitution as law
 from workbench.impact.stepping import SLACK

@@ -13,7 +13,8 @@ With small rotations e = x - L + v^2 / 2L and psi = v / L.
 """
 
 import numpy as np
-from numba import njit
+
+from workbench.compiled import njit
 
 V, U1, BETA, U2 = 0, 1, 2, 3
 BELOW, ABOVE = 0, 1

@@ -7,8 +7,8 @@ resolved: the midpoint rule keeps their energy at any step. Records are merged t
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.frames.collapse_watch import COLLAPSE_CONTRACTION, COLLAPSE_SIDEWAYS
 from workbench.impact.pace import PIECES, aimed, growth
 from workbench.models.four_dof import dynamics, panels, statics

@@ -14,8 +14,8 @@ e = X cos + Y sin, s = Y cos - X sin of phi / 2, with X = x - l cos phi, Y = v -
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.panel_elements import project_condensed
 from workbench.hinges.panel_kernels import Panel, project_panel

@@ -6,8 +6,8 @@ over (v, x, b), f = B' (N, M_end, M_mid), and K = B' D B + K_g, rows of B: de, d
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket, project
 from workbench.hinges.panel_kernels import WEB
 from workbench.models.four_dof import kinematics as geometry

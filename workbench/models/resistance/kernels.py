@@ -5,7 +5,8 @@ c3 x^3 in x = v - start, and the last piece has no end.
 """
 
 import numpy as np
-from numba import njit
+
+from workbench.compiled import njit
 
 PIECE = np.dtype(
     [

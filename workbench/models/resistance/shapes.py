@@ -13,8 +13,8 @@ formula; see the theory page for the derivation.
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.errors import OutOfDomainError
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.curve import Pieces, ResistanceCurve

@@ -6,8 +6,8 @@ Heng 2017, section 5.2 and chapter 3. The envelope of the spring is a resistance
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.impact import contact_loss, explicit_percussion, rebound, touches
 from workbench.impact.stepping import SLACK
 from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between

@@ -6,8 +6,8 @@ a rotation in the plane of displacement and velocity over frequency.
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.impact import contact_loss, explicit_percussion
 from workbench.impact.pace import PIECES, Pace, aimed, growth, met
 from workbench.impact.stepping import SLACK

@@ -8,8 +8,8 @@ one keeps the momentum. Steps keep the energy whatever the curve, and take the m
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.models.single_dof.kernels import (
     COLLAPSE,
     NO_CONVERGENCE,

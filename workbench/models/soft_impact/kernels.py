@@ -10,8 +10,7 @@ energy below the stability limit.
 
 from typing import NamedTuple
 
-from numba import njit
-
+from workbench.compiled import njit
 from workbench.models.single_dof.kernels import (
     COLLAPSE,
     OK,

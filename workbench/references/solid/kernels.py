@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array, Indices
+from workbench.compiled import njit
 from workbench.references.solid.material import (
     SQUEEZE_STIFFNESS,
     SQUEEZED,

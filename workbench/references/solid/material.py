@@ -8,9 +8,9 @@ Source: Simo and Hughes 1998, section 3.4.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 
 RETURN_ITERATIONS = 50
 CLOSED = 2e-15  # of the yield stress: round-off; the iteration comes from below

@@ -13,7 +13,7 @@ Source: Livesley and Chandler 1956; Oran 1973 for the shortening.
 
 import math
 
-from numba import njit
+from workbench.compiled import njit
 
 SMALL = 0.01  # of y; below it series
 SERIES_A = (1.0, 1.0 / 3.0, 2.0 / 15.0, 17.0 / 315.0, 62.0 / 2835.0, 1382.0 / 155925.0)

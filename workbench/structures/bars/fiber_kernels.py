@@ -8,8 +8,8 @@ Sources: Spacone, Filippou and Taucer 1996; the line search is ours.
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.structures.bars.kernels import deform
 from workbench.structures.corotation.kernels import add_element
 from workbench.structures.fibers.kernels import section_energies, section_response

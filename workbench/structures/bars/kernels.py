@@ -16,8 +16,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.pair_kernels import End, moments_in_box
 from workbench.structures.bars.beam_kernels import modes

@@ -14,8 +14,8 @@ Tables and states: `RefinedTables`, `RefinedState`.
 import math
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.structures.bars.beam_kernels import cotangent
 from workbench.structures.bars.kernels import deform
 from workbench.structures.corotation.kernels import add_element

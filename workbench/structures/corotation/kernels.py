@@ -9,7 +9,7 @@ Source: Heng 2017, chapter 5; discrete gradients after Simo and Tarnow 1992 and 
 import math
 from typing import NamedTuple
 
-from numba import njit
+from workbench.compiled import njit
 
 SMALL_TURN = 1e-3  # rad; below it xi / sin(xi) is taken from its series
 

@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array
+from workbench.compiled import njit
 from workbench.structures.corotation.kernels import add_element, chord_at
 from workbench.structures.fibers.kernels import section_energies, section_response
 

@@ -4,8 +4,7 @@ Symbols: strains Gamma_1 of the axis, Gamma_2 of shear, curvature kappa; forces 
 strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
 """
 
-from numba import njit
-
+from workbench.compiled import njit
 from workbench.structures.uniaxial.kernels import (
     LINEAR,
     LINEAR_RATE,

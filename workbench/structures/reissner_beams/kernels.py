@@ -12,8 +12,8 @@ Sources: Reissner 1972; Simo 1985; discrete gradients after Simo, Tarnow and Dob
 import math
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.structures.fibers.kernels import section_energies, section_response
 
 SMALL_TURN = 1e-3  # rad; below it sin(x)/x is taken from its series

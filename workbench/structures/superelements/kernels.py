@@ -9,8 +9,7 @@ principle for the rotary inertia after Simo and Tarnow 1992.
 
 import math
 
-from numba import njit
-
+from workbench.compiled import njit
 from workbench.hinges.pair_kernels import Pair, project_pair
 from workbench.hinges.panel_elements import project_condensed
 from workbench.hinges.panel_kernels import Panel, utilisation

@@ -8,8 +8,8 @@ midpoint scheme keeps their energy at any step.
 """
 
 import numpy as np
-from numba import njit
 
+from workbench.compiled import njit
 from workbench.impact.pace import aimed, growth, met
 from workbench.structures.superelements.kernels import settle
 from workbench.structures.superelements.reading_kernels import read

@@ -6,9 +6,9 @@ Whole states would be ten times as much to store, and to fetch again.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array, Flags, Indices
+from workbench.compiled import njit
 from workbench.structures.kernels import copy
 
 

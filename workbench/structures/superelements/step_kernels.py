@@ -9,9 +9,9 @@ passes all its arrays costs as much as an element.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.arrays import Array, Indices
+from workbench.compiled import njit
 from workbench.impact import restitution as law
 from workbench.structures import kernels
 from workbench.structures.elements import Step

@@ -13,7 +13,8 @@ et al. 1983.
 import math
 
 import numpy as np
-from numba import njit
+
+from workbench.compiled import njit
 
 LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED = 0, 1, 2, 3
 ITERATIONS = 60

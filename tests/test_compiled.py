@@ -1,0 +1,168 @@
+"""Compiled code on disk: never older than what it was compiled from, kept once, one user's."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+import workbench
+from workbench.compiled import KernelCache, cache_folder, sources
+
+PACKAGE = Path(workbench.__file__).parent
+KEPT = sorted(p for p in PACKAGE.rglob("*.py") if "cache=True" in p.read_text("utf-8"))
+LENGTH = '''"""A kernel that calls the kernel of another file, which reads a constant of a third."""
+
+from workbench.compiled import njit
+from workbench.{folder}_area import area
+
+
+@njit(cache=True)
+def volume(side):
+    """Volume."""
+    return side * area(side)
+'''
+AREA = """from workbench.compiled import njit
+from workbench.{folder}_factor import FACTOR
+
+
+@njit
+def area(side):
+    return FACTOR * side * side
+"""
+
+
+def package_with(folder: Path, factor: float) -> Path:
+    """A copy of what compiles, and three files of its own: volume, area, factor."""
+    package = folder / "workbench"
+    package.mkdir(parents=True, exist_ok=True)
+    for name in ("__init__", "compiled", "datafiles", "errors"):
+        (package / f"{name}.py").write_text((PACKAGE / f"{name}.py").read_text("utf-8"), "utf-8")
+    (package / "cube_volume.py").write_text(LENGTH.format(folder="cube"))
+    (package / "cube_area.py").write_text(AREA.format(folder="cube"))
+    (package / "cube_factor.py").write_text(f"FACTOR = {factor}\n")
+    return folder
+
+
+def volume(folder: Path, cache: Path) -> tuple[float, int]:
+    """Volume of a cube of side 2 as a new process has it, and how often it compiled."""
+    code = (
+        "from workbench.cube_volume import volume\n"
+        "print(volume(2.0), sum(volume.stats.cache_misses.values()))"
+    )
+    env = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(cache)}
+    ran = subprocess.run(
+        [sys.executable, "-c", code], env=env, cwd=folder, capture_output=True, text=True
+    )
+    assert ran.returncode == 0, ran.stderr
+    number, compiled = ran.stdout.split()
+    return float(number), int(compiled)
+
+
+def test_an_edit_two_files_away_is_compiled_anew_and_old_code_goes(tmp_path: Path) -> None:
+    package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
+    assert volume(package, cache) == (8.0, 1)
+    assert volume(package, cache) == (8.0, 0)  # read from disk
+    (folder,) = (cache / "kernels").iterdir()
+    for days in range(1, 5):  # what earlier edits left
+        older = folder.with_name(f"{folder.name[:-4]}{days:04}")
+        older.mkdir()
+        os.utime(older, (days, days))
+    package_with(tmp_path / "tree", 2.0)
+    assert volume(package, cache) == (16.0, 1)
+    left = {each.name for each in (cache / "kernels").iterdir()}
+    assert len(left) == 3
+    assert folder.name in left
+
+
+def test_first_runs_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
+    package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
+    code = "from workbench.cube_volume import volume; print(volume(2.0))"
+    env = {**os.environ, "PYTHONPATH": str(package), "NUMBA_CACHE_DIR": str(cache)}
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code], env=env, cwd=package, stdout=subprocess.PIPE, text=True
+        )
+        for _ in range(2)
+    ]
+    assert [run.communicate()[0].strip() for run in runs] == ["8.0"] * 2
+    assert volume(package, cache) == (8.0, 0)
+
+
+def test_a_folder_that_cannot_be_written_leads_to_a_temporary_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked / "cache"))
+    monkeypatch.setattr("workbench.compiled.gettempdir", lambda: str(tmp_path / "temporary"))
+    cache_folder.cache_clear()
+    try:
+        assert tmp_path / "temporary" in cache_folder().parents
+    finally:
+        cache_folder.cache_clear()
+
+
+def test_functions_of_others_stay_where_numba_keeps_them() -> None:
+    assert KernelCache.from_function(np.mean, np.__file__) is None
+
+
+def module_of(path: Path) -> ModuleType:
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return importlib.import_module(".".join(("workbench", *parts)))
+
+
+def compiled_into(function: Any, seen: set[int]) -> set[Path]:
+    """Files of all functions of this package that a function calls by name, itself included."""
+    function = getattr(function, "py_func", function)
+    code = getattr(function, "__code__", None)
+    if code is None or id(function) in seen or not code.co_filename.startswith(str(PACKAGE)):
+        return set()
+    seen.add(id(function))
+    names = [function.__globals__.get(name) for name in code.co_names]
+    cells = [cell.cell_contents for cell in getattr(function, "__closure__", None) or ()]
+    return {Path(code.co_filename).resolve()}.union(
+        *(compiled_into(each, seen) for each in (*names, *cells))
+    )
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_sources_hold_every_file_that_is_compiled_into_a_kernel(path: Path) -> None:
+    for kernel in vars(module_of(path)).values():
+        if isinstance(kernel, Dispatcher) and kernel.__module__ == module_of(path).__name__:
+            assert compiled_into(kernel, set()) <= sources(path), kernel
+
+
+def test_every_kernel_is_compiled_through_the_room_that_keeps_code_fresh() -> None:
+    for path in PACKAGE.rglob("*.py"):
+        if path.name != "compiled.py":
+            text = path.read_text("utf-8")
+            assert "from numba import" not in text, path
+            assert "import numba" not in text, path
+
+
+@pytest.mark.slow
+def test_compiled_steps_of_the_laboratory_are_read_from_disk(tmp_path: Path) -> None:
+    code = (
+        "from workbench.impact.march import run\n"
+        "from workbench.impact.problems import problem\n"
+        "from workbench.impact.schemes import scheme\n"
+        "given = problem('ball')\n"
+        "step = scheme('moreau-midpoint').stepper\n"
+        "run(step, given.system(), given.law, given.start, 0.01, 1e-4, True)\n"
+    )
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    counts = []
+    for _ in range(3):
+        subprocess.run([sys.executable, "-c", code], env=env, check=True)
+        counts.append(sorted(p.name for p in tmp_path.rglob("*follow*.nb*")))
+    assert counts[0]
+    assert counts[0] == counts[1] == counts[2]
