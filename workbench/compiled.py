@@ -26,7 +26,7 @@ __all__ = ["KernelCache", "cache_folder", "njit", "register_jitable", "sources",
 _ROOT = Path(__file__).resolve().parent
 _IMPORTS = re.compile(r"^\s*from (workbench[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 _KERNELS = re.compile(r"^from (numba|workbench\.compiled)\b", re.MULTILINE)
-_KEPT = 3  # folders of a file: the present one, and older ones that a process may still use
+_KEPT = 8  # folders of a file, of older contents and of other installations too
 
 
 def usual_folder() -> Path:
@@ -91,9 +91,8 @@ def _folder(path: Path) -> Path:
     """Folder of the kernels of a file; folders of its earlier contents are removed."""
     digest = hashlib.sha256()
     for place in sorted(sources(path)):
-        digest.update(f"{place}\n{_text(place)}\n".encode())
-    tree = hashlib.sha256(str(_ROOT).encode()).hexdigest()[:8]
-    name = f"{'.'.join(path.relative_to(_ROOT).with_suffix('').parts)}-{tree}"
+        digest.update(f"{place.relative_to(_ROOT)}\n{_text(place)}\n".encode())
+    name = ".".join(path.relative_to(_ROOT).with_suffix("").parts)
     folder = cache_folder() / f"{name}-{digest.hexdigest()[:16]}"
     if not folder.exists():
         ages = {old: old.stat().st_mtime for old in cache_folder().glob(f"{name}-*")}
