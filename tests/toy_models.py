@@ -18,12 +18,17 @@ from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 
 @dataclass(frozen=True)
 class Spring:
-    """The striker on a linear spring; `error` is a relative error of first order in the step."""
+    """The striker on a linear spring; `error` is a relative error of first order in the step.
+
+    Impacts faster than `above` m/s end in the `trouble` of `Troubled`.
+    """
 
     stiffness: float = 5e6
     level: int = 0
     error: float = 0.0
     delay: float = 0.0
+    trouble: str = ""
+    above: float = 18.0
 
     name: ClassVar[str] = "toy-spring"
     version: ClassVar[int] = 1
@@ -39,6 +44,8 @@ class Spring:
 
     def _solve(self, scenario: Scenario) -> Response:
         time.sleep(self.delay)
+        if self.trouble:
+            Troubled(self.trouble, self.above)._solve(scenario)
         k = self.stiffness
         scale = 1.0 + self.error * 0.5**self.level
         if isinstance(scenario, ColumnPushover):

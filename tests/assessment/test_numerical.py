@@ -9,6 +9,17 @@ from hypothesis import strategies as st
 
 from workbench.assessment import METRICS, ladder
 from workbench.errors import InputError
+from workbench.responses.convergence import best_law
+from workbench.responses.uncertainty import (
+    FIBERS,
+    SPACE,
+    SPACE_AND_STEPS,
+    STEPS,
+    combined,
+    estimate,
+    fiber_direction,
+    step_direction,
+)
 
 
 @given(
@@ -80,6 +91,38 @@ def test_levels_that_agree():
     assert not by_chance.accepted
 
 
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 3.0])
+def test_more_or_fewer_layers_tell_the_same_error_of_first_order(ratio):
+    runs = {"answer": 1.0 + 0.2, "other": 1.0 + 0.2 / ratio}
+    found = estimate([fiber_direction("answer", "other", ratio)], runs)
+    assert found.width == pytest.approx(1.25 * 0.2)
+
+
+def test_half_the_steps_tell_the_error_of_the_answer():
+    # the answer has a quarter of the steps of the coarsest run: an error of 0.1 there
+    runs = {"coarsest": 1.4, "halved": 1.2}
+    found = estimate([step_direction("coarsest", "halved", 4.0, 1.25)], runs)
+    assert found.width == pytest.approx(1.25 * 0.1)
+
+
+def test_widths_of_all_directions_add_up_and_steps_do_not_count_twice():
+    assert combined({SPACE: 0.1, FIBERS: 0.2, STEPS: 0.3}) == pytest.approx(0.6)
+    assert combined({SPACE_AND_STEPS: 0.1, STEPS: 0.3, FIBERS: 0.2}) == pytest.approx(0.5)
+    assert combined({SPACE_AND_STEPS: 0.3, STEPS: 0.1, FIBERS: 0.2}) == pytest.approx(0.5)
+    assert combined({SPACE: 0.1, FIBERS: None}) is None
+    assert combined({}) is None
+
+
+def test_what_levels_scatter_widens_the_interval():
+    """Eca and Hoekstra: beside the extrapolation, the scatter and what the fit misses."""
+    scattered = [1.8001, 1.3995, 1.2004, 1.1006, 1.0490]
+    fit, _ = best_law(scattered, 2.0, 1.0)
+    found, missed = ladder(scattered), abs(scattered[-1] - fit.finest)
+    assert min(fit.deviation, missed) > 1e-4
+    width = 1.25 * abs(fit.finest - fit.limit) + fit.deviation + missed
+    assert found.uncertainty == pytest.approx(width, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("values", "ratio"), [([1.0], 2.0), ([1.0, float("nan")], 2.0), ([1.0, 2.0], 1.0)]
 )
@@ -93,6 +136,8 @@ def test_uncertainties_combine_by_the_root_of_squares():
     assert METRICS["difference"].half_width(*given) == pytest.approx(0.05)
     relative = METRICS["relative_error"].half_width(*given)
     assert relative == pytest.approx(np.hypot(0.03, 1.1 * 0.04))
+    logarithm = METRICS["log_ratio"].half_width(2.0, 0.5, 0.06, 0.02)
+    assert logarithm == pytest.approx(np.hypot(0.03, 0.04))
 
 
 def test_unknown_errors():

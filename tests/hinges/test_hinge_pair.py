@@ -231,6 +231,25 @@ def test_a_straight_pull_reaches_the_smooth_apex(alpha: float) -> None:
     assert (tangent[1, 1] > 0.0) == (alpha >= 2.0)
 
 
+@pytest.mark.parametrize("beta", [1.3, 2.0])
+def test_a_round_apex_gives_way_to_moments_as_its_curvature_says(beta: float) -> None:
+    """alpha = 2: of one apex the tangent is a derivative (of two it is not: the weaker leads)."""
+    bar, far = 1.0 / KT, 2.5 * NP / KN
+    soft = (far - NP / KN) * 2.0 * NP / (beta * MP**2)  # d2N / dM2 times what is stretched
+    flexibility = [1.0 / KN, 2.1 * bar, -bar, 2.1 * bar]
+    stronger = [3.0 * NP, 3.0 * NP, MP, MP]
+    for bounds, at in (([[NP, NP, MP, MP], stronger], 0), ([stronger, [NP, NP, MP, MP]], 1)):
+        pair, e = Pair(flexibility, bounds, [[2.0, beta]] * 2), np.array([far, 0.0, 0.0])
+        _, tangent, _, branch = pair.solve(e)
+        assert branch == APEX
+        expected = pair.matrix[1:, 1:] + soft * np.outer(np.eye(2)[at], np.eye(2)[at])
+        np.testing.assert_allclose(tangent[1:, 1:], np.linalg.inv(expected), rtol=1e-9)
+        for j in (1, 2):
+            away = 1e-7 * np.eye(3)[j]
+            slope = (pair.solve(e + away)[0] - pair.solve(e - away)[0]) / 2e-7
+            np.testing.assert_allclose(slope[1:], tangent[1:, j], rtol=1e-5)
+
+
 def test_the_weaker_end_limits_the_axial_force() -> None:
     pair = Pair(
         [1.0 / KN, 1.0 / KT, -0.3 / KT, 1.0 / KT],

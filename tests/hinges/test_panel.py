@@ -148,6 +148,57 @@ def test_tangent_against_differences(trial) -> None:
         assert np.median(error) < 1e-6
 
 
+STRONG = {  # of N_p, V_pl, M_p: far outside, one row of the domain's boundary each
+    "apex": (2.6, 0.6, 0.3, 0.1),
+    "apex in compression": (-2.6, -0.6, 0.3, 0.1),
+    "full shear": (0.0, 3.0, 0.0, 0.0),
+    "full shear beside N and M": (0.3, 40.0, 0.2, -0.1),
+    "one end": (0.2, 0.7, 2.0, 0.1),
+    "both ends": (-0.3, 0.8, 2.0, -1.7),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "case"),
+    # pure shear of a solid rectangle is a corner, to which N = 0 belongs
+    [(n, c) for n in SURFACES for c in STRONG if (n, c) != ("square", "full shear")],
+)
+def test_tangents_at_the_edges_of_the_domain_are_derivatives(name: str, case: str) -> None:
+    surface = SURFACES[name]
+    start = np.array(STRONG[case]) * strengths(surface)
+    update = project_panel(surface, STIFFNESS, start)
+    step = 1e-6 * strengths(surface)
+    found = differences(lambda t: project_panel(surface, STIFFNESS, t).forces, start, step)
+    scale = np.sqrt(np.outer(STIFFNESS, STIFFNESS))
+    np.testing.assert_allclose(found * STIFFNESS / scale, update.tangent / scale, atol=5e-5)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_ends_are_used_up_where_the_domain_ends(name: str) -> None:
+    surface = SURFACES[name]
+    own, (N, V, M, _) = surface.record, strengths(surface)
+    sheared = 0.8 * own["web_axial"] + own["flange_axial"]  # beside V = 0.6 V_pl
+    bent = float(surface.moment_capacity(0.4 * N, 0.6 * V))
+    short = 1e-3  # m: shear force hardly bends it
+    arm = short * V
+    cases = {
+        (N, 0.0, 0.0): (1.0, 1.0),  # no moment is left
+        (-0.5 * N, 0.0, 0.0): (0.5, 0.5),
+        (0.98 * sheared, 0.3 * arm, 0.3 * arm): (0.98, 0.98),
+        (-0.1 * N, 0.45 * arm, 0.45 * arm): (0.9, 0.9),
+        (0.4 * N, bent, 0.6 * arm - bent): (1.0, 1.0),
+        (0.0, -M, M): (1.0, 1.0),
+        (0.0, 0.5 * M, -0.2 * M): (0.5, 0.2),
+    }
+    if name != "square":  # its flanges bear moments beside V_pl
+        cases[0.0, 0.5 * arm, 0.5 * arm] = (1.0, 1.0)
+    for forces, expected in cases.items():
+        used = np.empty((1, 2))
+        length = 1e3 if forces[1] == 0.5 * M else short
+        panel_kernels.utilisation(own, length, np.array([forces]), used)
+        np.testing.assert_allclose(used[0], expected, rtol=0.02, err_msg=str(forces))
+
+
 def element(flexibility, pinned=(False, False), surface=HEB, length=LENGTH):
     """The panel in equilibrium; `solve(e, start)` gives forces, tangent, flow and branch."""
     panel = panel_kernels.Panel(np.array(flexibility), np.array(pinned), length, surface.record)

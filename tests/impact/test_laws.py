@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from workbench.errors import InputError
 from workbench.impact import Penalty, Restitution, Signorini, collide
+from workbench.impact.laws import percussions
 
 CRADLE = np.array([[2.0, -1.0], [-1.0, 2.0]])  # three balls of 1 kg
 NORMALS = np.array([[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]])
@@ -53,6 +54,16 @@ def test_newton_and_poisson_differ_on_a_cradle_of_two_coefficients() -> None:
             assert after.sum() == pytest.approx(1.0, rel=1e-13)
             assert (after**2).sum() <= 1.0 + 1e-13
             assert np.diff(after).min() >= -1e-13
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson"])
+def test_compiled_steps_give_the_impulses_of_the_laws(law: str) -> None:
+    for e in np.random.default_rng(1).uniform(0.0, 1.0, (10, 2)):
+        before = np.array([-1.0, -0.3])
+        found, residual = percussions(CRADLE, before, before, e, law == "poisson")
+        expected = Restitution(tuple(e), law).impulses(CRADLE, before, before).impulses
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+        assert residual < 1e-12
 
 
 def test_signorini_keeps_bodies_apart_on_both_levels() -> None:

@@ -91,6 +91,18 @@ def test_its_pulse_moves_an_elastic_column_as_the_closed_form_says(thesis_impact
         assert float(static["peak_displacement"]) == pytest.approx(found, rel=1e-3)
 
 
+def test_the_way_of_the_column_is_told_over_the_crush_of_the_striker(thesis_impact) -> None:
+    for stiffness, velocity, subject in ((3e5, 15.0, "striker"), (3e6, 10.0, "hard-impact")):
+        crush = velocity * sqrt(1500.0 / stiffness)  # m, at that speed for (m / k)^1/2
+        model = HardImpact(striker_stiffness=stiffness)
+        response = model.simulate(thesis_impact.at_velocity(velocity))
+        ratio = float(response["peak_displacement"]) / crush
+        (told,) = (f for f in warnings_of(response) if f.subject == subject)
+        expected = 1.0 / ratio if subject == "striker" else ratio
+        assert told.number == pytest.approx(expected, rel=1e-4)
+        assert f"by {crush:.3g} m" in told.text
+
+
 def test_the_rule_says_when_it_is_none(thesis_impact) -> None:
     stiff = HardImpact(striker_stiffness=3e6).simulate(thesis_impact.at_velocity(10.0))
     assert "hard-impact" in subjects(stiff)

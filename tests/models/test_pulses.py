@@ -15,7 +15,9 @@ from workbench.models.practice.deflected_shape import Beam
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
+from workbench.models.single_dof.kernels import RECORD
 from workbench.models.single_dof.pulse import Pushed, push
+from workbench.models.single_dof.pulse_kernels import follow
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.responses import Outcome, energy_error, outcome_of, warnings_of
@@ -103,6 +105,34 @@ def test_dynamic_reactions_are_those_of_the_tables(case) -> None:
         if resisted > 1e-6:  # the tables round 0.375 and 0.125 to 0.38 and 0.12
             assert found[0, 0] / resisted == pytest.approx(of_resistance, abs=0.0051)
         assert found[0, 1] - found[0, 0] == pytest.approx(of_load, abs=0.0051)
+
+
+@pytest.mark.parametrize("case", REACTIONS)
+def test_reactions_after_the_peak_go_with_what_is_left_of_the_resistance(case) -> None:
+    """The member springs back elastically, its inertia keeps the shape of the mechanism."""
+    clamped, force, rows = REACTIONS[case]
+    stages = Beam((0.0, 0.5, 1.0), clamped, (force,), 1.0).stages(np.ones(3))
+    top, (first, *_, last) = 2.0 * stages[-1].start, stages
+    for left in (0.5, -0.2):
+        back = top - (1.0 - left) * last.load / first.stiffness
+        moved, resisted = np.array([top, back]), last.load * np.array([1.0, left])
+        found = dynamic_reactions(stages, force == 0.0, moved, resisted, np.zeros(2))
+        np.testing.assert_allclose(found[0], found[1])
+        assert found[0, 1] / resisted[1] == pytest.approx(rows[-1][0], abs=0.0051)
+
+
+def test_masses_of_stages_change_on_either_swing(column) -> None:
+    """What a push does to one side, its opposite does to the other."""
+    curve = bilinear(column).curve
+    stages = np.array([[0.0, MASS], [0.7 * STRENGTH / STIFFNESS, 0.8 * MASS]])
+    means, swings = np.full(300, 1.5 * STRENGTH), []
+    for sign in (1.0, -1.0):
+        records = np.zeros(301, RECORD)
+        asked = curve.elastic_limit, np.inf, curve.pieces, records
+        follow(2e-4 / OMEGA**0.5, stages, sign * means, *asked)
+        swings.append(sign * records["velocity"])
+    assert np.abs(swings[0]).max() > 1.0
+    np.testing.assert_allclose(swings[1], swings[0], rtol=1e-9)
 
 
 def test_reactions_of_an_eccentric_member_at_rest_are_static(thesis_impact) -> None:

@@ -22,6 +22,7 @@ from workbench.models.resistance import (
     mechanism_of,
     resistance_curve,
 )
+from workbench.models.resistance.kernels import PIECE, sum_up, unloading_stiffness
 from workbench.models.resistance.panel import plateau, transition_length
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of
@@ -35,6 +36,26 @@ MODULUS = 210e9
 def thesis(thesis_impact) -> dict[str, ResistanceCurve]:
     mechanism = mechanism_of(thesis_impact.column, **THESIS_CURVE)
     return {shape: resistance_curve(mechanism, shape) for shape in RESISTANCES}
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "at", "steepest"),
+    [
+        ((0.0, 1.0, 3.0, -1.0), 0.5, 3.25),  # slope 1 + 6 v - 3 v^2: at the end
+        ((0.0, 1.0, 3.0, -1.0), 1.5, 4.0),  # inside, at v = 1
+        ((0.0, 2.0, -3.0, 1.0), 1.5, 2.0),  # at the start
+        ((0.0, 2.0, -3.0, 1.0), 3.0, 11.0),
+    ],
+)
+def test_it_unloads_with_the_steepest_slope_so_far(coefficients, at, steepest) -> None:
+    pieces = np.zeros(2, PIECE)
+    pieces["c"][0], pieces["start"][1] = coefficients, 4.0
+    pieces["c"][1, 1] = 20.0
+    sum_up(pieces)
+    assert unloading_stiffness(pieces, at) == pytest.approx(steepest)
+    pieces["start"][1], pieces["c"][1, 1] = at, 0.0  # and of whole pieces
+    sum_up(pieces)
+    assert unloading_stiffness(pieces, at + 1.0) == pytest.approx(steepest)
 
 
 def random_mechanism(rng: np.random.Generator) -> Mechanism:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from builders import portal
 from synthetic_study import Synthetic, store_of, sweep_study
+from toy_models import Spring
 
 from workbench.content.terminal import render_text
 from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
@@ -81,6 +82,30 @@ def test_models_that_may_be_relied_on_are_named_first(stored: Stored) -> None:
     assert isinstance(first, Bullets)
     # no uncertainty of the reference is known: nobody knows whether 1 % is within 10 %
     assert first.items[0].startswith("hit low: no model stays within 10")
+
+
+@pytest.mark.parametrize("reference_falls", [False, True])
+def test_a_model_that_errs_on_collapse_or_fails_is_neither_green_nor_taken(
+    toy_study, tmp_path, reference_falls: bool
+) -> None:
+    """All are 1 % off where they answer; at 20 m/s one collapses and one does not converge."""
+    ends = {"trouble": "collapse"} if reference_falls else {}
+    models = {
+        "stands": Spring(error=0.01),
+        "falls": Spring(error=0.01, trouble="collapse"),
+        "breaks": Spring(error=0.01, trouble="solver"),
+        **{f"mesh {n}": Spring(error=0.08, level=n, **ends) for n in range(4)},
+    }
+    study = replace(
+        toy_study, models=models, reference="mesh 3", ladder=tuple(models)[3:], quick_models=()
+    )
+    stored = store_of(study, tmp_path)
+    tones = {row[0].text: row[1].tone for row in table_of(stored).rows}
+    wrong, right = ("stands", "falls") if reference_falls else ("falls", "stands")
+    assert (tones[right], tones[wrong]) == ("good", "bad")
+    said = next(block for block in matrix(study, stored) if isinstance(block, Bullets)).items[0]
+    assert said.startswith(f"all cases: {right}, peak within 2\u2009% of mesh 3 in all 3 cases")
+    assert not re.search(rf"{wrong}|breaks", said)
 
 
 def test_every_form_of_frame_is_named_with_its_hits() -> None:

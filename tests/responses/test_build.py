@@ -23,7 +23,7 @@ from workbench.responses import (
     set_findings,
     warnings_of,
 )
-from workbench.responses.histories import residual_of
+from workbench.responses.histories import open_share, residual_of
 
 
 def test_peak_between_samples_is_that_of_the_parabola() -> None:
@@ -47,6 +47,15 @@ def test_residual_is_the_mean_of_whole_cycles() -> None:
 def test_residual_is_absent_without_a_whole_cycle() -> None:
     time = np.linspace(0.0, 0.3, 301)
     assert residual_of(time, np.sin(np.pi * time / 0.4)) is None
+
+
+def test_residual_is_absent_between_two_crossings_of_which_one_is_missing() -> None:
+    """After 0.5 s a cycle of 0.4 s: the next upward crossing comes after 0.8 and 1.2 s."""
+    for end, whole in ((1.1, False), (1.3, True)):
+        time = np.linspace(0.0, end, 1301)
+        wave = 1.0 + 0.1 * np.cos(5.0 * np.pi * (time - 0.5))
+        moved = np.where(time < 0.5, 2.2 * time, wave)
+        assert (residual_of(time, moved) is not None) == whole
 
 
 def test_contact_force_is_the_mean_over_a_millisecond() -> None:
@@ -239,6 +248,19 @@ def test_energies_imply_how_far_their_balance_is_open() -> None:
     assert pushed == pytest.approx(dead - (energies["elastic"] - 3.0) - energies["dissipated"])
     del static["external_work"]
     assert "balance_error" not in build_response(static, steps=3)
+
+
+@pytest.mark.parametrize(
+    ("given", "stored", "share"),
+    [
+        (10.0, 0.0, 0.2),
+        (10.0, 5e3, 0.2),  # a ten-thousandth of what the dead loads store is less
+        (0.1, 1e5, 0.2),  # and more
+    ],
+)
+def test_an_imbalance_counts_over_the_blow_whatever_dead_loads_store(given, stored, share) -> None:
+    for sign in (-1.0, 1.0):
+        assert open_share(sign * np.array([0.0, 2.0, 1.0]), given, stored) == pytest.approx(share)
 
 
 def test_findings_stay_data_whatever_their_sentences_hold() -> None:

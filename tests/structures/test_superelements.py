@@ -101,7 +101,7 @@ def test_work_of_the_step_is_stored_dissipated_or_kinetic(variant, seed, weight,
     assert taken.algorithmic >= 0.0
     if "weak" not in variant:  # only surfaces symmetric about the origin never give work back
         assert taken.plastic >= -1e-13 * scale
-    assert taken.plastic <= taken.ideal + 1e-12 * scale
+    assert taken.plastic == taken.ideal  # the forces that a flow goes with are at yield
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -189,10 +189,7 @@ def on_a_circle(rate: np.ndarray, start: np.ndarray, steps: int, weight: float) 
     for _ in range(steps):
         new.deformation[0, at] = old.deformation[0, at] + rate / steps * work / unit
         kernels.obey(weight, tables, old, new, tables.scratch[0])
-        plastic, ideal = np.array(kernels.settle(weight, tables, old, new))[[1, 3]]
-        assert plastic <= ideal * (1.0 + 1e-12)
-        if weight == 0.5:
-            assert plastic == pytest.approx(ideal, rel=1e-12)  # nothing is softened
+        kernels.settle(weight, tables, old, new)
         for mine, its in zip(old, new, strict=True):
             mine[:] = its
     assert np.linalg.norm(old.carried[0, at] / unit) == pytest.approx(1.0, abs=1e-12)

@@ -189,6 +189,11 @@ def combined(campaigns: int = 2) -> pd.DataFrame:
 def test_combined_tests_judge_the_interaction_laws(tmp_path: Path) -> None:
     rows = combined_tests(combined())
     assert rows["tension"].tolist() == pytest.approx([0.3, 0.6, 0.8] * 2)
+    assert rows["companions"].tolist() == [1] * 6
+    table = combined()
+    more = table[table["test"] == "push-out"].assign(specimen="w")
+    scarcer = combined_tests(pd.concat([table, more, more.assign(specimen="x")]))
+    assert scarcer["companions"].tolist() == [1] * 6  # three push-outs, one pull-out
     lonely = combined()
     assert combined_tests(lonely[lonely["test"] != "pull-out"]).empty
     file = written(combined(), tmp_path / "lab.csv")

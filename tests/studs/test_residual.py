@@ -15,6 +15,7 @@ from workbench.studs import RELATIONS, TESTS, Grade, MechanicalCurve, ResidualFi
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import plain
 from workbench.studs.reading import from_frame
+from workbench.studs.statistics.influence import without_each
 
 Maker = Callable[..., pd.DataFrame]
 
@@ -183,6 +184,13 @@ def test_what_cannot_be_told_apart_is_averaged(damaged: Maker) -> None:
     each = [c.weight * c.relation(0.6, c.estimate.theta) for c in fit.averaged]
     assert fit.left(0.6) == pytest.approx(np.sum(each))
     assert next(s for s in fit.scores if s.name == "none").weight < 0.05
+    moved, largest = fit.influence(), fit.levels[1]
+    others = sum(
+        c.weight * np.array([float(c.relation(largest, t)) for t in without_each(c.estimate)])
+        for c in fit.averaged
+    )
+    assert moved["without"].to_numpy() == pytest.approx(others)
+    assert moved["value"].to_numpy() == pytest.approx(float(fit.left(largest)))
     low, high = fit.band([0.6])
     assert low[0] < min(c.relation(0.6, c.estimate.theta) for c in fit.averaged)
     assert high[0] > max(c.relation(0.6, c.estimate.theta) for c in fit.averaged)

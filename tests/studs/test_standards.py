@@ -87,6 +87,8 @@ def test_d8_with_sensitivities() -> None:
         [1.0, 1.1], [1.0, 1.0], variations=variations, sensitivities={"d": 2.0, "fc": 0.5}
     )
     assert found.V_rt == pytest.approx(sqrt(0.04**2 + 0.075**2))
+    some = evaluate_d8([1.0, 1.1], [1.0, 1.0], variations=variations, sensitivities={"d": 2.0})
+    assert some.V_rt == pytest.approx(sqrt(0.04**2 + 0.15**2))  # others enter as they are
     exponents = sensitivities_of(
         lambda x: 3.0 * x["d"] ** 2 * sqrt(x["fc"]), {"d": 0.02, "fc": 3e7}
     )

@@ -116,6 +116,16 @@ def test_the_bias_holds_what_the_reference_leaves_open(study: Study, tmp_path: P
     assert alone["note"].endswith("numerical uncertainty unknown in 3 of 3 cases")
 
 
+def test_uncertainties_of_a_history_on_both_sides_add_in_quadrature(study, tmp_path) -> None:
+    pair = {"beam": Refining(), "other": Refining(error=0.04)}
+    both = dataclasses.replace(study, models={**study.models, **pair}, gates=())
+    rows = tables_of(both, tmp_path)["comparisons"]
+    rows = rows[(rows["case"] == "v15.0") & (rows["metric"] == "sprague_geers_magnitude")]
+    widths = rows[rows["against"] == "beam"].set_index("model")["uncertainty"]
+    # the error of half the size leaves half as much: 0.0125 of its own beside 0.025
+    assert widths["other"] == pytest.approx(5**0.5 / 2.0 * widths["soft"], rel=0.1)
+
+
 def test_metrics_of_a_run_take_one_label(study: Study, tmp_path: Path) -> None:
     wrong = gate("soft", "beam", "yield_ratio", "shortfall", 0.1)
     with pytest.raises(InputError, match=r"gate\.against.*must be soft as well"):

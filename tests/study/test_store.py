@@ -14,7 +14,7 @@ from workbench.errors import InputError
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
 from workbench.study import State, Store, Study, assess, cells_of, run_study, survey
-from workbench.study.store import canonical_json, write_atomically
+from workbench.study.store import Presence, canonical_json, write_atomically
 
 
 @pytest.fixture
@@ -94,6 +94,18 @@ def test_records_of_any_content_are_corrupt(small: Study, tmp_path: Path) -> Non
         path.write_bytes(record.encode("latin-1"))
         assert states(small, tmp_path).count(State.TO_DO) == 1, record[:20]
     assert run_study(small, tmp_path, jobs=0).answered == 1
+
+
+def test_a_cell_under_the_name_of_another_is_none(small: Study, tmp_path: Path) -> None:
+    """As of another version of the package, which only the key tells."""
+    run_study(small, tmp_path, jobs=0)
+    store, cell = Store(tmp_path / "toy"), cells_of(small)[0]
+    assert store.presence(cell.key, cell.ingredients) is Presence.FINISHED
+    other = "0" * len(cell.key)
+    for end in (".nc", ".json"):
+        (store.cells / f"{cell.key}{end}").rename(store.cells / f"{other}{end}")
+    assert store.presence(other, cell.ingredients) is Presence.CORRUPT
+    assert store.answer(other, cell.ingredients) is None
 
 
 def test_manifests_of_any_content_are_refused(small: Study, tmp_path: Path) -> None:

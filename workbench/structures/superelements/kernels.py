@@ -107,7 +107,7 @@ def settle(weight, hinges, old, new):
     plastic work, and tells how well the step has followed the hinges. Result: as of `account`, and
     that work. Elements are settled in the `new` state.
     """
-    stored = plastic = algorithmic = ideal = excess = 0.0
+    stored = plastic = algorithmic = excess = 0.0
     eta, rest = hinges.eta, 1.0 - hinges.eta
     tangents, _, trial, forces, flow, _ = hinges.scratch
     k = tangents[0]
@@ -125,12 +125,11 @@ def settle(weight, hinges, old, new):
             forces[i] = carried[i]
         elastic_trial(e, new.deformation, new.plastic, trial)
         project(e, hinges, trial, forces, k, flow)
-        mean = end = 0.0
+        mean = 0.0
         for h in range(4):
             i = 0 if h % 2 == 0 else 1 + h // 2
             flown = rest * (gone[h] - old.plastic[e, h])
             mean += (weight * carried[i] + (1.0 - weight) * old.carried[e, i]) * flown
-            end += forces[i] * flown
             excess += 0.5 * rest * (carried[i] + forces[i]) * flow[h]
             gone[h] += flow[h]
         if hinges.webs[e].stiffness > 0.0:
@@ -140,8 +139,8 @@ def settle(weight, hinges, old, new):
             carried[i] = forces[i]
         stored += 0.5 * rest * _quadratic(flexibility, carried)
         plastic += mean
-        ideal += max(mean, end)  # of the forces that go with a flow those at yield do most work
-    return stored, plastic + excess, algorithmic, ideal + excess, excess
+    # the forces that a flow goes with are at yield and do most work: all of it is ideal
+    return stored, plastic + excess, algorithmic, plastic + excess, excess
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
