@@ -9,8 +9,7 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
 from workbench.models.base import Model, with_options
-
-GROUP = "workbench.models"
+from workbench.models.trust import GROUP
 
 _DECLARED = ("name", "version", "answers", "assumptions", "sources", "domain", "simulate")
 

@@ -122,8 +122,9 @@ def _domain(model: Model, scenario: Scenario, response: Response) -> Iterator[st
     refusals = [finding for finding in findings if finding.refusal]
     if refusals and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
         yield "domain refuses the scenario but simulate answers it"
+    told = {(finding.subject, finding.text) for finding in findings_of(response)}
     for finding in findings:
-        if finding not in findings_of(response):
+        if (finding.subject, finding.text) not in told:
             what = "refusal" if finding.refusal else "warning"
             yield f"the {what} {finding.text!r} of domain is missing in the response"
 

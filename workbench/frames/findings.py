@@ -67,7 +67,7 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
             f"dead loads are {1.0 / state.factor:.2f} of those under which the elastic frame "
             "buckles: second-order bending between the hinges, which rigid bars lack, matters"
         )
-        findings.append(Finding("buckling", text, number=state.factor))
+        findings.append(Finding("buckling", text, number=state.factor, instead=()))
     return findings
 
 

@@ -12,7 +12,6 @@ from workbench.sections import CircularTube, Rectangle, Section
 
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
 ROUND_OFF = 1e-9
-REMEDY = "take flexible-superelement, whose webs yield in shear, or fiber-shear"
 SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
 
 
@@ -116,7 +115,7 @@ def _told(subject: str, frame: Frame, ratios: Mapping[str, float], source: str) 
             "before, so that every model without shear yielding overestimates the plastic "
             "resistance"
         )
-        findings.append(Finding(subject, text, remedy=REMEDY, number=ratios[above[0]]))
+        findings.append(Finding(subject, text, number=ratios[above[0]], instead=()))
     near = [name for name in worst if bounds[name] < ratios[name] <= 1.0 + ROUND_OFF]
     if near:
         least = min(bounds[name] for name in near)
@@ -125,5 +124,5 @@ def _told(subject: str, frame: Frame, ratios: Mapping[str, float], source: str) 
             f"yielding takes more than {100 * SHEAR_LOSS:g} % of the resistance, which models "
             "without it leave out"
         )
-        findings.append(Finding(subject, text, remedy=REMEDY, number=ratios[near[0]]))
+        findings.append(Finding(subject, text, number=ratios[near[0]], instead=()))
     return findings

@@ -135,10 +135,10 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     text = (
         f"the elements beside node {striker.node} share {shared:.3g} kg of their mass with the "
         f"striker at once: the first collision takes {100.0 * lost:.0f} % of the energy, which a "
-        "beam keeps, and peaks come out too small by up to as much"
+        "beam keeps, and peaks come out too small by up to as much; more of them (option elements)"
+        " share less"
     )
-    remedy = "take more elements (option elements), or a fiber reference"
-    return [Finding("hit-mass", text, remedy=remedy, number=lost)]
+    return [Finding("hit-mass", text, number=lost, instead=())]
 
 
 def _struck(frame: Frame, node: str) -> list[tuple[int, Member]]:

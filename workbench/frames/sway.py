@@ -73,5 +73,5 @@ def sway_findings(sway: Sway | None, drift: Array) -> list[Finding]:
         f"the frame has swayed {gone:.2f} of the drift at which its dead loads bring it down: "
         f"{100.0 * missing:.2g} % less resistance and this hit does, and models differ by as much"
     )
-    remedy = "try a few percent more velocity, and fiber-shear if another model answers here"
+    remedy = "try a few percent more velocity"
     return [Finding(SUBJECT, text, remedy=remedy, number=gone)]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import check_keys
-from workbench.models.validity import measured_findings
+from workbench.models.trust import advised, findings_about
 from workbench.responses import (
     Finding,
     Outcome,
@@ -63,7 +63,7 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
         response = _refused([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
-    findings = [*model.domain(scenario), *measured_findings(model, scenario)]
+    findings = advised(model, scenario, findings_about(model, scenario))
     refusals = [finding for finding in findings if finding.refusal]
     if refusals:
         response = _refused(refusals)
@@ -79,8 +79,9 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             text = f"{scenario.name}: {error}"
             response = _refused([Finding("domain", text, refusal=True)])
     warnings = [finding for finding in findings if not finding.refusal]
-    if warnings:
-        set_findings(response, [*warnings, *findings_of(response)])
+    later = advised(model, scenario, findings_of(response))
+    if warnings or later:
+        set_findings(response, [*warnings, *later])
     return _signed(response, model, scenario, started)
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, Declared, checked
 from workbench.frames.column_estimate import (
-    FRAME_REMEDY,
     HEADS,
+    ON_FRAME,
     ColumnEstimate,
     estimate_column,
 )
@@ -148,7 +148,9 @@ class ColumnOfFrame(Declared, table="option"):
 
 def _on_frame(findings: Iterable[Finding]) -> list[Finding]:
     """Findings of the column model with a remedy that answers the frame."""
-    return [replace(found, remedy=found.remedy and FRAME_REMEDY) for found in findings]
+    return [
+        found if found.instead is None else replace(found, instead=ON_FRAME) for found in findings
+    ]
 
 
 def _spring_force(response: Response, column: Column) -> float | None:

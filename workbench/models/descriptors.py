@@ -11,7 +11,7 @@ from math import inf, sqrt
 from typing import Any
 
 from workbench.datafiles import data_directory
-from workbench.models.domain import euler_load, shear_demand
+from workbench.models.domain import RESTITUTION, euler_load, shear_demand
 from workbench.models.hit_mass import elastic_energy, front_velocity
 from workbench.scenarios import ColumnImpact
 
@@ -27,7 +27,7 @@ WORDS = {  # of the descriptors
     STRIKER: "striker over lumped mass",
     "restraint_over_axial": "restraint over axial stiffness of the column",
     "shape_factor": "shape factor",
-    "restitution": "restitution",
+    RESTITUTION: "restitution",
     "head_mass_over_striker": "mass at the head over the striker",
     "fixed_head": "fixed head (1: yes)",
 }
@@ -51,7 +51,7 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
         STRIKER: 1.0 / lumped,
         "restraint_over_axial": column.restraint_stiffness / axial,
         "shape_factor": section.plastic_section_modulus / section.elastic_section_modulus,
-        "restitution": striker.restitution,
+        RESTITUTION: striker.restitution,
         "head_mass_over_striker": column.head_mass / striker.mass,
         "fixed_head": float(column.head == "fixed"),
     }

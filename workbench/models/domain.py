@@ -14,7 +14,6 @@ from workbench.scenarios.pulse import UNIFORM
 
 RESTITUTION = "restitution"  # subject
 HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
-SHEAR_REMEDY = "take four-dof-shear, whose webs yield in shear, or fiber-shear"
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of plates and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
@@ -75,13 +74,13 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
             f"axial load {load / 1e3:.4g} kN reaches the Euler load {critical / 1e3:.4g} kN "
             "of the column: it buckles before it is hit"
         )
-        findings.append(Finding("buckling", text, refusal=True, number=load / critical))
+        findings.append(Finding("buckling", text, True, number=load / critical, instead=()))
     elif load > _EULER_WARNING * critical:
         text = (
             f"axial load is {load / critical:.2f} of the Euler load: second-order bending "
             "between the hinges, which rigid-bar models lack, matters"
         )
-        findings.append(Finding("buckling", text, number=load / critical))
+        findings.append(Finding("buckling", text, number=load / critical, instead=()))
     return findings
 
 
@@ -92,9 +91,7 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
     """
     findings = []
     bound = shear_bound(scenario.column.strength_section)
-    remedy = SHEAR_REMEDY
     if isinstance(scenario, MemberPulse):
-        remedy = "take fiber-shear, or superelements, whose webs yield in shear"
         half = 0.5 * scenario.pulse.peak * scenario.whole
         direct = half / scenario.column.properties.shear_resistance
         if direct > 1.0:
@@ -102,7 +99,7 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
                 f"half of the largest force of the pulse is {direct:.2f} Vpl: webs yield in direct "
                 "shear before the member bends, which models without shear yielding leave out"
             )
-            findings.append(Finding("shear", text, remedy=remedy, number=direct))
+            findings.append(Finding("shear", text, number=direct, instead=()))
     for segment, ratio in shear_demand(scenario).items():
         if bound < ratio <= 1.0:
             text = (
@@ -111,14 +108,14 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
                 f"{100 * SHEAR_LOSS:g} % of the resistance of this section, which models without "
                 "it leave out"
             )
-            findings.append(Finding("shear", text, number=ratio))
+            findings.append(Finding("shear", text, number=ratio, instead=()))
         elif ratio > 1.0:
             text = (
                 f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
                 f"{ratio:.2f}: its web yields in shear before, so that every model without shear "
                 "yielding overestimates the plastic resistance"
             )
-            findings.append(Finding("shear", text, remedy=remedy, number=ratio))
+            findings.append(Finding("shear", text, number=ratio, instead=()))
     return findings
 
 
@@ -151,8 +148,7 @@ def bounce_findings(scenario: ColumnImpact) -> list[Finding]:
         "beam is light and waves take the energy along it: the peak grows too much, by about a "
         "third of that share, up to all of it"
     )
-    remedy = "take rigid-superelement, flexible-superelement or fiber-shear"
-    return [Finding(RESTITUTION, text, remedy=remedy, number=more)]
+    return [Finding(RESTITUTION, text, number=more, instead=())]
 
 
 def count_finding(duration: float, step: float, most: int) -> list[Finding]:
@@ -187,7 +183,7 @@ def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[F
                 f"below {_STUB:g} a solid, whose ends stay plane and whose flanges carry "
                 f"{flanges:.2f} of V_pl by themselves, differs by up to 18 %"
             )
-            findings.append(Finding("stub", text, number=heights))
+            findings.append(Finding("stub", text, number=heights, instead=()))
     return findings
 
 
@@ -208,7 +204,9 @@ def panel_findings(
             f"the web of {subject} is {slenderness:.2f} times as slender as 72 epsilon / eta: it "
             "buckles in shear before it yields"
         )
-        findings.append(Finding("shear-buckling", text, refusal=True, number=slenderness))
+        findings.append(
+            Finding("shear-buckling", text, refusal=True, number=slenderness, instead=())
+        )
     pairs = (
         surface.plastic_moment / properties.plastic_moment,
         surface.squash_load / properties.squash_load,
@@ -219,5 +217,6 @@ def panel_findings(
             f"the plates of {subject} alone have {ratio:.3f} of its plastic moment or squash load "
             "(root fillets and overrides are left out of panels)"
         )
-        findings.append(Finding("plates", text, refusal=abs(ratio - 1.0) > _MUCH, number=ratio))
+        far = abs(ratio - 1.0) > _MUCH
+        findings.append(Finding("plates", text, far, number=ratio, instead=()))
     return findings

@@ -44,7 +44,7 @@ from workbench.structures.bars import (
 )
 
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
-REMEDY = "take plastic-hinge"
+FIRST = ("plastic-hinge",)
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
@@ -72,11 +72,11 @@ class BarHinges(BarFrames):
                     f"the hit bends the struck member by up to {reach:.2g} Mp/Npl, into catenary "
                     "action, in which hinges elongate as they turn, and do not in this model"
                 )
-                said.append(Finding("catenary", text, remedy=REMEDY, number=reach))
+                said.append(Finding("catenary", text, number=reach, instead=FIRST))
         if self.loses_moment:
             said += axial_findings(told.frame, self.loses_moment)
         if self.in_cycles and _reverses(told):
-            said.append(Finding("cycles", self.in_cycles, remedy=REMEDY))
+            said.append(Finding("cycles", self.in_cycles, instead=FIRST))
         return super().domain(scenario) + said
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
@@ -327,4 +327,4 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     if shares[worst] <= AXIAL_SHARE:
         return []
     text = f"dead loads bring {shares[worst]:.2f} of the squash load into member {worst}: {effect}"
-    return [Finding("interaction", text, remedy=REMEDY, number=shares[worst])]
+    return [Finding("interaction", text, number=shares[worst], instead=FIRST)]

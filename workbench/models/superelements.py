@@ -177,8 +177,7 @@ class _HingedBars(BarFrames):
         """What was measured of columns like the struck one, where most of them were off."""
         if not may_warn(self):
             return []
-        names = RigidSuperelement.name, FlexibleSuperelement.name
-        told = measured_findings(self, column_like(scenario), names)
+        told = measured_findings(self, column_like(scenario))
         return [found for found in told if found.subject in MOSTLY]
 
     @abstractmethod

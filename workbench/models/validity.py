@@ -6,7 +6,7 @@ A second table holds what the columns of the study spanned: outside, nothing is 
 """
 
 import csv
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from functools import lru_cache
 from math import inf, nan
 from typing import Any, NamedTuple
@@ -17,13 +17,13 @@ from workbench.arrays import Array, Flags, Indices
 from workbench.datafiles import data_directory
 from workbench.models.descriptors import (
     FEATURES,
-    asked_for,
     beyond,
     descriptors,
     features,
     region_of,
     variant_of,
 )
+from workbench.models.domain import RESTITUTION
 from workbench.responses import Finding
 from workbench.scenarios import ColumnImpact
 
@@ -34,7 +34,6 @@ SUBJECT = "measured"  # most columns of the region are off: outside the domain
 RISK = "measured-risk"  # some are
 UNMEASURED = f"un{SUBJECT}", f"un{RISK}"  # the same where the hit is none of those that were drawn
 MOSTLY = SUBJECT, UNMEASURED[0]
-REFERENCE = "fiber-shear"  # ends the chain of remedies
 
 
 def may_warn(model: Any) -> bool:
@@ -43,14 +42,11 @@ def may_warn(model: Any) -> bool:
     return numbers is not None and bool(numbers.size)
 
 
-def measured_findings(
-    model: Any, scenario: Any, others: Collection[str] | None = None
-) -> list[Finding]:
+def measured_findings(model: Any, scenario: Any) -> list[Finding]:
     """Warning of a column in a region where the model was measured to be off.
 
-    Of a hit outside what the study drew it says so, and what is known of the region.
-
-    `others`, names of the models that the remedy may name (None: all that were measured).
+    Of a hit outside what the study drew it says so, and what is known of the region. A striker
+    that bounces is none: rules were measured without, and models say what bouncing does to them.
     """
     if not isinstance(scenario, ColumnImpact) or not may_warn(model):
         return []
@@ -62,12 +58,12 @@ def measured_findings(
     risky = mine[_holds(rules, at, mine)].tolist()
     if not risky:
         return []
-    outside = beyond(told, RANGES)
+    outside = beyond({**told, RESTITUTION: 0.0}, RANGES)
     if outside:
         return [_unknown(rules.rows[i], own, outside.values()) for i in risky]
     there = tuple(np.flatnonzero(_holds(rules, at, slice(None))).tolist())
-    known = None if others is None else tuple(others)
-    return [_told(rules.rows[i], own, _remedy(i, there, known)) for i in risky]
+    bounces = scenario.striker.restitution > 0.0
+    return [_told(rules.rows[i], own, _better(i, there), bounces) for i in risky]
 
 
 class _Rules(NamedTuple):
@@ -119,35 +115,22 @@ def _chance(row: dict[str, Any]) -> float:
 
 
 @lru_cache(maxsize=1024)
-def _remedy(number: int, there: tuple[int, ...], others: tuple[str, ...] | None) -> str:
-    """The model to take instead of that of a row: one with less chance to be off here by its rule.
+def _better(number: int, there: tuple[int, ...]) -> tuple[str, ...]:
+    """Models with less chance to be off than that of a row, by the rows that hold `there`.
 
-    Arguments: numbers of the row and of all that hold `there`.
-
-    So no chain of remedies comes back. First the one that did best in the region of the row, then
-    the one with the least chance, then the reference.
+    First the one that did best in the region of the row.
     """
     row, rows = _rules().rows[number], [_rules().rows[i] for i in there]
-    chances = {
-        f"{other['model']} {other['options']}".rstrip(): other["chance"]
-        for other in rows
-        if others is None or other["model"] in others
-    }
-    least, best = row["chance"], row["better"]
-    if chances.get(best, least) < least:
-        found = f"take {asked_for(best)}, off in {row['better_off']:.0f} of "
-        found += f"{row['better_count']:.0f} there"
-    else:
-        best = min(chances, key=lambda name: chances[name], default="")
-        if chances.get(best, least) >= least:
-            return f"take {REFERENCE}"
-        found = f"take {asked_for(best)}, less often off here"
-    return found if chances[best] <= TOLERATED else f"{found}, or {REFERENCE}"
+    chances = {other["model"]: other["chance"] for other in rows if not other["options"]}
+    less = [name for name, chance in chances.items() if chance < row["chance"]]
+    return tuple(sorted(less, key=lambda name: (name != row["better"], chances[name])))
 
 
-def _told(row: dict[str, Any], own: dict[str, float], remedy: str) -> Finding:
+def _told(
+    row: dict[str, Any], own: dict[str, float], better: tuple[str, ...], bounces: bool
+) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
-    where = region_of(row["bounds"], own)
+    where = region_of(row["bounds"], own) + ("; all without restitution" if bounces else "")
     (off, share), apart = _off(row), row["falls"] + row["stands"]
     text = (
         f"in {off:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
@@ -165,7 +148,7 @@ def _told(row: dict[str, Any], own: dict[str, float], remedy: str) -> Finding:
             f"; {row['falls']:.0f} collapsed where the reference survives, {row['stands']:.0f} "
             "survived where it collapses"
         )
-    return Finding(RISK if share <= 0.5 else SUBJECT, text, remedy=remedy, number=share)
+    return Finding(RISK if share <= 0.5 else SUBJECT, text, number=share, instead=better)
 
 
 def _unknown(row: dict[str, Any], own: dict[str, float], outside: Iterable[str]) -> Finding:
@@ -177,7 +160,7 @@ def _unknown(row: dict[str, Any], own: dict[str, float], outside: Iterable[str])
         f"peak more than {100.0 * BEYOND:g} % off"
     )
     subject = UNMEASURED[share <= 0.5]
-    return Finding(subject, text, remedy=f"take {REFERENCE}", number=share)
+    return Finding(subject, text, number=share, instead=())
 
 
 def _off(row: dict[str, Any]) -> tuple[float, float]:

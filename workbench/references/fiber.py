@@ -90,9 +90,9 @@ class FiberReference(FrameModel):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and what fibers or mesh do not follow."""
         told = as_frame(scenario)
-        common = super().domain(scenario)
+        followed = ("buckling", "shear") if self.shear_yields else ("buckling",)
         return [
-            *(f for f in common if f.subject != "shear" or not self.shear_yields),
+            *(f for f in super().domain(scenario) if f.refusal or f.subject not in followed),
             *joint_findings(told.frame),
             *override_findings(
                 told.frame,

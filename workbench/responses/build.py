@@ -168,7 +168,7 @@ def set_findings(response: Response, findings: Sequence[Finding]) -> None:
 @lru_cache(maxsize=1024)
 def _text(finding: Finding) -> str:
     """A finding in JSON: many responses carry the same ones."""
-    return json.dumps(finding.as_dict())
+    return json.dumps({**finding.as_dict(), "instead": finding.instead})
 
 
 def check_response(response: Response) -> None:

@@ -68,7 +68,9 @@ class Finding:
 
     Arguments: `subject`, a short key such as ``shear``; `text`, one sentence with the numbers;
     `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead
-    (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none).
+    (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none);
+    `instead`, models to ask first where another model answers better (None: none would), of which
+    the remedy is made when the model is known, see `models/trust.py`.
     """
 
     subject: str
@@ -76,6 +78,7 @@ class Finding:
     refusal: bool = False
     remedy: str = ""
     number: float | None = None
+    instead: tuple[str, ...] | None = None
 
     def __str__(self) -> str:
         return f"{self.text}: {self.remedy}" if self.remedy else self.text
@@ -96,4 +99,6 @@ class Finding:
     def from_dict(cls, stored: Mapping[str, Any]) -> Finding:
         """The finding that `as_dict` gave."""
         subject, severity, text, remedy, number = (stored[name] for name in COLUMNS)
-        return cls(subject, text, severity == REFUSAL, remedy, number)
+        instead = stored.get("instead")
+        instead = None if instead is None else tuple(instead)
+        return cls(subject, text, severity == REFUSAL, remedy, number, instead)

@@ -110,7 +110,7 @@ class FourDofShear(RigidBars):
         column = scenario.column
         if not has_shear_surface(column.section):
             text = f"{column.section.name} is neither a rectangle nor one with plane webs"
-            return [Finding("section", text, refusal=True, remedy="four-dof")]
+            return [Finding("section", text, refusal=True, instead=())]
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
         findings = panel_findings(surface, column.properties, "the column")

@@ -27,7 +27,7 @@ from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, Scenario
 
 _MUCH = 0.1  # share of the energy that may be left out without a warning
-_MEND = "take energy-estimate, whose resistance knows it"
+_MEND = ("energy-estimate",)  # its resistance knows it
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class HandEstimate(Declared, table="option"):
                 f"the axial load does {sinking:.2f} of the work of the mechanism as the column "
                 "shortens, which the estimate leaves out: the peak comes out too small"
             )
-            findings.append(Finding("axial-work", text, remedy=_MEND, number=sinking))
+            findings.append(Finding("axial-work", text, number=sinking, instead=_MEND))
         beyond = max(displacement - catenary_start(column), 0.0)
         tension = slope_sum(column) ** 2 * beyond**4 / (8.0 * axial_flexibility(column)) / energy
         if tension > _MUCH:
@@ -74,14 +74,14 @@ class HandEstimate(Declared, table="option"):
                 f"catenary action could take {tension:.2f} of the energy, which the estimate "
                 "leaves out: the peak comes out too large"
             )
-            findings.append(Finding("catenary", text, remedy=_MEND, number=tension))
+            findings.append(Finding("catenary", text, number=tension, instead=_MEND))
         elastic = elastic_energy(scenario.column) / energy
         if elastic > _MUCH:
             text = (
                 f"the column takes {elastic:.2f} of the energy elastically, for which a "
                 "rigid-plastic estimate has no displacement: the peak comes out too small"
             )
-            findings.append(Finding("elastic", text, remedy=_MEND, number=elastic))
+            findings.append(Finding("elastic", text, number=elastic, instead=_MEND))
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:

@@ -123,8 +123,8 @@ class HardImpact(Declared, table="option"):
                 "rigid wall: the structure is not the hard side, and the rule gives it more force "
                 "than there is"
             )
-            remedy = "take soft-impact, which has both springs"
-            warnings.append(Finding("hard-impact", text, remedy=remedy, number=top / crush))
+            first = ("soft-impact",)  # has both springs
+            warnings.append(Finding("hard-impact", text, number=top / crush, instead=first))
         response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
         said = {
             "rule.force": (pulse.peak, "N", "force of hard impact"),

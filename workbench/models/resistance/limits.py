@@ -62,7 +62,7 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
         text = (
             f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
         )
-        findings.append(Finding("head-mass", text))
+        findings.append(Finding("head-mass", text, instead=()))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
         text = (
             f"a push to {scenario.displacement:.4g} m passes nine tenths of the shorter segment, "
@@ -101,7 +101,7 @@ def reached_findings(
             f"the shorter segment turns by {rotation:.2f} at {displacement:.4g} m: the model's "
             "small-rotation kinematics err by several percent"
         )
-        findings.append(Finding("small-rotations", text))
+        findings.append(Finding("small-rotations", text, instead=()))
     if companion is not None and companion is not curve and displacement > 0.0:
         exact = float(companion.work(displacement))
         simplified = float(curve.work(displacement))

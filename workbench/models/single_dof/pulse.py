@@ -121,8 +121,8 @@ def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Fi
             "member has the shape of its static deflection, and the peak comes out too small, "
             "under a force at a point by up to a half"
         )
-        remedy = "take flexible-superelement with elements = 4, or fiber-corotational"
-        findings.append(Finding("short-pulse", text, remedy=remedy, number=pulse.end / period))
+        first = ("flexible-superelement",)
+        findings.append(Finding("short-pulse", text, number=pulse.end / period, instead=first))
     ductility = top * curve.initial_stiffness / float(curve.force(top))
     if _GRADUAL[0] < ductility < _GRADUAL[1]:
         text = (
@@ -130,7 +130,7 @@ def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Fi
             "sections yield in part there, which a resistance with corners does not; fiber beams "
             "went from 10 % less to 27 % further"
         )
-        findings.append(Finding("gradual-yielding", text, number=ductility))
+        findings.append(Finding("gradual-yielding", text, number=ductility, instead=()))
     stronger = replace(pulse, peak=_STRONGER * pulse.peak)
     try:
         _, values = push(pushed, scenario.column, stronger, scenario.duration)
