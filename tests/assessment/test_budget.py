@@ -57,7 +57,8 @@ def test_a_sum_names_what_it_lacks() -> None:
     total = together("total", [unknown, Term("input", "", "", 0.0, 0.1, 0.1)])
     assert total.lacks == ("model form",)
     assert total.above == pytest.approx(0.1)
-    assert unknown.as_dict()["low"] is None
+    assert unknown.as_dict(0.2)["low"] is None
+    assert total.as_dict(0.2)["most"] == pytest.approx(0.2 * exp(0.1))
 
 
 def test_a_numerical_term_is_its_half_width() -> None:
@@ -112,18 +113,29 @@ def test_the_terms_of_an_answer(thesis_impact: ColumnImpact) -> None:
     found = budget.terms(model, thesis_impact, model.simulate(thesis_impact), runs)
     terms = {term.name: term for term in found[PEAK]}
     assert list(terms)[:2] == [NUMERICAL, MODEL_FORM]
-    assert list(terms)[-3:] == [RATE, REFERENCE, TOTAL]
+    assert list(terms)[-1] == RATE  # a toy was measured nowhere: no sum of what is left
     assert terms["velocity ±5 %"].high == pytest.approx(0.05)
     assert terms["mass ±5 %"].low == pytest.approx(sqrt(0.95) - 1.0)
     assert terms[RATE].low == 0.0
-    assert terms[TOTAL].lacks == (MODEL_FORM,)  # a toy was measured nowhere
     del runs["rate"]
     runs["velocity +5 %"] = Troubled("collapse").simulate(thesis_impact)
     broken = budget.terms(model, thesis_impact, model.simulate(thesis_impact), runs)[PEAK]
     assert broken[2].high == inf
-    assert not broken[-3].known
+    assert not broken[-1].known
     fallen = Troubled("collapse").simulate(thesis_impact)
     assert budget.terms(model, thesis_impact, fallen, runs) == {}
+
+
+def test_sums_need_a_model_form_that_was_measured(thesis_impact: ColumnImpact) -> None:
+    """Else the best reference was where the answer is, to 0.0 %."""
+    fast, budget = thesis_impact.at_velocity(60.0), Budget("", ())
+    names = {}
+    for hit in (thesis_impact, fast):
+        answer = Spring().simulate(hit)
+        terms = budget.terms(FourDof(), hit, answer, {})[PEAK]
+        names[hit] = [term.name for term in terms[-2:]]
+    assert names[thesis_impact] == [REFERENCE, TOTAL]
+    assert not {REFERENCE, TOTAL} & set(names[fast])
 
 
 def test_a_trend_predicts_as_a_regression_does() -> None:

@@ -301,8 +301,11 @@ def test_simulate_with_its_error_budget(
     assert [term["term"] for term in terms][-2:] == ["best reference", "total"]
     assert terms[1]["low"] > 0.2  # the web yields, the model does not know
     assert not any(term["collapses"] for term in terms)
+    assert terms[-1]["least"] == pytest.approx(terms[0]["least"] * (1.0 + terms[-1]["low"]))
     assert run(arguments) == 0
     shown = capsys.readouterr().out
+    least, most = (f"{1e3 * terms[-1][end]:.0f}" for end in ("least", "most"))
+    assert f" mm ({least} to {most} mm, 90 %)" in shown.replace("\u00a0", " ")
     assert "velocity ±10 %" in shown
     assert "===" in shown
     assert run([*arguments[:-1], "speed=0.1"]) == 2

@@ -16,7 +16,7 @@ from workbench.content.terminal import render_text
 from workbench.errors import InputError
 from workbench.models.descriptors import DEMAND, YIELDING, descriptors
 from workbench.report.chapters.answer import in_brief
-from workbench.report.chapters.budgets import budget_tables
+from workbench.report.chapters.budgets import budget_tables, budgets
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -57,8 +57,8 @@ def test_the_terms_are_a_table(stored: Stored) -> None:
     rows = [row for row in stored.rows["budget"] if row["label"] == "soft"]
     assert [row["term"] for row in rows][2] == "velocity ±5 %"
     assert rows[2]["high"] == pytest.approx(0.05)
-    assert rows[-1]["term"] == TOTAL
-    assert rows[-1]["lacks"] == ["model form"]
+    assert rows[2]["most"] == pytest.approx(1.05 * rows[2]["value"])
+    assert TOTAL not in {row["term"] for row in rows}  # nobody measured the model form of a toy
     assert "mass ±5 %" not in {row["term"] for row in rows}
 
 
@@ -72,9 +72,11 @@ def test_the_report_shows_the_budget(stored: Stored) -> None:
     assert len(drawing.data) == len(stored.rows["budget"])
     other = replace(figure, options={"case": "slow"})
     assert draw(replace(request, figure=other)).canvas is None
-    said = render_text(*in_brief(stored.study, stored))
-    assert "hit, soft: peak displacement" in said
-    assert "without model form" in said
+    said = render_text(*budgets(stored, {"hit": "soft", "slow": "stiff"}))
+    assert said.startswith("With all errors, hit, soft: peak displacement ")
+    assert "without an interval: the model form is not known (not measured here" in said
+    assert said.count("With all errors") == 1  # one headline, that of the model to take
+    assert "With all errors" not in render_text(*in_brief(stored.study, stored))  # none is
     section = budget_tables(stored)
     assert section is not None
     assert "one input varied, both ways" in render_text(section)

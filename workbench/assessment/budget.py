@@ -4,7 +4,8 @@ Terms are changes of the answer on its log scale, where factors add. A term move
 `shift` (a measured bias) and leaves it open by `below` and `above`, half-widths of `COVERAGE`.
 Together, shifts add and half-widths of what scatters add in quadrature, each side by itself.
 A term that only pulls one way, by an unknown part of what is stated, is no scatter: its width
-adds in full. Terms that are not known are left out, and the sum says so.
+adds in full. Terms that are not known are left out, and the sum says so; without the model form
+there is no sum.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,7 +19,7 @@ COVERAGE = 0.90
 NUMERICAL, MODEL_FORM, RATE = "numerical", "model form", "rate sensitivity"
 REFERENCE, TOTAL = "best reference", "total"
 SUMS = (REFERENCE, TOTAL)
-COLUMNS = ("term", "shift", "low", "high", "reason", "source", "lacks")
+COLUMNS = ("term", "shift", "low", "high", "least", "most", "reason", "source", "lacks")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +55,16 @@ class Term:
         """Upper end as a relative change of the answer; infinite where it may collapse."""
         return None if self.above is None else exp(self.shift + self.above) - 1.0
 
-    def as_dict(self) -> dict[str, Any]:
-        """The term by the names of `COLUMNS`, relative changes; what is unknown is None."""
+    def as_dict(self, value: float) -> dict[str, Any]:
+        """The term by the names of `COLUMNS`; what is unknown is None.
+
+        Relative changes of the answer `value`; `least` and `most`, what it is at the ends, in SI.
+        """
         shift = expm1(self.shift) if self.known else None
-        values = (self.name, shift, self.low, self.high, self.reason, self.source, [*self.lacks])
-        return dict(zip(COLUMNS, values, strict=True))
+        ends = self.low, self.high
+        reached = (None if end is None else value * (1.0 + end) for end in ends)
+        values = (shift, *ends, *reached, self.reason, self.source, [*self.lacks])
+        return dict(zip(COLUMNS, (self.name, *values), strict=True))
 
 
 def numerical_term(value: float, width: float | None) -> Term:

@@ -106,7 +106,8 @@ class Budget:
                 for ends in [[at(_key(name, -share)), at(_key(name, share))]]
             ]
             terms = [*own, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
-            found[quantity] = [*terms, together(REFERENCE, own), together(TOTAL, terms)]
+            sums = [together(REFERENCE, own), together(TOTAL, terms)]
+            found[quantity] = [*terms, *(sums if own[1].known else ())]
         return found
 
 

@@ -235,22 +235,26 @@ def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response
     runs, alone = budget.variations(scenario), on_one_mesh(model)
     varied = {name: alone.simulate(each) for name, each in runs.items()}
     found = budget.terms(model, scenario, answer, varied)  # type: ignore[arg-type]
-    return {quantity: [term.as_dict() for term in terms] for quantity, terms in found.items()}
+    return {q: [term.as_dict(float(answer[q])) for term in terms] for q, terms in found.items()}
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:
     """A term as JSON holds it: an end that is a collapse is null, and `collapses` says so."""
     fallen = row["high"] is not None and not isfinite(row["high"])
-    return {**row, "high": None if fallen else row["high"], "collapses": fallen}
+    open_end = dict.fromkeys(("high", "most") if fallen else ())
+    return {**row, **open_end, "collapses": fallen}
 
 
 def _budget_blocks(answer: Response, found: Budgeted) -> Iterator[Block]:
-    """The tables of a budget with bars, and why there is none."""
-    from workbench.content.budgets import budget_table
+    """What a budget says, its tables with bars, and why there is none."""
+    from workbench.content.budgets import budget_sentence, budget_table
 
     if not found:
         yield Callout("doubt", "No error budget: the model gives no displacement.")
     for quantity, rows in found.items():
+        yield Paragraph(
+            f"With all errors: {budget_sentence(float(answer[quantity]), quantity, rows)}."
+        )
         yield budget_table(quantity, quantity, float(answer[quantity]), rows, bars=True)
 
 

@@ -5,7 +5,7 @@ from functools import partial
 from math import floor, isfinite
 from typing import Any
 
-from workbench.assessment.budget import COVERAGE, NUMERICAL, SUMS, TOTAL
+from workbench.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, SUMS, TOTAL
 from workbench.content.formatting import in_unit, percent, title_of
 from workbench.content.tree import Cell, Column, Table
 
@@ -25,8 +25,9 @@ def budget_table(
             width=1.8,
             of=lambda row: Cell(row["term"], tone="" if row["term"] in SUMS else "muted"),
         ),
-        Column("from", True, 0.8, partial(_end, "low")),
-        Column("to", True, 0.8, partial(_end, "high")),
+        Column("from", True, 0.8, partial(_end, "least", quantity)),
+        Column("to", True, 0.8, partial(_end, "most", quantity)),
+        Column("change", True, 1.3, change),
         Column(
             "what it is",
             width=4.4,
@@ -34,7 +35,7 @@ def budget_table(
         ),
     ]
     if bars:
-        columns.insert(3, Column("change", True, of=partial(_bar, *scale(rows))))
+        columns.insert(4, Column("as a bar", True, of=partial(_bar, *scale(rows))))
     caption = (
         f"{title_of(quantity).capitalize()}, {in_unit(value, quantity)}: what each source of error "
         f"may make of it, {100 * COVERAGE:g} % intervals."
@@ -60,20 +61,21 @@ def change(row: Row) -> str:
 
 
 def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
-    """What a budget says, in one sentence: the answer, the sum, its largest part."""
+    """What a budget says, in one sentence: the answer, its interval, the largest part of that."""
     known = {row["term"]: row for row in rows if row["low"] is not None}
+    text = f"{title_of(quantity)} {in_unit(value, quantity, 3)}"
+    if TOTAL not in known:
+        (form,) = (row for row in rows if row["term"] == MODEL_FORM)
+        return f"{text}, without an interval: the model form is not known ({form['reason']})"
     parts = [row for name, row in known.items() if name not in SUMS]
     top = max(parts, key=lambda row: row["high"] - row["low"] + abs(row["shift"]))
     total = known[TOTAL]
-    lacks = f" (without {', '.join(total['lacks'])})" if total["lacks"] else ""
+    lacks = f", without {', '.join(total['lacks'])}" if total["lacks"] else ""
     own = known.get(NUMERICAL)
     numerical = "not known" if own is None else change(own)
-    low, high = (value * (1.0 + total[end]) for end in ("low", "high"))
-    ends = f"{in_unit(low, quantity, 3)} and "
-    ends += in_unit(high, quantity, 3) if isfinite(high) else "collapse"
+    low, high = _at(quantity, total["least"], named=False), _at(quantity, total["most"])
     return (
-        f"{title_of(quantity)} {in_unit(value, quantity, 3)}; with all errors{lacks} the real one "
-        f"lies between {ends} ({change(total)}, {100 * COVERAGE:g} %), most of it by {top['term']} "
+        f"{text} ({low} to {high}, {100 * COVERAGE:g} %{lacks}), most of it by {top['term']} "
         f"({change(top)}); the numerical part is {numerical}"
     )
 
@@ -83,11 +85,13 @@ def _unstated(row: Row) -> bool:
     return bool(row["term"] == NUMERICAL and row["low"] == row["high"])
 
 
-def _end(end: str, row: Row) -> Cell | None:
+def _at(quantity: str, value: float, *, named: bool = True) -> str:
+    return in_unit(value, quantity, 3, named=named) if isfinite(value) else "collapse"
+
+
+def _end(end: str, quantity: str, row: Row) -> Cell | None:
     value = row[end]
-    if value is None or _unstated(row):
-        return None
-    return Cell(percent(value, rough=True) if isfinite(value) else "collapse", value)
+    return None if value is None or _unstated(row) else Cell(_at(quantity, value), value)
 
 
 def _bar(low: float, high: float, row: Row) -> str:

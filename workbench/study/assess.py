@@ -230,7 +230,7 @@ def _budget_rows(study: Study, cells: Sequence[Cell], store: Store) -> Iterator[
             for quantity, terms in found.items():
                 who = {"case": budget.case, "label": label, "quantity": quantity}
                 value = float(response[quantity])
-                yield from ({**who, "value": value, **term.as_dict()} for term in terms)
+                yield from ({**who, "value": value, **term.as_dict(value)} for term in terms)
 
 
 def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:

@@ -48,7 +48,7 @@ def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section
     """The question, the matrix, `pictures`, what places models outside their domain, budgets."""
     shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
     found = list(matrix(study, stored))
-    found[1:1] = budgets(stored)  # what all errors make of it, beside what the references say
+    found[1:1] = _budgeted(study, stored)  # beside what the references say
     after = next((i for i, block in enumerate(found) if isinstance(block, Table)), -1) + 1
     title = "The answer" if found or shown else "What was asked"
     said = [Paragraph(study.question), *subject(study), *measured.made(stored)]
@@ -98,7 +98,7 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
 def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
     rows = stored.rows["verdicts"]
-    blocks = (*matrix(study, stored), *budgets(stored), verdicts.headline(rows))
+    blocks = (*matrix(study, stored), *_budgeted(study, stored), verdicts.headline(rows))
     if rows:
         blocks += (verdicts.summary_table(rows), *verdicts.reasons(rows, bounds=False))
     return marked((*measured.made(stored), *blocks), measured.MARK) if stored.synthetic else blocks
@@ -143,9 +143,22 @@ def _besides(study: Study, stored: Stored) -> Iterator[Block]:
         yield Bullets(tuple(said))
 
 
-def _trusted(study: Study, stored: Stored, group: str) -> str:
-    """The model to take in a group of cases, and all that stay within `FAIR` in every case."""
-    own = {row["label"]: row for row in stored.rows["matrix"] if row["group"] == group}
+def _budgeted(study: Study, stored: Stored) -> Iterator[Block]:
+    """What all errors may make of an answer of the model to take in its case."""
+    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
+    every = tuple(case.name for case in study.cases)
+    ranked = [(study.groups.get(group, every), _ranked(study, stored, group)) for group in groups]
+    taken = {case: labels[0] for cases, labels in ranked if labels for case in cases}
+    return budgets(stored, taken)
+
+
+def _group(stored: Stored, group: str) -> dict[str, Row]:
+    return {row["label"]: row for row in stored.rows["matrix"] if row["group"] == group}
+
+
+def _ranked(study: Study, stored: Stored, group: str) -> list[str]:
+    """The models that stay within `FAIR` in every case of a group, the one to take first."""
+    own = _group(stored, group)
     found = {
         label: row[f"{PEAK}_within"]
         for label, row in own.items()
@@ -155,14 +168,8 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         and row[f"{PEAK}_within"] is not None
         and row[f"{PEAK}_within"] <= FAIR
         and not any(row[name] for name in ("outside", "against_outside", "falls", "stands"))
+        and not row["synthetic"]
     }
-    judged = [row for row in own.values() if row[f"{PEAK}_count"]]
-    if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
-        return f"{group}: nobody knows, as no reference is inside its domain."
-    if any(row["synthetic"] for row in own.values()):
-        return f"{group}: synthetic, shows the form only; no model is judged."
-    if not found:
-        return f"{group}: {ranking.advice(stored, group, up(FAIR))}"
     costs = stored.costs
 
     def place(label: str) -> tuple[float, ...]:
@@ -170,16 +177,30 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         shares = found[label], own[label][f"{RESIDUAL}_within"] or 0.0
         return *(ceil(100.0 * share) for share in shares), costs.get(label, 1.0)
 
-    first, *others = sorted(found, key=place)
+    return sorted(found, key=place)
+
+
+def _trusted(study: Study, stored: Stored, group: str) -> str:
+    """The model to take in a group of cases, and all that stay within `FAIR` in every case."""
+    own, ranked, costs = _group(stored, group), _ranked(study, stored, group), stored.costs
+    judged = [row for row in own.values() if row[f"{PEAK}_count"]]
+    if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
+        return f"{group}: nobody knows, as no reference is inside its domain."
+    if any(row["synthetic"] for row in own.values()):
+        return f"{group}: synthetic, shows the form only; no model is judged."
+    if not ranked:
+        return f"{group}: {ranking.advice(stored, group, up(FAIR))}"
+    first, *others = ranked
+    within = {label: up(own[label][f"{PEAK}_within"]) for label in ranked}
     asked, remains = own[first]["asked"], own[first][f"{RESIDUAL}_within"]
     cases = "the case" if asked == 1 else f"all {asked} cases"
     left = "" if remains is None else f", residual within {up(remains)}"
     spent = f", {part(costs[first])} of the time" if first in costs else ""
     of = own[first]["against"] or "the reference"
     what = _judged(own[first])
-    text = f"{group}: {first}, {what} within {up(found[first])} of {of}{left} in {cases}{spent}"
+    text = f"{group}: {first}, {what} within {within[first]} of {of}{left} in {cases}{spent}"
     if others:
-        names = several([f"{label} ({up(found[label])})" for label in others], 8)
+        names = several([f"{label} ({within[label]})" for label in others], 8)
         text += f". {what.capitalize()} within {up(FAIR)} as well, inside their domain: {names}"
     return f"{text}.{measured_at(study, group)}"
 
