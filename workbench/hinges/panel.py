@@ -32,13 +32,14 @@ class ShearSurface(Declared, table="shear_surface"):
 
     Uniform shear stress in the webs, none in the flanges, von Mises: a lower bound of limit
     analysis, convex, and without shear the exact envelope of the plates. Against the exact set of
-    one shear rate per section it lacks up to 0.015 M_p (HEB 220), 0.033 M_p (IPE 300).
+    one shear rate per section it lacks up to 0.015 M_p (HEB 220), 0.033 M_p (IPE 300). Root
+    fillets carry no shear: they belong to the flanges, as plates that keep the area and the plastic
+    modulus of the section (`Section.flange_plates`), within 0.2 % of its exact envelope.
 
     A solid rectangle has that exact set itself, as uniform shear stress would lack 0.144 M_p.
 
-    Arguments: `section` with webs, whose root fillets are left out, or a solid rectangle; `steel`;
-    `depth` of the webs that carries shear, between the flanges' centre lines or clear between
-    them. Raises `InputError`.
+    Arguments: `section` with webs, or a solid rectangle; `steel`; `depth` of the webs that carries
+    shear, between the flanges' centre lines or clear between them. Raises `InputError`.
     """
 
     section: Section = checked(Instance(Section))
@@ -57,8 +58,9 @@ class ShearSurface(Declared, table="shear_surface"):
         if isinstance(shape, Rectangle):
             return self._solid(shape)
         upright, flange = shape.plates
-        clear, between, b = shape.height - 2.0 * flange, shape.height - flange, shape.width
-        area = upright * (clear if self.depth == "clear" else between)
+        area = upright * (shape.height - (2.0 if self.depth == "clear" else 1.0) * flange)
+        b, flange = self.section.flange_plates
+        clear, between = shape.height - 2.0 * flange, shape.height - flange
         own = np.zeros(1, panel_kernels.WEB)[0]
         own["shear"], own["stiffness"] = (
             area * self.steel.shear_yield_stress,

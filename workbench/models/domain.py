@@ -15,7 +15,7 @@ from workbench.scenarios.pulse import UNIFORM
 RESTITUTION = "restitution"  # subject
 HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
-_FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of plates and that of a member
+_FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
 _EULER_WARNING = 0.5  # share of the Euler load above which second-order effects dominate
 
@@ -190,11 +190,11 @@ def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[F
 def panel_findings(
     surface: ShearSurface, properties: MemberProperties, subject: str
 ) -> list[Finding]:
-    """Where a panel stops applying to a member: web buckling, strength that its plates lack.
+    """Where a panel stops applying to a member: web buckling, strength that is not the section's.
 
     `subject`, by which the member is called. Refusals: a web slender enough to buckle in shear
     (EN 1993-1-5, 5.1: clear height over thickness above 72 epsilon / eta, eta 1.2); a plastic
-    moment or squash load more than 10 % off that of the plates. Above 1 % off it is a warning.
+    moment or squash load more than 10 % off the section's. Above 1 % off it is a warning.
     """
     findings = []
     epsilon = sqrt(235e6 / surface.steel.yield_stress)
@@ -214,8 +214,8 @@ def panel_findings(
     ratio = max(pairs, key=lambda share: abs(share - 1.0))
     if abs(ratio - 1.0) > _FEW_PERCENT:
         text = (
-            f"the plates of {subject} alone have {ratio:.3f} of its plastic moment or squash load "
-            "(root fillets and overrides are left out of panels)"
+            f"the section of {subject} has {ratio:.3f} of the plastic moment or squash load given "
+            "for it, which panels leave out"
         )
         far = abs(ratio - 1.0) > _MUCH
         findings.append(Finding("plates", text, far, number=ratio, instead=()))

@@ -148,6 +148,21 @@ class Section(Declared, table="section"):
         plates = ISection(shape.height, shape.width, shape.web, shape.flange)
         return Section(f"{self.name} without fillets", plates)
 
+    @property
+    def flange_plates(self) -> tuple[float, float]:
+        """Width and thickness (m) of plates that stand for the flanges with their root fillets.
+
+        With a web through the whole height between them, they have the area and the plastic
+        modulus of the section.
+        """
+        upright, flange = self.shape.plates
+        if self._plates is None:
+            return self.width, flange
+        beside = self.area - upright * self.height  # of the web, on both sides
+        first = self.plastic_section_modulus - upright * self.height**2 / 4.0
+        thickness = self.height - 2.0 * first / beside
+        return upright + 0.5 * beside / thickness, thickness
+
     def to_toml(self) -> str | dict[str, float]:
         """Catalogue name, or the table of dimensions, that `section_from` turns back into this."""
         if profiles().get(self.name) == self.shape:

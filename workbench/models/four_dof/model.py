@@ -92,11 +92,11 @@ class FourDofShear(RigidBars):
     hit_mass: str = checked(HIT_MASS, WAVES)
 
     name: ClassVar[str] = "four-dof-shear"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     assumptions: ClassVar[tuple[str, ...]] = (
         *RigidBars.assumptions,
         "Uniform shear stress in the webs, none in the flanges; associated flow on the N-M-V "
-        "domain of the plates, root fillets left out.",
+        "domain of the plates, root fillets in the flanges.",
         "A web slides without limit, and a sliding bar stretches as its flanges are continuous: no "
         "web buckling, no fracture, no mechanism of the flanges, no strain-rate effect.",
     )
@@ -104,7 +104,7 @@ class FourDofShear(RigidBars):
 
     def surface(self, column: Column) -> ShearSurface:
         """The yield surface of both ends of all bars."""
-        return _surface_of(column.section, column.steel, self.web_depth)
+        return _surface_of(column.strength_section, column.steel, self.web_depth)
 
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         column = scenario.column
