@@ -3,8 +3,10 @@
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Annotated, Any
 
+from workbench.cli.streams import prepare
 from workbench.errors import InputError, WorkbenchError, shown, told
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
@@ -20,6 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Bad input is one line on the error stream, without a traceback. An interrupt (Ctrl-C) ends
     with 130.
     """
+    prepare()
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 
@@ -100,5 +103,6 @@ def _drop_output() -> None:
 
 
 def _say(text: str, status: int) -> int:
-    print("workbench: " + " ".join(text.split()), file=sys.stderr)
+    with suppress(OSError):  # its reader has gone
+        print("workbench: " + " ".join(text.split()), file=sys.stderr)
     return status

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -36,6 +37,7 @@ def ductility(
     from workbench.models.practice.charts import ductility_chart, step_ductility
     from workbench.report.drawing.charts import Line
 
+    target = _target(figure)
     _shape(shape)
     found = ductility_chart(shape, _LENGTHS, _STRENGTHS)
     columns = [Column("t_d / T", True, 1.0, lambda row: _cell(row[0]))]
@@ -48,7 +50,7 @@ def ductility(
         f"R/F = {strength:g}": Line(_LENGTHS, found[:, i].tolist())
         for i, strength in enumerate(_STRENGTHS)
     }
-    _draw(figure, lines, "length of the pulse over the period", "ductility")
+    _draw(target, lines, "length of the pulse over the period", "ductility")
     steps = {f"{r:g}": step_ductility(1.0 / r) for r in _STRENGTHS if r > 1.0}
     content = {
         "shape": shape,
@@ -73,6 +75,7 @@ def iso_ductility(
     from workbench.models.practice import charts
     from workbench.report.drawing.charts import Line
 
+    target = _target(figure)
     _shape(shape)
     curves = {mu: charts.pressure_impulse(shape, mu, _LENGTHS) for mu in _DUCTILITIES}
     ends = {mu: (charts.impulse_asymptote(mu), charts.step_force(mu)) for mu in _DUCTILITIES}
@@ -80,7 +83,7 @@ def iso_ductility(
         f"ductility {mu:g}": Line([p.impulse for p in found], [p.force for p in found], *ends[mu])
         for mu, found in curves.items()
     }
-    _draw(figure, lines, "impulse, I w / R_m", "force, F / R_m")
+    _draw(target, lines, "impulse, I w / R_m", "force, F / R_m")
     columns = (
         Column("ductility", True, 1.0, lambda row: _cell(row[0])),
         Column("t_d / T", True, 1.0, lambda row: _cell(row[1].length)),
@@ -125,6 +128,7 @@ def pressure_impulse(
     from workbench.scenarios.pulse import UNIFORM
     from workbench.study.pressure_impulse import pressure_impulse_curve
 
+    target = _target(figure, scenario)
     asked = load_scenario(scenario, settings or [])
     if not isinstance(asked, MemberPulse | FramePulse):
         raise InputError("kind", asked.KIND, "must be member-pulse or frame-pulse")
@@ -151,7 +155,7 @@ def pressure_impulse(
         known = [p for p in points if p.peak is not None]
         if known:
             lines[name] = Line([p.impulse or 0.0 for p in known], [p.peak or 0.0 for p in known])
-    _draw(figure, lines, f"impulse ({unit} s)", f"peak ({unit})")
+    _draw(target, lines, f"impulse ({unit} s)", f"peak ({unit})")
     content = {
         "scenario": asked.name,
         "displacement": displacement,
@@ -175,10 +179,14 @@ def _cell(value: float | None) -> Cell | None:
     return None if value is None else Cell(f"{value:.4g}", value)
 
 
-def _draw(figure: str | None, lines: Mapping[str, Line], x: str, y: str) -> None:
-    if figure is None:
-        return
-    path = writable("--figure", figure)
-    from workbench.report.drawing.charts import chart
+def _target(figure: str | None, *inputs: str) -> Path | None:
+    return None if figure is None else writable("--figure", figure, "svg", inputs=inputs)
 
-    path.write_text(chart(lines, x, y), encoding="utf-8")
+
+def _draw(target: Path | None, lines: Mapping[str, Line], x: str, y: str) -> None:
+    if target is None:
+        return
+    from workbench.report.drawing.charts import chart
+    from workbench.study.store import write_atomically
+
+    write_atomically(target, chart(lines, x, y).encode())

@@ -58,7 +58,9 @@ def show(
 def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]:
     yield Definitions(tuple((key, value) for key, value in entry.items() if isinstance(value, str)))
     yield Section("columns", "Columns:", (Definitions(tuple(entry["columns"].items())),))
-    yield Table.of("rows", "", (Column(name, of=name) for name in rows[0]), rows)
+    yield Table.of(
+        "rows", "", (Column(name, of=name) for name in (rows or [entry["columns"]])[0]), rows
+    )
 
 
 @app.command("add")

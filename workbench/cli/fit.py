@@ -7,7 +7,7 @@ tables and prints or writes what the verb finds.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
@@ -54,7 +54,9 @@ def _verb(name: str, kind: type[Common]) -> Callable[[Callable[..., Found]], Non
 
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
-            targets = _report_files(options.report or [])
+            targets = _report_files(
+                options.report or [], [options.file, getattr(options, "points", None)]
+            )
             *rows, head = _tables(options, name)
             content, *rows = find(options, *rows)
             found = Answer({**head, **content}, shown({**head, **content}), rows=rows)
@@ -193,17 +195,14 @@ def few_tests(options: FewOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> 
     return {"known_variation": known, "groups": groups}, fitted, held.iloc[:0]
 
 
-def _report_files(names: list[str]) -> dict[str, Path]:
+def _report_files(names: list[str], inputs: Sequence[str | None]) -> dict[str, Path]:
     """Where reports are to go, by their format: refused before anything is computed."""
     from workbench.report.fit_report import FORMATS
 
     found = {}
     for name in names:
-        target = writable("--report", name)
-        kind = target.suffix.lower().removeprefix(".")
-        if kind not in FORMATS:
-            raise InputError("--report", name, f"must end in {' or '.join(FORMATS)}")
-        found[kind] = target
+        target = writable("--report", name, *FORMATS, inputs=inputs)
+        found[target.suffix.lower().removeprefix(".")] = target
     return found
 
 

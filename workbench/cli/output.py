@@ -59,7 +59,8 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
             options["as_json"] = as_json
         answer = function(*arguments, **options)
         if as_json:
-            json.dump(answer.content, sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
+            escaped = not str(sys.stdout.encoding).lower().startswith("utf")
+            json.dump(answer.content, sys.stdout, indent=2, ensure_ascii=escaped, allow_nan=False)
             sys.stdout.write("\n")
         else:
             from workbench.content.terminal import show
@@ -75,9 +76,16 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
     return answered
 
 
-def writable(flag: str, name: str) -> Path:
-    """A file that a flag names for output. Raises `InputError` where it cannot be one."""
+def writable(flag: str, name: str, *endings: str, inputs: Iterable[str | None] = ()) -> Path:
+    """A file that a flag names for output, which ends in one of `endings` and is no input.
+
+    Raises `InputError` where it cannot be one.
+    """
     path = Path(name)
+    if path.exists() and any(
+        path.samefile(each) for each in inputs if each and Path(each).exists()
+    ):
+        raise InputError(flag, name, "is a file that is read here", "name another one")
     if path.is_dir():
         raise InputError(flag, name, "is a directory", "name a file")
     if path.exists() and not path.is_file():
@@ -86,4 +94,6 @@ def writable(flag: str, name: str) -> Path:
         raise InputError(flag, name, f"there is no directory {path.parent}", "make it first")
     if not os.access(path.parent, os.W_OK):
         raise InputError(flag, name, f"the directory {path.parent} cannot be written")
+    if path.suffix.lower()[1:] not in endings:
+        raise InputError(flag, name, f"must end in {' or '.join(endings)}")
     return path

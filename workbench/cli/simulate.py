@@ -58,7 +58,7 @@ def simulate(
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
 
-    target = None if out is None else writable("--out", out)
+    target = None if out is None else writable("--out", out, "nc", inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     spreads = _pairs("--spread", spread or [], "velocity=0.1")

@@ -130,13 +130,13 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
             for entry in entries
         ],
     }
-    told: dict[str, list[str]] = {}
+    told: dict[tuple[str, str], list[str]] = {}
     for entry in entries:
         if entry.state is not State.DONE:
             failed = entry.state is State.FAILED
-            said = f"{entry.outcome} ({{}})" if failed else f"to do ({{}}), {entry.reason}"
+            said = (entry.outcome, "") if failed else ("to do", f", {entry.reason}")
             told.setdefault(said, []).append(entry.cell.name)
-    items = tuple(f"{said.format(len(names))}: {several(names)}" for said, names in told.items())
+    items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in told.items())
     line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
     return Answer(content, (Paragraph(line), Bullets(items)))
 

@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from workbench.datafiles import data_directory, own_data_directory
-from workbench.errors import InputError
+from workbench.datafiles import data_directory, open_input, own_data_directory
+from workbench.errors import InputError, one_line
 from workbench.fields import Choice, Declared, Instance, Many, Text, checked, did_you_mean
 from workbench.scenarios.codec import read
 
@@ -17,6 +18,8 @@ CATALOGUE = "catalogue.toml"
 SYNTHETIC = "synthetic"  # the role of made numbers, which show a form and validate nothing
 ROLES = ("calibrate", "validate", "verify", SYNTHETIC)
 OTHER, IMPACT_TESTS, STUD_TESTS = "other", "impact-tests", "stud-tests"  # kinds of tables
+# for readers of tables: only an empty cell is missing; "NA" and "None" are names like any other
+LITERAL: dict[str, Any] = {"keep_default_na": False, "na_values": [""]}
 TEXT, MAYBE = Text(2000), Text(2000, shortest=0)
 TABLE = Instance(dict, read=lambda value, path: Instance(dict).check(path, value))
 
@@ -101,8 +104,26 @@ def dataset(name: str) -> Dataset:
 
 
 def load(name: str) -> pd.DataFrame:
-    """The rows of a dataset."""
-    return pd.read_csv(dataset(name).path)
+    """The rows of a dataset. Raises `InputError` for a file that is no table."""
+    return _rows(dataset(name))
+
+
+def _rows(entry: Dataset) -> pd.DataFrame:
+    place = f"dataset {entry.name}"
+    try:
+        with open_input(entry.path, place) as stream:
+            table = pd.read_csv(stream, low_memory=False, **LITERAL)
+        if not isinstance(table.index, pd.RangeIndex):
+            raise ValueError("its rows have more cells than its header")
+        return table
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # cells too many in a row, other encodings, no text
+        text, advice = (
+            f"cannot be read: {one_line(str(error).strip(), 200)}",
+            "save it as CSV (UTF-8)",
+        )
+        raise InputError(place, str(entry.path), text, advice) from error
 
 
 def check() -> list[str]:
@@ -118,7 +139,11 @@ def _problems(entry: Dataset) -> Iterator[str]:
     if not entry.path.is_file():
         yield f"file {entry.file} is missing"
         return
-    table = pd.read_csv(entry.path, low_memory=False)
+    try:
+        table = _rows(entry)
+    except InputError as error:
+        yield f"{error.allowed}; {error.advice}"
+        return
     given, described = set(table.columns), set(entry.columns)
     yield from (f"column {name} is not described" for name in sorted(given - described))
     yield from (f"column {name} is missing in the file" for name in sorted(described - given))

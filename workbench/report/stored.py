@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from workbench.errors import Collapse, InputError, Mechanism
+from workbench.evidence.catalogue import LITERAL
 from workbench.responses import Finding, Outcome, Response
 from workbench.responses.outcome import SYNTHETIC
 from workbench.study.assess import COLLAPSE
@@ -94,7 +95,7 @@ class Stored:
             if not path.is_file():
                 problem = f"has no table {name} in its store"
                 raise InputError("study", self.study.name, problem, "run it first")
-            table = pd.read_csv(path, dtype=_TEXTS, converters=_LISTS)
+            table = pd.read_csv(path, dtype=_TEXTS, converters=_LISTS, **LITERAL)
             table = table.fillna({name: "" for name in table.columns if name in _TEXTS})
             found[name] = table.astype(object).where(table.notna(), None).to_dict("records")
         return found

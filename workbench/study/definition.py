@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from workbench.assessment import METRICS, Gate, Scope
 from workbench.assessment.variations import Budget
-from workbench.errors import InputError
+from workbench.errors import InputError, one_line
 from workbench.fields import Choice, did_you_mean
 from workbench.responses import VARIABLES
 from workbench.responses.uncertainty import level_names
@@ -287,8 +287,8 @@ class Study:
 
 
 def _named(where: str, name: Any) -> None:
-    if not isinstance(name, str) or not name.strip():
-        raise InputError(where, name, "must be a text that is not empty")
+    if not isinstance(name, str) or not name.strip() or one_line(name, len(name)) != name:
+        raise InputError(where, name, "must be a text in one line that is not empty")
     if len(name) > LONGEST:
         raise InputError(where, f"{name[:40]}...", f"has {len(name)} characters, at most {LONGEST}")
 

@@ -46,9 +46,9 @@ def in_labels(study: Study, text: str) -> str:
     labels: dict[str, str] = {}
     for label, model in study.models.items():
         labels.setdefault(model.name, label)
-    for name, label in labels.items():
-        text = re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-]| --option)", f"{name} ({label})", text)
-    return text
+    names = "|".join(map(re.escape, sorted(labels, key=len, reverse=True)))
+    whole = rf"(?<![\w-])(?:{names})(?![\w-]| --option)"
+    return re.sub(whole, lambda match: f"{match[0]} ({labels[match[0]]})", text)
 
 
 def _columns(impacts: Sequence[ColumnImpact]) -> Iterator[str]:
