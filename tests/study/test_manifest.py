@@ -90,7 +90,7 @@ def test_versions_and_data_are_named(
         patch.setattr(Spring, "data_digest", "abc", raising=False)
         assert set(reasons(small, tmp_path).values()) == {"the data have changed"}
     with monkeypatch.context() as patch:
-        patch.setattr("workbench.study.cells.metadata.version", lambda name: "9.9")
+        patch.setattr("workbench.study.cells.provenance", lambda: {"workbench": "9.9"})
         (text,) = set(reasons(small, tmp_path).values())
         assert text.startswith("workbench version")
         assert text.endswith("-> 9.9")
@@ -122,7 +122,7 @@ def test_the_manifest_describes_the_study(small: Study, tmp_path: Path) -> None:
     assert manifest["labels"]["soft"] == {
         "model": "toy-spring",
         "version": 1,
-        "options": {"stiffness": 4e6, "level": 0, "error": 0.0, "delay": 0.0},
+        "options": dataclasses.asdict(small.models["soft"]),
         "assumptions": ["Linear spring, no mass but the striker's."],
         "sources": [],
     }

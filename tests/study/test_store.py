@@ -7,14 +7,26 @@ import hashlib
 import json
 import os
 from pathlib import Path
+from time import process_time
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from workbench.errors import InputError
+from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
-from workbench.study import State, Store, Study, assess, cells_of, run_study, survey
-from workbench.study.store import Presence, canonical_json, write_atomically
+from workbench.responses import Outcome, failed_response, provenance
+from workbench.scenarios import ColumnImpact
+from workbench.study import Case, State, Store, Study, assess, cells_of, run_study, survey
+from workbench.study.store import (
+    Presence,
+    canonical_json,
+    read_netcdf,
+    to_netcdf_bytes,
+    write_atomically,
+)
 
 
 @pytest.fixture
@@ -192,3 +204,47 @@ def test_a_link_planted_where_a_file_is_prepared_is_not_followed(tmp_path: Path)
     (tmp_path / f"table.csv.{os.getpid()}.partial").symlink_to(precious)
     write_atomically(tmp_path / "table.csv", b"new")
     assert (precious.read_text(), (tmp_path / "table.csv").read_bytes()) == ("precious", b"new")
+
+
+def test_stored_answers_are_read_as_xarray_reads_them(
+    thesis_impact: ColumnImpact, tmp_path: Path
+) -> None:
+    hit = FourDof().simulate(thesis_impact)
+    own = hit.assign(
+        {
+            "toy.words": ("toy", ["a", "b"], {"units": "1", "long_name": "words"}),
+            "toy.flags": ("toy", [True, False], {"units": "1", "long_name": "flags"}),
+            "toy.counts": ("toy", np.array([1, 2], dtype=np.int32), {"units": "1"}),
+        }
+    )
+    failed = failed_response(Outcome.CRASHED, "no reason")
+    for response in (hit, own, own.assign_coords(toy=["x", "y"], at=("toy", [0.1, 0.2])), failed):
+        path = tmp_path / "cell.nc"
+        path.write_bytes(to_netcdf_bytes(response))
+        expected = xr.open_dataset(path, decode_times=False).load().drop_encoding()
+        read = read_netcdf(path)
+        xr.testing.assert_identical(read, expected)
+        assert {n: v.dtype for n, v in read.variables.items()} == {
+            name: variable.dtype for name, variable in expected.variables.items()
+        }
+        assert not set(read.xindexes) ^ set(expected.xindexes)
+
+
+def test_cells_cost_the_same_whatever_their_number(
+    small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    provenance()  # read once, for all cells
+    monkeypatch.setattr("importlib.metadata.version", lambda name: pytest.fail(f"{name} again"))
+    assert len(cells_of(small)) == 4
+
+
+@pytest.mark.slow
+def test_six_thousand_cells_are_assessed_in_ten_seconds(small: Study, tmp_path: Path) -> None:
+    hit = small.cases[0].scenario
+    speeds = np.linspace(3.0, 20.0, 3000).tolist()
+    cases = tuple(Case(f"v{i}", hit.at_velocity(v)) for i, v in enumerate(speeds))
+    many = dataclasses.replace(small, cases=cases)
+    run_study(many, tmp_path, jobs=0)
+    begin = process_time()
+    assert len(assess(many, tmp_path).responses) == 6000
+    assert process_time() - begin <= 10.0

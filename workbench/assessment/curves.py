@@ -36,7 +36,7 @@ def product_integral(time: Array, first: Array, second: Array) -> float:
     return float(np.sum(step * (ends + a[:-1] * b[1:] + a[1:] * b[:-1])) / 6.0)
 
 
-def _energies(response: Response, reference: Response, quantity: str) -> tuple[float, ...]:
+def _energies(response: Response, reference: Response, quantity: str) -> tuple[float, float, float]:
     time, values, held_against = overlap(response, reference, quantity)
     # scaled, so that squares neither overflow nor vanish
     top, top_reference = float(np.max(np.abs(values))), float(np.max(np.abs(held_against)))
@@ -50,6 +50,17 @@ def _energies(response: Response, reference: Response, quantity: str) -> tuple[f
     )
 
 
+def _magnitude(own: float, held_against: float) -> float:
+    return float(np.sqrt(own / held_against) - 1.0)
+
+
+def _phase(own: float, held_against: float, mixed: float) -> float:
+    cosine = mixed / np.sqrt(own * held_against)
+    if cosine > 1.0 - 1e-14:  # equal histories: acos would blow rounding up to 1e-8
+        return 0.0
+    return float(np.arccos(max(cosine, -1.0)) / np.pi)
+
+
 @metric("Sprague-Geers M", Scope.HISTORY, "sprague-geers", low=-1.0)
 def sprague_geers_magnitude(response: Response, reference: Response, quantity: str) -> float:
     """Ratio of root-mean-square levels less one; blind to phase.
@@ -57,8 +68,7 @@ def sprague_geers_magnitude(response: Response, reference: Response, quantity: s
     M = sqrt(Scc/Stt) - 1. Raises `InputError` as `overlap` does, and if one history is zero
     throughout.
     """
-    own, held_against, _ = _energies(response, reference, quantity)
-    return float(np.sqrt(own / held_against) - 1.0)
+    return _magnitude(*_energies(response, reference, quantity)[:2])
 
 
 @metric("Sprague-Geers P", Scope.HISTORY, "sprague-geers", low=0.0, high=1.0, swap=Swap.SAME)
@@ -67,11 +77,7 @@ def sprague_geers_phase(response: Response, reference: Response, quantity: str) 
 
     P = acos(Sct / sqrt(Scc Stt)) / pi. Raises `InputError` as the magnitude does.
     """
-    own, held_against, mixed = _energies(response, reference, quantity)
-    cosine = mixed / np.sqrt(own * held_against)
-    if cosine > 1.0 - 1e-14:  # equal histories: acos would blow rounding up to 1e-8
-        return 0.0
-    return float(np.arccos(max(cosine, -1.0)) / np.pi)
+    return _phase(*_energies(response, reference, quantity))
 
 
 @metric("Sprague-Geers C", Scope.HISTORY, "sprague-geers", low=0.0)
@@ -80,9 +86,8 @@ def sprague_geers_comprehensive(response: Response, reference: Response, quantit
 
     Raises `InputError` as the magnitude does.
     """
-    first = sprague_geers_magnitude(response, reference, quantity)
-    second = sprague_geers_phase(response, reference, quantity)
-    return float(np.hypot(first, second))
+    energies = _energies(response, reference, quantity)
+    return float(np.hypot(_magnitude(*energies[:2]), _phase(*energies)))
 
 
 def _residuals(response: Response, reference: Response, quantity: str) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 Going through `xarray.Dataset(coords=...)` takes several times as long as solving the SDOF column.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -26,16 +26,19 @@ def variable_of(kind: Any, dims: tuple[Any, ...], data: Any, attributes: dict[st
     return one
 
 
-def axis_of(name: str, values: Sequence[Any] | Array) -> tuple[PandasIndex, xr.Variable]:
-    """A coordinate of a response: its index and its variable."""
+def axis_of(
+    name: str, values: Sequence[Any] | Array, attributes: Mapping[str, Any] | None = None
+) -> tuple[PandasIndex, xr.Variable]:
+    """A coordinate of a response: its index and its variable; None: the standard attributes."""
     if isinstance(values, np.ndarray) and values.dtype == np.float64:  # the rest is for asking
         known = pd.Index._simple_new(values, name=name)  # type: ignore[attr-defined]
         index = PandasIndex(known, name, values.dtype, fastpath=True)
     else:
         known = pd.Index(values, name=name)
-        index = PandasIndex(known, name)
+        index = PandasIndex(known, name, getattr(values, "dtype", None))
     held = PandasIndexingAdapter(known, index.coord_dtype)
-    return index, variable_of(xr.IndexVariable, (name,), held, _ATTRIBUTES[name])
+    own = _ATTRIBUTES[name] if attributes is None else dict(attributes)
+    return index, variable_of(xr.IndexVariable, (name,), held, own)
 
 
 def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:

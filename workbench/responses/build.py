@@ -93,6 +93,24 @@ def build_response(
     return response
 
 
+def response_of(
+    arrays: Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]],
+    attributes: Mapping[str, Any],
+) -> Response:
+    """A response from its dimensions, arrays and attributes by name, known to fit, and its own."""
+    variables: dict[Any, xr.Variable] = {}
+    sizes: dict[Any, int] = {}
+    indexes: dict[Any, Any] = {}
+    for name, (dims, values, told) in arrays.items():
+        sizes.update(zip(dims, values.shape, strict=True))
+        if dims == (name,):
+            words = values.astype(str) if values.dtype == object else values
+            indexes[name], variables[name] = axis_of(name, words, told)
+        else:
+            variables[name] = variable_of(xr.Variable, dims, values, dict(told))
+    return xr.Dataset._construct_direct(variables, set(indexes), sizes, dict(attributes), indexes)
+
+
 def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] = ()) -> Response:
     """A response without variables that says how the attempt ended and what to do.
 

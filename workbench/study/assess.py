@@ -104,10 +104,13 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     rows: dict[str, list[Row]] = {"cells": [], "findings": []}
     read: dict[str, Response] = {}
     given = []
+    by_case: dict[str, list[Cell]] = {}
+    for cell in cells:
+        by_case.setdefault(cell.case, []).append(cell)
     for case in study.cases:
         responses: dict[str, Response] = {}
         told: list[Row] = []
-        asked = [cell for cell in cells if cell.case == case.name]
+        asked = by_case.get(case.name, [])
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
             row = {**who, "model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}

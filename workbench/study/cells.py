@@ -5,11 +5,11 @@ import hashlib
 import json
 import pickle
 from dataclasses import dataclass
-from importlib import metadata
 from typing import Any
 
 from workbench.errors import InputError
 from workbench.models.base import Model, on_one_mesh, options_of
+from workbench.responses import provenance
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients
@@ -64,7 +64,7 @@ def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
         "model_version": model.version,
         "options": options,
         "data": str(getattr(model, "data_digest", "")),
-        "package": metadata.version("workbench"),
+        "package": provenance()["workbench"],
         "store_format": STORE_FORMAT,
     }
 

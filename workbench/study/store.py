@@ -21,11 +21,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import netCDF4
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.responses import Outcome, Response
+from workbench.responses import Outcome, Response, response_of
 
 TEMPORARY = ".partial"
 NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored
@@ -44,6 +45,10 @@ _RECORDED: dict[str, Any] = {
 
 # What reading a record of any content may raise: not there, no JSON, other shapes, too deep.
 _UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
+
+# What is stored as it is: types, and the attributes that say otherwise.
+_PLAIN = (np.dtype(np.float64), np.dtype(np.int64), str)
+_CODED = {"_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates"}
 
 T = TypeVar("T")
 Record = dict[str, Any]
@@ -305,5 +310,11 @@ def _answers(stored: netCDF4.Dataset, asked: Ingredients, outcome: str) -> bool:
 
 def _loaded(stored: netCDF4.Dataset) -> Response:
     """The response in a file that is open (times stay in seconds)."""
+    stored.set_auto_maskandscale(False)
+    held = stored.variables.items()
+    plain = all(one.dtype in _PLAIN and not _CODED & set(one.ncattrs()) for _, one in held)
+    if plain and not stored.groups:  # nothing to decode: by the short way, as it was built
+        arrays = {name: (one.dimensions, one[...], one.__dict__) for name, one in held}
+        return response_of(arrays, stored.__dict__)
     source = xr.backends.NetCDF4DataStore(stored)  # type: ignore[no-untyped-call]
     return xr.open_dataset(source, decode_times=False).load().drop_encoding()
