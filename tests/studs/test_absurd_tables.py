@@ -11,9 +11,10 @@ import pytest
 
 from workbench.cli import run
 from workbench.intake import check_file
-from workbench.studs import POINTS, TESTS, fit_load_slip, fit_residual, fit_strength
+from workbench.studs import POINTS, TESTS, fit_load_slip, fit_residual, fit_strength, shipped
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.reading import from_frame
+from workbench.studs.suspicion import suspicions
 
 Maker = Callable[..., pd.DataFrame]
 
@@ -37,6 +38,31 @@ ABSURD: dict[str, tuple[pd.DataFrame, str]] = {
     "loads of two studs": (
         push_outs(shear_kN=lambda t: 1.9 * t["shear_kN"], fu_MPa=np.nan, fcm_MPa=31.0),
         "",  # without the strength of the stud nothing tells
+    ),
+    "one load of two studs": (
+        push_outs(shear_kN=[101.3, 108.4, 97.2, 104.9, 110.6, 1.86 * 470 * 283.53e-3]),
+        "shear of our lab s5 is up to 1.86 times the tensile strength of the shank: the load of "
+        "two studs entered as one?",
+    ),
+    "all loads of two studs": (
+        push_outs(shear_kN=lambda t: 2.0 * t["shear_kN"]), "loads of two studs, or of the specimen",
+    ),
+    "a slip of the pen": (
+        push_outs(shear_kN=[101.3, 108.4, 97.2, 104.9, 110.6, 19.98]), "outlier: our lab s5, ",
+    ),
+    "remaining life": (
+        push_outs(**DAMAGED, undamaged_shear_kN=160.0,
+                  shear_kN=[64.0, 71.0, 96.0, 101.0, 129.0, 143.0]),
+        "strength left after fatigue rises with the damage (life fraction) in 6 tests: is the life "
+        "that remains given instead of the damage?",
+    ),
+    "damage": (
+        push_outs(**DAMAGED, undamaged_shear_kN=160.0,
+                  shear_kN=[143.0, 129.0, 101.0, 96.0, 71.0, 64.0]), "",
+    ),
+    "no loss": (
+        push_outs(**DAMAGED, undamaged_shear_kN=104.0,
+                  shear_kN=[103.0, 106.0, 101.0, 105.0, 108.0, 104.0]), "",
     ),
     "loads of the specimen": (
         push_outs(shear_kN=lambda t: 4.0 * t["shear_kN"]),
@@ -80,7 +106,9 @@ def test_data_check_names_the_suspicion(name: str, tmp_path: Path) -> None:
         assert any(said in text for text in (*problems, *doubts)), (problems, doubts)
 
 
-@pytest.mark.parametrize("name", ["kip", "slips in inches", "one test under two names"])
+@pytest.mark.parametrize(
+    "name", ["kip", "slips in inches", "one test under two names", "one load of two studs"]
+)
 def test_fits_of_strength_warn(name: str) -> None:
     table, said = ABSURD[name]
     fit = fit_strength(from_frame(table, TESTS), "roik-mean")
@@ -88,7 +116,7 @@ def test_fits_of_strength_warn(name: str) -> None:
     assert fit.findings[0].subject == "data"
 
 
-@pytest.mark.parametrize("name", ["swapped references", "copied column"])
+@pytest.mark.parametrize("name", ["swapped references", "copied column", "remaining life"])
 def test_fits_of_what_is_left_warn(name: str) -> None:
     table, said = ABSURD[name]
     assert said in fit_residual(from_frame(table, TESTS)).findings[0].text
@@ -150,3 +178,13 @@ def test_outliers_are_named_and_may_weigh_less(damaged: Maker) -> None:
     clean = fit_residual(table.drop(index=3)).left([0.8])[0]
     robust = fit_residual(table, loss="bisquare").left([0.8])[0]
     assert abs(robust - clean) < 0.5 * abs(fit.left([0.8])[0] - clean)
+
+
+def test_an_outlier_is_told_once() -> None:
+    table = from_frame(ABSURD["a slip of the pen"][0], TESTS)
+    found = [each for each in fit_strength(table, "aisc360").findings if each.subject == "outlier"]
+    assert len(found) == 1
+
+
+def test_shipped_tables_look_right() -> None:
+    assert suspicions(shipped("stud-push-out")) == []

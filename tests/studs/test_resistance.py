@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.studs import INTERACTIONS, SHEAR_MODELS, shear_model
+from workbench.studs import INTERACTIONS, SHEAR_MODELS, strength_formula
+from workbench.studs.formulas import characteristic_strength
 from workbench.studs.quantities import concrete_modulus, specimens
-from workbench.studs.shear import characteristic_strength
 
 D, H, FC, EC, FU = 0.019, 0.1, 30e6, 32e9, 450e6
 AREA = pi * D**2 / 4
@@ -72,7 +72,7 @@ def test_moduli_and_strengths() -> None:
 
 def test_an_unknown_formula_is_refused() -> None:
     with pytest.raises(InputError, match="must be one of en1994"):
-        shear_model("en1995")
+        strength_formula("en1995")
 
 
 def test_ranges_of_the_codes_are_told(push_outs: pd.DataFrame) -> None:
@@ -94,6 +94,8 @@ def test_resistances_grow_with_strength_and_by_the_square_of_size(
     d: float, fc: float, fu: float, scale: float
 ) -> None:
     for model in SHEAR_MODELS.values():
+        if model.cone:  # grows by the power 1.5 of the size
+            continue
         base = model.resistance(d, 5 * d, fc, 30e9, fu)
         assert model.resistance(scale * d, 5 * scale * d, fc, 30e9, fu) == pytest.approx(
             float(base) * scale**2

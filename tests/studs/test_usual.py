@@ -2,7 +2,7 @@
 
 import pytest
 
-from workbench.studs.shear import SHEAR_MODELS, usual_stud
+from workbench.studs.formulas import SHEAR_MODELS, usual_stud
 
 
 @pytest.mark.parametrize(

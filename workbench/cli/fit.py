@@ -77,19 +77,30 @@ def _verb(name: str, kind: type[Common]) -> Callable[[Callable[..., Found]], Non
 
 @_verb("stud-strength", StrengthOptions)
 def stud_strength(options: StrengthOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> Found:
-    """Judge and fit formulas of shear strength.
+    """Judge and fit formulas of strength.
 
-    Undamaged headed studs in solid slabs with use_for_fit = 1; with EN 1990 D.8 and EN 1994-1-1
-    Annex B.2. Campaigns that validate are kept out of the fit.
+    Undamaged headed studs in solid slabs with use_for_fit = 1; with EN 1990 D.8 and, under shear,
+    EN 1994-1-1 Annex B.2. Campaigns that validate are kept out of the fit.
     """
-    from workbench.studs import POINTS, SHEAR_MODELS, TESTS, evaluate_groups, examine
+    from workbench.studs import (
+        POINTS,
+        SHEAR_MODELS,
+        TESTS,
+        evaluate_groups,
+        examine,
+        strength_formula,
+    )
     from workbench.studs.fit_protocol import plain
+    from workbench.studs.statistics.scatter import rank_scatters
 
     specified = USUAL_SPECIFIED if options.specified is None else options.specified
     TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
     contents: list[Content] = []
     left_out: dict[str, Exception] = {}
-    for name in options.model or list(SHEAR_MODELS):
+    names = options.model or list(SHEAR_MODELS)
+    if len({strength_formula(name).load for name in names}) > 1:
+        raise InputError("--model", ", ".join(names), "must all be of shear, or all of tension")
+    for name in names:
         try:
             contents.append(_formula(fitted, held, name, options))
         except (InputError, OutOfDomainError) as error:
@@ -99,9 +110,14 @@ def stud_strength(options: StrengthOptions, fitted: pd.DataFrame, held: pd.DataF
     if not contents:
         raise next(iter(left_out.values()))
     curves = None if options.points is None else examine(options.points, POINTS).accept()
-    series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
+    series = []
+    if contents[0]["fit"]["load"] == "shear":
+        series = evaluate_groups(fitted, curves, specified_strength=1e6 * specified)
     not_fitted = {name: str(why) for name, why in left_out.items()}
-    return {"models": contents, "not_fitted": not_fitted, "series": plain(series)}, fitted, held
+    tests = {content["fit"]["model"]: content["tests"] for content in contents}
+    best, rivals = rank_scatters(tests, options.confidence)
+    found = {"models": contents, "not_fitted": not_fitted, "series": plain(series)}
+    return {**found, "least_scatter": best, "rivals": rivals}, fitted, held
 
 
 @_verb("load-slip", LoadSlipOptions)

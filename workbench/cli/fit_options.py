@@ -40,7 +40,11 @@ class Common:
 class StrengthOptions(Common):
     """Options of `workbench fit stud-strength`."""
 
-    model: Names = _option("A formula.  [default: all]", None, "NAME")
+    model: Names = _option(
+        "A formula; of pull-outs en1992-, aci318-, aisc360-tension.  [default: all of shear]",
+        None,
+        "NAME",
+    )
     trend: Names = _option("Fit the exponent that a formula misses in it.", None, "VARIABLE")
     factor: Names = _option("Fit this factor of the formula itself.", None, "steel|concrete")
     loss: str = _option("linear, huber or bisquare.", "linear", "NAME")

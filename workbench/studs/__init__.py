@@ -4,6 +4,8 @@ The mechanical model is in `workbench.studs.mechanical`, which needs the compile
 """
 
 from workbench.studs.factors_fit import fit_factors as fit_factors
+from workbench.studs.formulas import SHEAR_MODELS as SHEAR_MODELS
+from workbench.studs.formulas import strength_formula as strength_formula
 from workbench.studs.interaction import INTERACTIONS as INTERACTIONS
 from workbench.studs.load_slip import LAWS as LAWS
 from workbench.studs.load_slip import BilinearLaw as BilinearLaw
@@ -21,8 +23,6 @@ from workbench.studs.schema import POINTS as POINTS
 from workbench.studs.schema import TESTS as TESTS
 from workbench.studs.series import evaluate_groups as evaluate_groups
 from workbench.studs.series import evaluate_series as evaluate_series
-from workbench.studs.shear import SHEAR_MODELS as SHEAR_MODELS
-from workbench.studs.shear import shear_model as shear_model
 from workbench.studs.statistics.annex_d import evaluate_d8 as evaluate_d8
 from workbench.studs.strength_fit import StrengthFit as StrengthFit
 from workbench.studs.strength_fit import fit_strength as fit_strength

@@ -9,9 +9,9 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.damage import damage_of
+from workbench.studs.formulas import strength_formula
 from workbench.studs.quantities import equal_studs, specimens
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, PREDICTED
-from workbench.studs.shear import shear_model
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
@@ -71,7 +71,7 @@ def predicted_references(table: pd.DataFrame) -> pd.DataFrame:
     `LEAST_UNDAMAGED` of them: nothing then tells how far the formula is off.
     """
     tests = specimens(table)
-    formula = pd.Series(shear_model(FORMULA).of(tests), index=table.index)
+    formula = pd.Series(strength_formula(FORMULA).of(tests), index=table.index)
     whole = (table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
     whole &= (table["connector"] == HEADED) & (table["test"] == "push-out")
     bias = (1e3 * table["shear_kN"].astype(float) / formula)[whole].dropna()

@@ -1,7 +1,7 @@
 """Studs in profiled decks: what EN 1994-1-1 and AISC 360 take off the resistance in a solid slab.
 
-Recalled, not read again: EN 1994-1-1, 6.6.4 (k_l and k_t) and AISC 360-22, I8.2a (R_g and R_p). The
-limit of f_u of 6.6.4.2 is not applied. Check the code before relying on a number. Units: SI.
+EN 1994-1-1, 6.6.4 (k_l and k_t) is recalled, not read again; AISC 360-22, I8.2a (R_g and R_p) was
+read in optical recognition. Check the code before relying on a number. Units: SI.
 """
 
 from typing import NamedTuple

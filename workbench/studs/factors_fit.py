@@ -13,13 +13,13 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.fit_protocol import Content, Fit, Fitted, Judgement, fitted, judge
+from workbench.studs.formulas import Formula, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
-from workbench.studs.shear import ShearModel, shear_model
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.problem import Prediction, problem
 from workbench.studs.tables import identity_of
 
-FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 5.0)}  # bounds that no sensible fit reaches
+FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 200.0)}  # bounds that no sensible fit reaches
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class FactorFit(Fit):
     `governed_by_steel`, share of the tests, all in one kind of `slab`.
     """
 
-    model: ShearModel
+    model: Formula
     fitted: Fitted
     governed_by_steel: float
     slab: str
@@ -38,9 +38,9 @@ class FactorFit(Fit):
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Judge the fitted formula by tests that the fit has not used. Raises `InputError`."""
         self.identity.refuse_overlap(table)
-        rows = undamaged_headed_studs(table, self.slab)
+        rows = undamaged_headed_studs(table, self.slab, self.model.load)
         tests = specimens(rows)
-        return judge(rows, tests.shear, self.model.of(tests), confidence)
+        return judge(rows, tests.under(self.model.load), self.model.of(tests), confidence)
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -57,7 +57,7 @@ class FactorFit(Fit):
 
 def fit_factors(
     table: pd.DataFrame,
-    model: str | ShearModel = "roik-mean",
+    model: str | Formula = "roik-mean",
     factors: Sequence[str] = ("concrete",),
     *,
     loss: str = "linear",
@@ -66,23 +66,25 @@ def fit_factors(
 ) -> FactorFit:
     """Fit factors of a formula to the undamaged headed studs of a table.
 
-    Arguments: `model`, name or `ShearModel`, gives the start and the factors that are held;
+    Arguments: `model`, name or `Formula`, gives the start and the factors that are held;
     `factors` out of ``steel`` and ``concrete``; the rest as in `fit_strength`. Raises `InputError`
     for a factor whose term governs no test.
     """
-    chosen = shear_model(model) if isinstance(model, str) else model
+    chosen = strength_formula(model) if isinstance(model, str) else model
     for name in factors:
         Choice(tuple(FACTORS)).check("factors", name)
         if name == "steel" and np.isinf(chosen.steel_factor):
             raise InputError("factors", name, f"{chosen.title} has no steel term")
-    rows = undamaged_headed_studs(table, slab)
+    if np.isinf(chosen.concrete_factor) or np.isfinite(chosen.head_factor):
+        raise InputError("factors", chosen.name, "must have one term of concrete to fit factors")
+    rows = undamaged_headed_studs(table, slab, chosen.load)
     rows = rows[np.isfinite(chosen.of(specimens(rows)))].reset_index(drop=True)
     tests = specimens(rows)
     names, predict = tuple(factors), prediction(tests, chosen, tuple(factors))
     start = np.log([getattr(chosen, f"{name}_factor") for name in names])
     low, high = np.log([FACTORS[name] for name in names]).T
-    shear = np.log(tests.shear)
-    given = problem(shear, tests.campaign, predict, names, start, lower=low, upper=high)
+    load = np.log(tests.under(chosen.load))
+    given = problem(load, tests.campaign, predict, names, start, lower=low, upper=high)
     try:
         estimate = fit_robust(given, loss)
     except InputError as error:
@@ -99,7 +101,7 @@ def fit_factors(
     return FactorFit(*own, rows=rows, findings=findings, identity=identity_of(rows))
 
 
-def prediction(tests: Specimens, model: ShearModel, factors: tuple[str, ...]) -> Prediction:
+def prediction(tests: Specimens, model: Formula, factors: tuple[str, ...]) -> Prediction:
     """Logarithm of the resistance as a function of the logarithms of `factors`."""
     # terms for a factor of 1, so that a prediction costs a minimum of two arrays
     steel, concrete = (np.log(term) for term in model.scaled(steel=1.0, concrete=1.0).terms(tests))

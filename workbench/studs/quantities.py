@@ -19,12 +19,17 @@ DENSITY_MODULUS = 0.043e6  # Pa; Ec = 0.043 w^1.5 sqrt(fc / MPa) MPa, AISC 360 a
 # specimens be 10 % off what was intended (recalled)
 LIKE_CONCRETE = 0.1
 NORMAL_WEIGHT_FROM = 2160.0  # kg/m3
+HEAD_DIAMETER, HEAD_HEIGHT = 1.65, 0.5  # of usual heads over the diameter, ISO 13918 (recalled)
 COLUMNS = {  # quantity: its column in a table of tests, and its unit there in SI
     "diameter": ("diameter_mm", 1e-3),
     "height": ("height_mm", 1e-3),
     "density": ("density_kg_per_m3", 1.0),
     "ultimate_strength": ("fu_MPa", 1e6),
+    "head_diameter": ("head_diameter_mm", 1e-3),
+    "embedment": ("embedment_mm", 1e-3),
+    "free_width": ("free_width_mm", 1e-3),
     "shear": ("shear_kN", 1e3),
+    "tension": ("tension_kN", 1e3),
     "slip_at_max": ("slip_at_max_mm", 1e-3),
 }
 
@@ -32,6 +37,11 @@ COLUMNS = {  # quantity: its column in a table of tests, and its unit there in S
 def shank_area(diameter: ArrayLike) -> Array:
     """Area of the shank, pi d^2 / 4, in m2, for diameters in m."""
     return np.asarray(0.25 * np.pi * np.square(np.asarray(diameter, float)))
+
+
+def embedment_of(diameter: Array, height: Array) -> Array:
+    """Embedment (n,) in m of studs with usual heads, to the underside of the head."""
+    return np.asarray(height - HEAD_HEIGHT * diameter)
 
 
 def concrete_modulus(strength: ArrayLike, density: ArrayLike | None = None) -> Array:
@@ -49,8 +59,9 @@ def concrete_modulus(strength: ArrayLike, density: ArrayLike | None = None) -> A
 class Specimens:
     """Tests as arrays (n,) in SI units; NaN where not reported.
 
-    `diameter`, `height` in m; `concrete_strength`, `concrete_modulus`,
-    `ultimate_strength`, in Pa; `shear` per stud in N; `slip_at_max` in m.
+    `diameter`, `height`, `embedment` and `head_diameter` (those of a usual head where not reported)
+    and `free_width` of the concrete in m; `concrete_strength`, `concrete_modulus`,
+    `ultimate_strength`, in Pa; `shear` and `tension` per stud in N; `slip_at_max` in m.
     `decks` around them (None: solid slabs). `modulus_measured` says where the modulus was measured
     and not taken from a formula.
     """
@@ -63,7 +74,11 @@ class Specimens:
     modulus_measured: Flags
     density: Array
     ultimate_strength: Array
+    head_diameter: Array
+    embedment: Array
+    free_width: Array
     shear: Array
+    tension: Array
     slip_at_max: Array
     decks: Decks | None = None
 
@@ -76,6 +91,27 @@ class Specimens:
     def slenderness(self) -> Array:
         """Height over diameter."""
         return np.asarray(self.height / self.diameter)
+
+    def under(self, load: str) -> Array:
+        """Largest loads (n,) in N under ``shear`` or ``tension``."""
+        return self.tension if load == "tension" else self.shear
+
+    def quantity(self, name: str) -> Array:
+        """A quantity (n,) by its name, also of the decks; NaN where it is not known."""
+        if name == "above_deck":
+            return self.height - self.quantity("deck_depth")
+        if name.startswith("deck_"):
+            nothing = np.full(len(self), np.nan)
+            return getattr(self.decks, name.removeprefix("deck_"), nothing)
+        return np.asarray(getattr(self, name))
+
+    def where(self, kind: str) -> Flags:
+        """Tests (n,) in ``lightweight`` concrete, in ``decks``, with ribs ``across``, or all."""
+        if kind == "lightweight":
+            return np.asarray(self.density < NORMAL_WEIGHT_FROM)
+        if not kind or self.decks is None:
+            return np.full(len(self), not kind)
+        return self.decks.profiled & ~(self.decks.parallel & (kind == "across"))
 
     def __len__(self) -> int:
         return len(self.diameter)
@@ -92,6 +128,9 @@ def specimens(table: pd.DataFrame) -> Specimens:
     light = known["density"] < NORMAL_WEIGHT_FROM
     computed = concrete_modulus(strength, known["density"])
     modulus = np.where(light, computed, concrete_modulus(strength))
+    diameter, height = known["diameter"], known["height"]
+    usual = {"head_diameter": HEAD_DIAMETER * diameter, "embedment": embedment_of(diameter, height)}
+    known |= {n: np.where(np.isfinite(known[n]), known[n], usual[n]) for n in usual}
     return Specimens(
         campaign=table["campaign"].to_numpy(object),
         concrete_strength=strength,
@@ -114,6 +153,16 @@ def equal_studs(table: pd.DataFrame, row: pd.Series) -> pd.DataFrame:
     return alike
 
 
+_SHOWN = 5  # tests that one sentence names
+
+
+def named(rows: pd.DataFrame) -> str:
+    """The tests of rows by campaign and specimen, the first few of many."""
+    names = [f"{a} {b}" for a, b in zip(rows["campaign"], rows["specimen"], strict=True)]
+    more = [f"and {len(names) - _SHOWN} more"] * (len(names) > _SHOWN)
+    return ", ".join([*names[:_SHOWN], *more])
+
+
 def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
     if column not in table.columns:
         return np.full(len(table), np.nan)
@@ -123,23 +172,28 @@ def _si(table: pd.DataFrame, column: str, factor: float) -> Array:
 SLABS = ("solid", "deck", "any")
 
 
-def undamaged_headed_studs(table: pd.DataFrame, slab: str = "solid") -> pd.DataFrame:
+LOADS = {"shear": "push-out", "tension": "pull-out"}  # and the tests under it alone
+
+
+def undamaged_headed_studs(
+    table: pd.DataFrame, slab: str = "solid", load: str = "shear"
+) -> pd.DataFrame:
     """Rows that a fit of the undamaged headed stud in a kind of slab may use.
 
-    `use_for_fit` = 1, a headed stud, no pre-damage, loaded in shear alone; `slab`, one of `SLABS`,
-    a profiled deck making the difference. Raises `InputError` when none is left, saying what took
-    the rows away.
+    `use_for_fit` = 1, a headed stud, no pre-damage, under one `load` alone (in `LOADS`); `slab`,
+    one of `SLABS`, a profiled deck making the difference. Raises `InputError` when none is left,
+    saying what took the rows away.
     """
     Choice(SLABS).check("slab", slab)
     in_deck = profiled(table).to_numpy(bool)
     conditions = {
         "in a profiled deck": ~in_deck | (slab != "solid"),
         "in no profiled deck": in_deck | (slab != "deck"),
-        "no push-out": table["test"] == "push-out",
+        f"no {LOADS[load]}": table["test"] == LOADS[load],
         "use_for_fit is 0": table["use_for_fit"] == 1.0,
         "another connector than a headed stud": table["connector"] == HEADED,
         "after pre-damage": table["predamage"] == NO_PREDAMAGE,
-        "no shear_kN": np.isfinite(table["shear_kN"].astype(float)),
+        f"no {load}_kN": np.isfinite(table[f"{load}_kN"].astype(float)),
     }
     kept = np.logical_and.reduce([np.asarray(each) for each in conditions.values()])
     if not kept.any():

@@ -7,8 +7,8 @@ import pandas as pd
 
 from workbench.responses import Finding
 from workbench.studs.deck import assumed, profiled
-from workbench.studs.quantities import Specimens
-from workbench.studs.shear import ShearModel
+from workbench.studs.formulas import Formula
+from workbench.studs.quantities import Specimens, named, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 from workbench.studs.statistics.problem import Problem
 
@@ -16,9 +16,9 @@ ABOVE_STEEL = 1.0
 FEW_CAMPAIGNS = 5
 
 
-def measurement_of(kept: pd.DataFrame) -> float | None:
+def measurement_of(kept: pd.DataFrame, load: str) -> float | None:
     """Root mean square of the relative uncertainty of the loads, if all rows report it."""
-    relative = kept["shear_uncertainty_kN"].to_numpy(float) / kept["shear_kN"].to_numpy(float)
+    relative = (kept[f"{load}_uncertainty_kN"] / kept[f"{load}_kN"]).to_numpy(float)
     return float(np.sqrt(np.mean(relative**2))) if np.all(np.isfinite(relative)) else None
 
 
@@ -32,11 +32,12 @@ def _stiffer(tests: Specimens) -> str:
 
 
 def strength_findings(
-    kept: pd.DataFrame, tests: Specimens, model: ShearModel, given: Problem
+    kept: pd.DataFrame, tests: Specimens, model: Formula, given: Problem
 ) -> Iterator[Finding]:
     """What a fit to tests warns of."""
     yield from model.findings(tests)
-    above = int(np.sum(tests.shear / (tests.area * tests.ultimate_strength) > ABOVE_STEEL))
+    strongest = tests.area * tests.ultimate_strength
+    above = int(np.sum(tests.under(model.load) / strongest > ABOVE_STEEL))
     if above:
         yield Finding(
             "shank",
@@ -51,17 +52,27 @@ def strength_findings(
             f"{given.count} tests: EN 1990 has no factor of the design value for fewer than "
             f"{LEAST_FOR_DESIGN} with unknown scatter",
         )
-    if measurement_of(kept) is None:
+    if measurement_of(kept, model.load) is None:
         text = "the uncertainty of the measured loads is not reported: it stays in sigma"
         yield Finding("measurement", text)
     computed = int(np.sum(~tests.modulus_measured))
-    if computed:
+    if computed and model.powers[-1]:
         yield Finding(
             "modulus",
             f"the modulus of concrete is computed as 4733 sqrt(fc) MPa (ACI 318), not measured, in "
             f"{computed} tests; 22 (fc/10)^0.3 GPa of EN 1992-1-1 is {_stiffer(tests)} more and "
             "would raise predictions that the concrete governs: give Ecm_MPa to use another",
         )
+
+
+def other_slabs(table: pd.DataFrame, slab: str, load: str) -> Iterator[Finding]:
+    """That tests in the other kind of slab are left out, and which."""
+    every = undamaged_headed_studs(table, "any", load)
+    others = every[profiled(every) == (slab == "solid")]
+    if slab != "any" and len(others):
+        kind, other = ("profiled decks", "deck") if slab == "solid" else ("solid slabs", "solid")
+        text = f"{len(others)} of {len(every)} tests in {kind} are left out: {named(others)}"
+        yield Finding("tests", text, remedy=f"--slab {other}", number=float(len(others)))
 
 
 def deck_findings(kept: pd.DataFrame) -> Iterator[Finding]:
@@ -71,7 +82,7 @@ def deck_findings(kept: pd.DataFrame) -> Iterator[Finding]:
         yield Finding("stud", f"decks: not told, so assumed: {text}")
 
 
-def left_without_value(count: int, total: int, model: ShearModel) -> Iterator[Finding]:
+def left_without_value(count: int, total: int, model: Formula) -> Iterator[Finding]:
     """That tests were left out, without a value of the formula."""
     if count:
         why = "missing values, or a stud or a deck outside its rules"

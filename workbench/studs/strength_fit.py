@@ -25,8 +25,8 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
     prior_findings,
 )
+from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
-from workbench.studs.shear import ShearModel, characteristic_strength, shear_model
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
 from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.intervals import Interval
@@ -46,6 +46,7 @@ from workbench.studs.strength_findings import (
     deck_findings,
     left_without_value,
     measurement_of,
+    other_slabs,
     strength_findings,
 )
 from workbench.studs.suspicion import suspicions
@@ -60,7 +61,7 @@ VARIATIONS = {
     "concrete_modulus": 0.10,
     "ultimate_strength": 0.05,
 }
-_SIZES = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
+_SIZES = (*TRENDS[:-1], "height", "embedment", "head_diameter")
 LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
 
 
@@ -78,7 +79,7 @@ class StrengthFit(Fit):
     row with its variables.
     """
 
-    model: ShearModel
+    model: Formula
     fitted: Fitted
     left_out: tuple[LeftOut, ...]
     d8: D8
@@ -121,10 +122,10 @@ class StrengthFit(Fit):
         when a row was used for the fit.
         """
         self.identity.refuse_overlap(table)
-        rows = undamaged_headed_studs(table, self.slab)
+        rows = undamaged_headed_studs(table, self.slab, self.model.load)
         tests = specimens(rows)
         prediction = self.predict(tests) if corrected else self.model.of(tests)
-        found = judge(rows, tests.shear, prediction, confidence)
+        found = judge(rows, tests.under(self.model.load), prediction, confidence)
         kept, known = _complete(rows, self.model)
         held = _problem(known, self.model, self._trends, self.reference)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
@@ -136,7 +137,7 @@ class StrengthFit(Fit):
         scatters = ("new_campaign_factor", "measurement", "model_scatter", "grade", "holds")
         return {
             "model": self.model.name,
-            **{name: getattr(self.model, name) for name in ("title", "source")},
+            **{name: getattr(self.model, name) for name in ("title", "source", "load")},
             **{name: getattr(self.fitted, name) for name in ("parameters", "sigma", "tau")},
             **{name: getattr(self, name) for name in ("left_out", "d8", "reference", *scatters)},
             **self.used(),
@@ -155,7 +156,7 @@ class StrengthFit(Fit):
 
 def fit_strength(
     table: pd.DataFrame,
-    model: str | ShearModel = "roik-mean",
+    model: str | Formula = "roik-mean",
     *,
     trends: Sequence[str] = (),
     loss: str = "linear",
@@ -167,22 +168,22 @@ def fit_strength(
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
-    Arguments: `model`, a name in `SHEAR_MODELS` or a `ShearModel`; `trends`, variables out of
-    `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or ``bisquare``;
-    `confidence` of the intervals; `variations`, see
-    `evaluate_d8` (default `VARIATIONS`); `specified_strength` of the stud material in Pa, for
+    Arguments: `model`, a name in `FORMULAS` or a `Formula`, of shear or tension; `trends`,
+    variables out of `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or
+    ``bisquare``; `confidence` of the intervals; `variations`, see `evaluate_d8` (default
+    `VARIATIONS`); `specified_strength` of the stud material in Pa, for
     gamma_M* (None: the mean of the tests); `slab`, solid or deck; `priors` of ``tau`` and
     ``bias`` (spread of its logarithm), see `Priors`. Raises `InputError`, `SolverError`.
     """
-    chosen = shear_model(model) if isinstance(model, str) else model
+    chosen = strength_formula(model) if isinstance(model, str) else model
     for trend in trends:
         Choice(TRENDS).check("trends", trend)
     for name in priors:
         Choice((TAU, "bias", *trends)).check("prior", name)
-    usable = undamaged_headed_studs(table, slab)
+    usable = undamaged_headed_studs(table, slab, chosen.load)
     kept, tests = _complete(usable, chosen)
     reference = {
-        name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in (*TRENDS, "height")
+        name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in {*TRENDS, *_SIZES}
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
@@ -207,15 +208,16 @@ def fit_strength(
         ),
         reference=reference,
         new_campaign_factor=new,
-        measurement=measurement_of(kept),
+        measurement=measurement_of(kept, chosen.load),
         grade=grade_of(kept, "undamaged tests", left_out=bool(left_out)),
         holds=f"for studs {studs_in_words(kept)}, as tested"
         + ", in profiled decks" * (slab == "deck"),
         slab=slab,
         posterior=posterior,
-        rows=_rows(kept, tests, chosen.of(tests)),
+        rows=_rows(kept, tests, chosen),
         findings=(
-            *suspicions(table),
+            *(each for each in suspicions(table) if each.subject != "outlier"),  # told by its own
+            *other_slabs(table, slab, chosen.load),
             *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
             *left_without_value(len(usable) - len(kept), len(usable), chosen),
             *prior_findings(priors),
@@ -226,7 +228,7 @@ def fit_strength(
     )
 
 
-def _complete(rows: pd.DataFrame, model: ShearModel) -> tuple[pd.DataFrame, Specimens]:
+def _complete(rows: pd.DataFrame, model: Formula) -> tuple[pd.DataFrame, Specimens]:
     """Rows for which the formula has a value."""
     known = np.isfinite(model.of(specimens(rows)))
     if not known.any():
@@ -243,9 +245,9 @@ def _design(tests: Specimens, trends: tuple[str, ...], reference: Mapping[str, f
 
 
 def _problem(
-    tests: Specimens, model: ShearModel, trends: tuple[str, ...], reference: Mapping[str, float]
+    tests: Specimens, model: Formula, trends: tuple[str, ...], reference: Mapping[str, float]
 ) -> Problem:
-    ratio, names = np.log(tests.shear / model.of(tests)), ("bias", *trends)
+    ratio, names = np.log(tests.under(model.load) / model.of(tests)), ("bias", *trends)
     start, design = np.zeros(len(names)), _design(tests, trends, reference)
     return problem(ratio, tests.campaign, None, names, start, design=design)
 
@@ -259,7 +261,7 @@ def _left_out(given: Problem) -> list[LeftOut]:
 
 def _d8(
     tests: Specimens,
-    model: ShearModel,
+    model: Formula,
     reference: dict[str, float],
     variations: Mapping[str, float],
     specified_strength: float | None,
@@ -268,13 +270,14 @@ def _d8(
     whole = model.of(replace(tests, decks=None))
     reduction = float(np.exp(np.mean(np.log(model.of(tests) / whole))))  # by decks
 
-    def resistance(x: Mapping[str, float], formula: ShearModel = model) -> float:
-        d, h, fc, ec, fu = ({**reference, **x}[name] for name in _SIZES)
-        return reduction * float(formula.resistance(d, h, fc, ec, fu))
+    def resistance(x: Mapping[str, float], formula: Formula = model) -> float:
+        sizes = {name: np.array([{**reference, **x}[name]]) for name in _SIZES}
+        stud = replace(tests, decks=None, free_width=np.array([np.nan]), **sizes)
+        return reduction * float(formula.of(stud)[0])
 
     steel_known = np.isfinite(reference["ultimate_strength"])
-    own = model.characteristic or not steel_known
-    code = model if own else shear_model("en1994")
+    own = model.characteristic or not steel_known or model.load == "tension"
+    code = model if own else strength_formula("en1994")
     nominal = None
     if steel_known or np.isinf(code.steel_factor):
         specified = float(characteristic_strength(reference["concrete_strength"]))
@@ -284,7 +287,7 @@ def _d8(
                 steel["ultimate_strength"] = min(specified_strength, LARGEST_SPECIFIED)
             nominal = resistance({"concrete_strength": specified, **steel}, code)
     return evaluate_d8(
-        tests.shear,
+        tests.under(model.load),
         model.of(tests),
         variations={name: variations[name] for name in means},
         sensitivities=sensitivities_of(resistance, means),
@@ -293,12 +296,13 @@ def _d8(
     )
 
 
-def _rows(kept: pd.DataFrame, tests: Specimens, prediction: Array) -> pd.DataFrame:
+def _rows(kept: pd.DataFrame, tests: Specimens, model: Formula) -> pd.DataFrame:
     """Test, prediction and ratio of every row, with all variables (SI)."""
+    load, prediction = tests.under(model.load), model.of(tests)
     return kept[["campaign", "specimen", "flag"]].assign(
-        test=tests.shear,
+        test=load,
         prediction=prediction,
-        ratio=tests.shear / prediction,
+        ratio=load / prediction,
         **{name: getattr(tests, name) for name in TRENDS},
-        over_steel=tests.shear / (tests.area * tests.ultimate_strength),
+        over_steel=load / (tests.area * tests.ultimate_strength),
     )

@@ -11,8 +11,8 @@ from workbench.report.chapters.stud_answer import contents_of, named_of
 from workbench.report.chapters.stud_evidence import judged, reference_stud
 from workbench.report.chapters.stud_tables import LEAST_IN_SERIES, Content
 from workbench.studs.answers.fits import SOURCES, STATISTICS, StudResidual
+from workbench.studs.formulas import FORMULAS
 from workbench.studs.relations import RELATIONS
-from workbench.studs.shear import SHEAR_MODELS
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 
 CODE, CODE_FACTOR = "en1994", 1.25  # whose partial factor designers know
@@ -55,8 +55,9 @@ def stud_of(content: Content) -> str:
 
 
 def formula(result: Content) -> tuple[str, Content]:
-    """The formula of least scatter within campaigns."""
-    return min(named_of(result).items(), key=lambda each: float(each[1]["fit"]["sigma"]["value"]))
+    """The formula of least scatter within campaigns, among equals the first."""
+    best = result["least_scatter"]
+    return next((n, c) for n, c in named_of(result).items() if c["fit"]["key"] == best)
 
 
 def grade(result: Content) -> Iterator[Block]:
@@ -133,11 +134,10 @@ def _strength(result: Content) -> Iterator[str]:
         if not series["result"] and series["tests"] >= LEAST_IN_SERIES:
             tests = count(series["tests"], "test")
             yield f"Annex B does not apply to {series['name']}, {tests}: {series['refusal']}."
-    _, content = formula(result)
-    title = SHEAR_MODELS[content["fit"]["key"]].title
+    name, content = formula(result)
     bias, sigma = content["fit"]["parameters"]["bias"], content["fit"]["sigma"]["value"]
     yield (
-        f"Formula of least scatter: {title}. The tests bore "
+        f"{tables.least_scatter(result)} By {name} the tests bore "
         f"{number(bias['value'], 3)} ({tables.span(bias['profile'])}) of its value in the median "
         f"and scatter by {percent(sigma, signed=False)} within campaigns."
     )
@@ -148,7 +148,7 @@ def method(result: Content) -> Iterator[Block]:
     named = named_of(result)
     match result["fit"]:
         case "stud-strength":
-            yield _formulas(named, {key: model.formula for key, model in SHEAR_MODELS.items()})
+            yield _formulas(named, {key: model.formula for key, model in FORMULAS.items()})
             yield Paragraph(
                 "Shank d, height h after welding, area A_s = π d²/4, tensile strength f_u, mean "
                 "cylinder strength f_c and modulus E_c of the concrete, per stud and with the "

@@ -9,6 +9,7 @@ from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_tables import Content
 from workbench.responses import Finding
+from workbench.studs.formulas import FORMULAS
 from workbench.studs.trust import ranked
 
 # where the contents of a fit are, and what names each of them
@@ -20,22 +21,14 @@ _PLACES = {
 }
 
 
-# formulas as a reader knows them
-_LABELS = {
-    "en1994": "EN 1994-1-1",
-    "roik-mean": "EN 1994-1-1, mean form",
-    "aisc360": "AISC 360-22",
-    "ollgaard": "Ollgaard 1971",
-}
-
-
 def labelled(result: Content) -> Content:
     """The content with formulas under the names of their sources; `key` keeps their own."""
     if result["fit"] not in _PLACES:
         return result
     place, name = _PLACES[result["fit"]]
+    formulas = result["fit"] == "stud-strength"
     contents = [
-        {**each, "fit": {**each["fit"], name: _LABELS.get(key, key), "key": key}}
+        {**each, "fit": {**each["fit"], name: FORMULAS[key].label if formulas else key, "key": key}}
         for each in result[place]
         for key in [each["fit"][name]]
     ]
@@ -122,6 +115,7 @@ def tables_of(result: Content) -> Iterator[Block]:
             kinds = {"judgement": "as it is", "corrected": "as fitted"}
             caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
             yield from tables.fitted(named)
+            yield Paragraph(tables.least_scatter(result))
             yield from tables.exponents(named)
             yield from stud_design.posterior(contents, "model")
             yield from tables.unseen(named, kinds, caption)

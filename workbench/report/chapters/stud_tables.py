@@ -10,7 +10,9 @@ from typing import Any
 
 from workbench.content.formatting import number, percent, share, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Table
+from workbench.studs.formulas import FORMULAS
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
+from workbench.studs.statistics.scatter import LIKE
 
 Content = dict[str, Any]
 Named = Mapping[str, Content]  # the contents by the name of their rows
@@ -82,6 +84,23 @@ def fitted(named: Named) -> Iterator[Block]:
         Column("5 % of a new campaign", True, of=value_of("new_campaign_factor")),
     )
     yield Table.of("fitted", "Test over prediction:", columns, _rows(named, lambda c: [c["fit"]]))
+
+
+def least_scatter(result: Content) -> str:
+    """Which formula scatters least, and which ones the tests do not tell from it."""
+    title = FORMULAS[result["least_scatter"]].title
+    alike = [each for each in result["rivals"] if not each["apart"]]
+    if not result["rivals"]:
+        return f"Formula: {title}."
+    if not alike:
+        return f"Formula of least scatter: {title}."
+    names = ", ".join(FORMULAS[each["name"]].label for each in alike)
+    level = f"{100 * result['confidence']:g} %"
+    return (
+        f"By their scatter within campaigns the tests cannot tell {title} from {names}: the "
+        f"{level} interval of the ratio of scatters reaches down to {LIKE:g} or less, or there are "
+        "too few tests."
+    )
 
 
 def exponents(named: Named) -> Iterator[Block]:
@@ -173,8 +192,8 @@ def left_out(named: Named) -> Iterator[Block]:
 
 def series(groups: list[Content]) -> Iterator[Block]:
     """EN 1994-1-1 Annex B.2 on every series of three tests or more, or why there is none."""
-    if not any(group["result"] for group in groups):
-        largest = max((group["tests"] for group in groups), default=0)
+    if groups and not any(group["result"] for group in groups):
+        largest = max(group["tests"] for group in groups)
         yield Callout(
             "doubt",
             f"EN 1994-1-1, B.2 [@en1994-1-1] cannot be applied: none of the {len(groups)} groups "

@@ -17,6 +17,7 @@ from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.evidence import RESIDUAL, calibrated
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judgement_of
+from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud
 from workbench.studs.load_slip import LAWS, OllgaardLaw
 from workbench.studs.load_slip_curves import judge_curves
 from workbench.studs.load_slip_fit import GRID, fit_load_slip
@@ -27,17 +28,13 @@ from workbench.studs.mechanical.residual import MEASURES
 from workbench.studs.relations import MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import TESTS
-from workbench.studs.shear import SHEAR_MODELS, usual_stud
 from workbench.studs.statistics.mixed import LOSSES
 from workbench.studs.statistics.mixture import NOTHING, Priors
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows
 
 SOURCES = {
-    "en1994": ("en1994-1-1",),
-    "roik-mean": ("roik1989", "en1994-1-1"),
-    "aisc360": ("aisc360-22",),
-    "ollgaard": ("ollgaard1971",),
+    **{name: each.keys for name, each in FORMULAS.items()},
     "bilinear": ("roik1989",),
     "rational": ("sargin1971",),
 }

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from workbench.fields import Declared, Number, checked
-from workbench.studs.quantities import concrete_modulus
-from workbench.studs.shear import SHEAR_MODELS
+from workbench.studs.formulas import SHEAR_MODELS
+from workbench.studs.quantities import HEAD_DIAMETER, HEAD_HEIGHT, concrete_modulus
 
 LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
 STEEL_MODULUS, SHEAR_MODULUS, DENSITY = 210e9, 81e9, 7850.0
-# usual proportions of a headed stud, ISO 13918, as shares of the diameter
-HEAD_DIAMETER, HEAD_HEIGHT, COLLAR_DIAMETER, COLLAR_HEIGHT = 1.65, 0.5, 1.25, 0.27
+COLLAR_DIAMETER, COLLAR_HEIGHT = 1.25, 0.27  # usual, ISO 13918, as shares of the diameter
 LEAST_SLENDERNESS = 4.0 - 1e-9  # height over diameter: a stockier stud may pry out
 YIELD_SHARE = 0.8  # of the tensile strength, where the yield stress was not measured
 

@@ -1,0 +1,257 @@
+"""Strength of headed studs in shear and in tension: formulas as ``formulas.toml`` declares them.
+
+Also a usual stud by the formula of a code, as a designer asks for it: both terms, what governs.
+Decks by `deck`. Check a code before relying on a number. Units: SI, of factors N, mm and MPa.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from workbench.errors import OutOfDomainError
+from workbench.fields import Choice
+from workbench.responses import Finding
+from workbench.studs.quantities import (
+    Array,
+    Specimens,
+    concrete_modulus,
+    embedment_of,
+    shank_area,
+)
+
+LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
+STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1
+MOST_IN_DECKS = 450e6  # Pa, of f_u in ribs across the beam, EN 1994-1-1, 6.6.4.2
+_ROUND = 1e-9  # bounds are quoted to few digits
+INF = np.inf
+
+
+class Limit(NamedTuple):
+    """A bound of a formula: of a quantity of tests (`over` another), `where` they stand."""
+
+    of: str
+    words: str
+    low: float = 0.0
+    high: float = INF
+    over: str = ""
+    where: str = ""
+
+    def beyond(self, tests: Specimens) -> int:
+        """How many tests are beyond it; one that does not tell the quantity is not."""
+        values = tests.quantity(self.of) / (tests.quantity(self.over) if self.over else 1.0)
+        out = (values < self.low * (1.0 - _ROUND)) | (values > self.high * (1.0 + _ROUND))
+        return int(np.sum(out & tests.where(self.where)))
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """A formula of strength per stud: the smallest of its terms.
+
+    Its fields are explained in ``formulas.toml``; an infinite factor means no such term.
+    `deck_rule` for profiled decks: ``en1994``, ``aisc360`` or none; `load`, shear or tension.
+    """
+
+    name: str
+    label: str
+    title: str
+    source: str
+    keys: tuple[str, ...]
+    steel_factor: float = INF
+    concrete_factor: float = INF
+    product: str = "d² √(f_c E_c)"
+    powers: tuple[float, float, float, float] = (2.0, 0.0, 0.5, 0.5)
+    over_area: bool = False
+    head_factor: float = INF
+    reduces_stocky: bool = False
+    cone: bool = False
+    pry_depth: float = 0.0
+    characteristic: bool = False
+    deck_rule: str = ""
+    load: str = "shear"
+    limits: tuple[Limit, ...] = ()
+
+    @property
+    def formula(self) -> str:
+        """The formula in symbols: d, h, h_ef, A_s of the shank, A_h of the head, f_u, f_c, E_c."""
+        alpha, pry = " α" * self.reduces_stocky, " k" * bool(self.pry_depth)
+        terms = (
+            (self.steel_factor, " A_s f_u"),
+            (self.concrete_factor, f"{pry}{alpha} {self.product}"),
+            (self.head_factor, " A_h f_c"),
+        )
+        words = [f"{factor:g}{rest}" for factor, rest in terms if np.isfinite(factor)]
+        whole = words[0] if len(words) == 1 else f"min({'; '.join(words)})"
+        stocky = ", α = 0.2 (h/d + 1) ≤ 1" if alpha else ""
+        return f"P = {whole}{stocky}" + (
+            f", k = 2 from h_ef = {1e3 * self.pry_depth:g} mm on, else 1" if pry else ""
+        )
+
+    def steel(self, diameter: ArrayLike, ultimate_strength: ArrayLike) -> Array:
+        """Steel term (n,) in N for diameters (m) and tensile strengths (Pa)."""
+        if np.isinf(self.steel_factor):
+            return np.full(np.broadcast(diameter, ultimate_strength).shape, INF)
+        return np.asarray(self.steel_factor * shank_area(diameter) * np.asarray(ultimate_strength))
+
+    def concrete(
+        self,
+        diameter: ArrayLike,
+        height: ArrayLike,
+        strength: ArrayLike,
+        modulus: ArrayLike,
+        embedment: ArrayLike | None = None,
+    ) -> Array:
+        """Concrete term (n,) in N for diameters and heights (m), strength and modulus (Pa).
+
+        `embedment` in m (None: that of a usual head). Raises `OutOfDomainError` for studs below h/d
+        = 3 where the formula has no value.
+        """
+        d, h = np.asarray(diameter, float), np.asarray(height, float)
+        depth = embedment_of(d, h) if embedment is None else np.asarray(embedment, float)
+        if np.isinf(self.concrete_factor):
+            return np.full(np.broadcast(d, strength).shape, INF)
+        found = self.concrete_factor * self._stockiness(d, h)
+        sizes = (1e3 * d, 1e3 * depth, 1e-6 * np.asarray(strength), 1e-6 * np.asarray(modulus))
+        for base, power in zip(sizes, self.powers, strict=True):
+            if power:
+                found = found * base**power
+        twice = 1.0 + (depth >= self.pry_depth * (1.0 - _ROUND)) * bool(self.pry_depth)
+        return np.asarray(found * twice * (0.25 * np.pi if self.over_area else 1.0))
+
+    def _stockiness(self, diameter: Array, height: Array) -> Array:
+        if not self.reduces_stocky:
+            return np.ones(np.broadcast(diameter, height).shape)
+        slenderness = height / diameter
+        if np.any(slenderness < LEAST_SLENDERNESS):
+            raise OutOfDomainError(
+                f"{self.title} has no value for a stud of height over diameter "
+                f"{np.nanmin(slenderness):.3g}: it starts at {LEAST_SLENDERNESS:g}"
+            )
+        # np.minimum keeps NaN: without a height there is no value, rather than alpha = 1
+        return np.minimum(0.2 * (slenderness + 1.0), 1.0)
+
+    def resistance(
+        self,
+        diameter: ArrayLike,
+        height: ArrayLike,
+        strength: ArrayLike,
+        modulus: ArrayLike,
+        ultimate_strength: ArrayLike,
+    ) -> Array:
+        """Smaller (n,) of steel and concrete term in N; arguments as in `steel` and `concrete`."""
+        concrete = self.concrete(diameter, height, strength, modulus)
+        return np.minimum(self.steel(diameter, ultimate_strength), concrete)
+
+    def of(self, tests: Specimens) -> Array:
+        """Strength (n,) of tested specimens with their mean material values, in N.
+
+        NaN where a value that the formula needs was not reported.
+        """
+        return np.minimum(*self.terms(tests))
+
+    def terms(self, tests: Specimens) -> tuple[Array, Array]:
+        """Steel and concrete term (n,) each of tested specimens, in N."""
+        d, strength, ultimate = tests.diameter, tests.concrete_strength, tests.ultimate_strength
+        # a stocky stud has no value, and takes none from the others
+        outside = self.reduces_stocky & (tests.slenderness < LEAST_SLENDERNESS)
+        height = np.where(outside, np.nan, tests.height)
+        concrete = self.concrete(d, height, strength, tests.concrete_modulus, tests.embedment)
+        if self.cone:  # EN 1992-4, 7.2.1.4: area of the cone, and edges that disturb it
+            free = np.fmin(tests.free_width / (3.0 * tests.embedment), 1.0)
+            concrete = concrete * free * (0.7 + 0.3 * free)
+        if np.isfinite(self.head_factor):
+            head = shank_area(tests.head_diameter) - tests.area
+            concrete = np.minimum(concrete, self.head_factor * head * strength)
+        decks = tests.decks
+        if decks is None:
+            return self.steel(d, ultimate), concrete
+        if self.deck_rule == "en1994":
+            across = decks.profiled & ~decks.parallel
+            capped = np.where(across, np.minimum(ultimate, MOST_IN_DECKS), ultimate)
+            reduction = decks.reduction_en1994(tests.height, d)
+            return self.steel(d, capped) * reduction, concrete * reduction
+        steel = self.steel(d, ultimate)
+        if self.deck_rule == "aisc360":
+            return steel * decks.reduction_aisc360(), concrete
+        reduction = np.where(decks.profiled, np.nan, 1.0)
+        return steel * reduction, concrete * reduction
+
+    def findings(self, tests: Specimens) -> list[Finding]:
+        """Tests outside the range that the code states; empty when all are in."""
+        counts = {limit.words: limit.beyond(tests) for limit in self.limits}
+        texts = (f"{n} of {len(tests)} tests outside {words}" for words, n in counts.items() if n)
+        return [Finding("range", f"{text} of {self.title}") for text in texts]
+
+    def scaled(self, **factors: float) -> Formula:
+        """The same formula with another factor ``steel``, ``concrete`` or both (a fitted form)."""
+        changes: dict[str, Any] = {f"{name}_factor": value for name, value in factors.items()}
+        return replace(self, **changes)
+
+
+def _declared(load: str) -> dict[str, Formula]:
+    told = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    limits = {name: Limit(**each) for name, each in told["limits"].items()}
+    found = {}
+    for name, each in told[load].items():
+        fields = {k: tuple(v) if isinstance(v, list) else v for k, v in each.items()}
+        own = tuple(limits[limit] for limit in each.get("limits", ()))
+        found[name] = Formula(**{**fields, "name": name, "load": load, "limits": own})
+    return found
+
+
+SHEAR_MODELS, TENSION_MODELS = _declared("shear"), _declared("tension")
+FORMULAS = SHEAR_MODELS | TENSION_MODELS
+
+
+def strength_formula(name: str) -> Formula:
+    """The formula of this name, of shear or tension. Raises `InputError`."""
+    Choice(tuple(FORMULAS)).check("model", name)
+    return FORMULAS[name]
+
+
+def characteristic_strength(mean_strength: ArrayLike) -> Array:
+    """Characteristic concrete strength f_ck = f_cm - 8 MPa, in Pa (EN 1992-1-1, table 3.1)."""
+    return np.asarray(np.asarray(mean_strength, float) - STRENGTH_MARGIN)
+
+
+DIAMETER, HEIGHT, CONCRETE, STEEL = 0.019, 0.1, 30e6, 450e6  # m; characteristic, specified, in Pa
+_MEAN, _CODES = "roik-mean", ("roik-mean", "en1994", "aisc360")
+_PARTIAL = {"en1994": 1.25}  # gamma_V of EN 1994-1-1, 6.6.3.1
+
+
+def usual_stud(model: Formula) -> dict[str, float | None] | None:
+    """The usual stud by a formula that a code has; None for others.
+
+    Sizes in m; `concrete_strength`, as the formula means it, `concrete_modulus`, that of the code
+    (EN 1992-1-1, table 3.1, or 4733 sqrt(f_c) of ACI 318), `ultimate_strength` in Pa; both terms,
+    the smaller one, `resistance`, and `other_concrete_term`, with the modulus that fits take, in N;
+    `partial_factor` of the code (None: it has none for the stud alone).
+    """
+    if model.name not in _CODES:
+        return None
+    mean = CONCRETE + STRENGTH_MARGIN
+    strength = mean if model.name == _MEAN else CONCRETE
+    european = 22e9 * (mean / 10e6) ** 0.3
+    modulus = float(concrete_modulus(CONCRETE)) if model.name == "aisc360" else european
+    steel = float(model.steel(DIAMETER, STEEL))
+    concrete, other = (
+        float(model.concrete(DIAMETER, HEIGHT, strength, each))
+        for each in (modulus, concrete_modulus(mean))
+    )
+    return {
+        "diameter": DIAMETER,
+        "height": HEIGHT,
+        "concrete_strength": strength,
+        "concrete_modulus": modulus,
+        "ultimate_strength": STEEL,
+        "steel_term": steel,
+        "concrete_term": concrete,
+        "resistance": min(steel, concrete),
+        "other_concrete_term": other,
+        "partial_factor": _PARTIAL.get(model.name),
+    }
