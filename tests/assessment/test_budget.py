@@ -17,6 +17,7 @@ from workbench.assessment.budget import (
     PEAK,
     RATE,
     REFERENCE,
+    RESIDUAL,
     TOTAL,
     Term,
     numerical_term,
@@ -37,6 +38,7 @@ from workbench.models.descriptors import descriptors
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.solid import SolidPlaneStress
+from workbench.responses import build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover
 
 
@@ -136,6 +138,14 @@ def test_sums_need_a_model_form_that_was_measured(thesis_impact: ColumnImpact) -
         names[hit] = [term.name for term in terms[-2:]]
     assert names[thesis_impact] == [REFERENCE, TOTAL]
     assert not {REFERENCE, TOTAL} & set(names[fast])
+
+
+@pytest.mark.parametrize(("left", "told"), [(0.02, True), (0.0099, False)])
+def test_residuals_far_below_the_peak_have_no_budget(thesis_impact, left, told) -> None:
+    """Below a tenth of the peak, 0.1 m, their ratios say nothing."""
+    answer = build_response({"peak_displacement": 0.1, "residual_displacement": left})
+    found = Budget("", ()).terms(Spring(), thesis_impact, answer, {})
+    assert set(found) == ({PEAK, RESIDUAL} if told else {PEAK})
 
 
 def test_a_trend_predicts_as_a_regression_does() -> None:

@@ -14,6 +14,15 @@ def drawn(count: int = 400) -> np.ndarray:
     return np.random.default_rng(4).uniform(0.0, 2.0, (count, 3))
 
 
+def test_boxes_hold_their_lower_bounds_and_leave_no_point_out() -> None:
+    points = np.round(drawn(), 1)
+    classes = (points[:, 0] >= 1.0).astype(int)
+    leaves = list(grow(points, impurity(classes), 2, 10))
+    for point, own in zip(points, classes, strict=True):
+        (leaf,) = (leaf for leaf in leaves if leaf.holds(point))
+        assert np.all(classes[leaf.members] == own)
+
+
 def test_a_box_is_found_at_its_bounds() -> None:
     points = drawn()
     classes = ((points[:, 0] > 1.0) & (points[:, 2] < 0.5)).astype(int)

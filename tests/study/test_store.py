@@ -113,6 +113,11 @@ def test_a_cell_under_the_name_of_another_is_none(small: Study, tmp_path: Path) 
     run_study(small, tmp_path, jobs=0)
     store, cell = Store(tmp_path / "toy"), cells_of(small)[0]
     assert store.presence(cell.key, cell.ingredients) is Presence.FINISHED
+    record = json.loads((store.cells / f"{cell.key}.json").read_text())
+    path = store.cells / f"{cell.key}.json"
+    path.write_bytes(canonical_json({**record, "outcome": "collapse"}))  # the file says ok
+    assert store.presence(cell.key, cell.ingredients) is Presence.CORRUPT
+    path.write_bytes(canonical_json(record))
     other = "0" * len(cell.key)
     for end in (".nc", ".json"):
         (store.cells / f"{cell.key}{end}").rename(store.cells / f"{other}{end}")
