@@ -133,14 +133,6 @@ figures = (
         {"cases": (CASE,)},
     ),
     Figure(
-        "animation",
-        "animation",
-        "The impact in motion",
-        "Fiber frame and rigid superelements, coloured by N-M utilisation.",
-        (REFERENCE, RIGID),
-        {"case": CASE},
-    ),
-    Figure(
         "interaction",
         "interaction",
         "Path of axial force and moment",

@@ -30,20 +30,20 @@ def frames(tmp_path_factory) -> Stored:
 
 
 @pytest.fixture(scope="session")
-def film_study(frames) -> Study:
-    """The study of frames with its animation as the only figure."""
-    films = tuple(figure for figure in frames.study.figures if figure.kind == "animation")
-    return replace(frames.study, figures=films)
+def stills_study(frames) -> Study:
+    """The study of frames with still pictures of its motion as the only figure."""
+    stills = tuple(figure for figure in frames.study.figures if figure.key == "stills")
+    return replace(frames.study, figures=stills)
 
 
 @pytest.fixture(scope="session")
-def film_report(frames, film_study, tmp_path_factory) -> dict[str, Path]:
+def stills_report(frames, stills_study, tmp_path_factory) -> dict[str, Path]:
     from workbench.report.build import build_report
 
     out = made_once(
         tmp_path_factory,
-        "film",
-        lambda out: build_report(Stored(frames.directory, film_study), out=out),
+        "stills",
+        lambda out: build_report(Stored(frames.directory, stills_study), out=out),
     )
     return paths_of(out)
 

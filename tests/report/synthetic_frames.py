@@ -221,7 +221,7 @@ def frame_study(name: str = "frames") -> Study:
     figures = (
         figure("structure", "structure"),
         figure("deformed", "deformed", cases=("storeys",)),
-        figure("film", "animation", ("rigid", "reference"), case="storeys"),
+        figure("stills", "deformed", ("rigid", "reference"), cases=("storeys",), layout="instants"),
         figure("loops", "force-displacement", cases=("cycles",)),
     )
     return Study(

@@ -235,11 +235,11 @@ def test_figures_share_pages_where_a_little_less_size_makes_them_fit():
     assert pages_of(4, 190.0) == 4
 
 
-def test_the_whole_report_repeats(frames, film_study, film_report, tmp_path):
-    """With the film alone: still pictures repeat in other reports."""
-    one, two = film_report, build_report(Stored(frames.directory, film_study), out=tmp_path)
+def test_the_whole_report_repeats(frames, stills_study, stills_report, tmp_path):
+    """With one figure alone: still pictures repeat in other reports."""
+    one, two = stills_report, build_report(Stored(frames.directory, stills_study), out=tmp_path)
     for name in ("html", "pdf"):
         assert one[name].read_bytes() == two[name].read_bytes()
     html = one["html"].read_text(encoding="utf-8")
     assert "http://" not in html
-    assert 'id="plot-film"' in html
+    assert 'id="plot-stills"' in html

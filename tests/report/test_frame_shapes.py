@@ -1,8 +1,7 @@
-"""Deformed frames, still and moving: what is drawn is what was stored."""
+"""Deformed frames: what is drawn is what was stored."""
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -20,14 +19,11 @@ from test_report_figures import request
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.drawing.multiples import YIELDING, YIELDS, colour_of, hinge_places
-from workbench.report.drawing.shapes import Shapes, magnification, shapes_of
+from workbench.report.drawing.shapes import INSTANTS, Shapes, magnification, shapes_of
 from workbench.report.figures import draw
-from workbench.report.figures.animation import LARGEST, film
 from workbench.scenarios import (
     Frame,
-    FrameImpact,
     FrameStatic,
-    FrameStriker,
     Load,
     Member,
     Node,
@@ -44,7 +40,9 @@ def shapes(stored, case: str, label: str) -> Shapes:
 
 
 def test_points_and_states_are_those_of_the_snapshots(frames):
-    drawing = draw(request(frames, "deformed", cases=[frames.study.cases[0]], labels=["rigid"]))
+    drawing = draw(
+        request(frames, "deformed", [frames.study.cases[0]], ["rigid"], instants=[*INSTANTS])
+    )
     response = frames.response("storeys", "rigid")
     peak = int(np.argmin(np.abs(response["snapshot_at"].values - float(response["time_of_peak"]))))
     data = drawing.data[drawing.data["instant"] == "peak"]
@@ -196,78 +194,13 @@ def test_colours_darken_and_yielding_stands_out():
     assert abs(luminance(YIELDING) - shades[-1]) > 0.1
 
 
-def decoded(text: str, fine: int) -> np.ndarray:
-    """What the script of the report makes of a string of differences."""
-    frames = [[int(step or 0) for step in frame.split(" ")] for frame in text.split(";")]
-    return np.cumsum(frames, axis=0).reshape(len(frames), -1, 2) / fine
-
-
-def numbers_of(text: str) -> dict:
-    return json.loads(re.search(r"<script[^>]*>(.*?)</script>", text, re.DOTALL)[1])
-
-
-def test_the_film_shows_every_snapshot_where_it_was(frames):
-    found = {label: shapes(frames, "storeys", label) for label in ("rigid", "reference")}
-    text, every = film(found)
-    assert every == 1
-    data = numbers_of(text)
-    lead = found["reference"]
-    assert data["at"] == pytest.approx(lead.at / lead.at[-1], abs=1e-4)
-    for panel, (label, one) in zip(data["panels"], found.items(), strict=True):
-        pixels = np.stack([decoded(path, data["fine"])[:, [0, -1]] for path in panel["paths"]])
-        ends = np.stack([one.curves.real, one.curves.imag], axis=-1)[:, [0, -1]]
-        ends = ends.transpose(0, 2, 1, 3)
-        (ax, bx), *_ = np.polyfit(ends[..., 0].ravel(), pixels[..., 0].ravel(), 1, full=True)
-        (ay, by), *_ = np.polyfit(ends[..., 1].ravel(), pixels[..., 1].ravel(), 1, full=True)
-        assert ax == pytest.approx(-ay, rel=1e-3), label  # one scale for both directions
-        assert np.abs(ax * ends[..., 0] + bx - pixels[..., 0]).max() < 0.2
-        assert np.abs(ay * ends[..., 1] + by - pixels[..., 1]).max() < 0.2
-        yielding = np.array([[letter == "u" for letter in used] for used in panel["used"]])
-        assert np.array_equal(yielding.T, one.used >= YIELDS)
-        assert panel["words"][lead.peak].startswith("peak: ")
-        circles = decoded(panel["circles"], data["fine"])
-        assert circles.shape == (len(one.at), len(one.hinges), 2)
-
-
-def test_bent_members_keep_their_points(frames):
-    text, _ = film({"one": shapes(frames, "storeys", "reference")})
-    data = numbers_of(text)
-    counts = {decoded(path, 1).shape[1] for path in data["panels"][0]["paths"]}
-    assert counts == {2, 9}  # straight members go by their ends
-
-
-def test_films_stand_still_without_a_script(frames):
-    text, _ = film({"one": shapes(frames, "storeys", "reference")})
-    still = text.partition("<script")[0]
-    assert still.count('class="film-member"') == 19
-    assert '<div class="film-controls" hidden>' in still
-    assert "peak: 20.0" in still
-    assert "http" not in text
-    assert text == film({"one": shapes(frames, "storeys", "reference")})[0]
-
-
-def test_films_of_large_frames_stay_small_and_say_so(tmp_path):
-    big = regular_frame((5.0,) * 12, (3.5,) * 10, find("HEB 300"), find("IPE 360"))
-    case = Case("tower", FrameImpact("t", big, FrameStriker(9e4, 60.0, node="F3"), 0.05))
-    study = replace(
-        frame_study("tower"),
-        cases=(case,),
-        models={"reference": SyntheticFrame(gain=10.0)},
-        figures=(),
-    )
-    drawing = draw(request(store_of(study, tmp_path), "animation"))
-    assert len(drawing.moving.encode()) <= LARGEST
-    assert any("stored snapshots is shown" in text for text in drawing.statements)
-
-
-def test_the_animation_of_the_report(frames, film_report):
-    html = film_report["html"].read_text(encoding="utf-8")
-    assert html.count('<div class="film">') == 1
+def test_still_pictures_of_a_motion(frames, stills_report):
+    html = stills_report["html"].read_text(encoding="utf-8")
     assert "flexible <b>" not in html
-    assert "prefers-reduced-motion: reduce" in html
-    assert re.search(r"@media print \{.*\.film-controls \{ display: none; \}", html, re.DOTALL)
-    still = (film_report["figures"] / "film.svg").read_text(encoding="utf-8")
-    assert still.startswith("<svg")  # the four pictures of the PDF
-    drawing = draw(request(frames, "animation", cases=[frames.study.cases[0]], labels=["rigid"]))
+    still = (stills_report["figures"] / "stills.svg").read_text(encoding="utf-8")
+    assert still.startswith("<svg")
+    drawing = draw(
+        request(frames, "deformed", [frames.study.cases[0]], ["rigid"], instants=[*INSTANTS])
+    )
     titles = [panel.get_title(loc="left").partition(":")[0] for panel in drawing.canvas.axes]
-    assert titles[:4] == ["start", "half-way", "peak", "end"]
+    assert titles[:4] == [*INSTANTS]

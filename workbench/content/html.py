@@ -18,7 +18,6 @@ def render_html(document: Document) -> str:
     environment.filters["rich"] = lambda text: _rich(document, text)
     environment.filters["anchor"] = anchor
     environment.filters["inline_svg"] = _inline
-    environment.filters["trusted"] = Markup  # HTML made by a figure, which escapes what it holds
     return environment.get_template("report.html.jinja").render(
         document=document,
         style=Markup(STYLE.read_text(encoding="utf-8")),

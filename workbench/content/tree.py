@@ -166,9 +166,8 @@ class Picture:
     """A figure: `svg` text (empty if nothing could be drawn), caption, statements below it.
 
     `width` is its share of the text width; `files` are the names of data files beside it;
-    `moving` is HTML that a screen shows instead of the SVG (empty: the SVG); `image` is the path
-    of an image file for renderers that hold no SVG; `number`, its place among the figures of a
-    document, which gives it (0: outside of one).
+    `image` is the path of an image file for renderers that hold no SVG; `number`, its place among
+    the figures of a document, which gives it (0: outside of one).
     """
 
     key: str
@@ -179,7 +178,6 @@ class Picture:
     width: float = 1.0
     statements: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
-    moving: str = ""
     image: str = ""
     number: int = 0
     kind: str = field(default="picture", init=False)

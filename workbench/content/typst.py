@@ -9,7 +9,7 @@ from workbench.content.tree import ELSEWHERE, Document
 from workbench.errors import WorkbenchError
 
 _TEMPLATE = Path(__file__).with_name("templates") / "report.typ"
-_UNPRINTED = ("of", "sort", "moving")  # entries of blocks that paper does not show
+_UNPRINTED = ("of", "sort")  # entries of blocks that paper does not show
 
 
 def render_pdf(document: Document) -> bytes:

@@ -60,7 +60,7 @@ class Plate:
         """The figure as it stands in the content tree."""
         figure, drawing = self.figure, self.drawing
         found = Picture(figure.key, figure.title, figure.caption, "", drawing.alt, drawing.width)
-        found = replace(found, statements=drawing.statements, moving=drawing.moving)
+        found = replace(found, statements=drawing.statements)
         if drawing.canvas is None:
             return found
         svg = to_svg(drawing.canvas, figure.key)

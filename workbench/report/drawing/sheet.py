@@ -134,8 +134,7 @@ class Drawing:
     """A drawn figure: `canvas` (None if there was nothing to draw), the numbers in it, its text.
 
     `data` is a long table of everything drawn; `statements` say what is absent and why; `alt`
-    describes the picture in words; `width` is its share of the text width; `moving` is HTML that a
-    screen shows instead of the canvas (empty: the canvas).
+    describes the picture in words; `width` is its share of the text width.
     """
 
     canvas: Canvas | None
@@ -143,7 +142,6 @@ class Drawing:
     statements: tuple[str, ...] = ()
     alt: str = ""
     width: float = 1.0
-    moving: str = ""
 
 
 class Absences:
