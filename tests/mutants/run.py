@@ -3,8 +3,8 @@
     python tests/mutants/run.py [--only PATTERN] [--jobs N] [--sound]
 
 A fault is noticed where a test of its own room fails. Nobody collects this script: all faults take
-half an hour. Kernels are compiled into a folder of this run, those that hold a fault anew: their
-place is named by all that they are made of (`workbench/compiled.py`).
+half an hour. Kernels are compiled into a folder of this run (or NUMBA_CACHE_DIR), those that hold
+a fault anew: their place is named by all that they are made of (`workbench/compiled.py`).
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def main() -> int:
         return 2
     with tempfile.TemporaryDirectory(prefix="workbench-faults-") as name:
         directory = Path(name)
-        os.environ["NUMBA_CACHE_DIR"] = str(directory / "kernels")
+        os.environ.setdefault("NUMBA_CACHE_DIR", str(directory / "kernels"))
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
         sys.dont_write_bytecode = True
         for module in SHARED:
