@@ -10,8 +10,10 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError, SolverError
+from workbench.studs.damage import peaks_of
 from workbench.studs.quantities import Array
-from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
+from workbench.studs.relations import ANCHORED, RELATIONS, MechanicalCurve, Relation
+from workbench.studs.schema import FATIGUE, LIFE
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.mixture import (
     NOTHING,
@@ -46,14 +48,21 @@ class Candidate(NamedTuple):
 def candidates(
     mechanical: MechanicalCurve | None, rows: pd.DataFrame, quantity: str
 ) -> list[Relation]:
-    """All relations, and the mechanical prediction where it is one of the same damage."""
+    """All relations, and the mechanical prediction where it is one of the same damage.
+
+    Those anchored at the end of a fatigue life where every test tells the peak of its cycles, at
+    the mean of these.
+    """
     damage = (quantity, *rows[["predamage", "predamage_measure"]].iloc[0])
     comparable = (
         mechanical is not None
         and (mechanical.quantity, mechanical.predamage, mechanical.measure) == damage
         and float(rows["level"].max()) <= mechanical.level[-1]
     )
-    return [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
+    found = [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
+    if damage == ("strength", FATIGUE, LIFE) and peaks_of(rows).notna().all():
+        found += [each.at(float(peaks_of(rows).mean())) for each in ANCHORED.values()]
+    return found
 
 
 def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
@@ -64,14 +73,15 @@ def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation)
     return problem(y, campaigns, predict, names, start, **bounds)
 
 
-def fit_candidates(
-    relations: list[Relation], y: Array, level: Array, campaigns: ArrayLike, loss: str
-) -> dict[str, Estimate]:
+def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> dict[str, Estimate]:
     """Fits of all candidates that leave a test to judge them by; those that fail are no candidates.
 
+    `rows`, tests after pre-damage; every test has its own end of an anchored relation.
     With a robust loss all weigh a test alike, as the one does that it suits best: a test is an
     outlier where it is one for every candidate.
     """
+    y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
+    campaigns, peaks = rows["campaign"].to_numpy(), peaks_of(rows).to_numpy()
     found: dict[str, Estimate] = {}
     failed: Exception = InputError(
         "tests after pre-damage", len(y), "must be two or more", "one to three: fit few-tests"
@@ -80,7 +90,9 @@ def fit_candidates(
         if len(y) < len(relation.parameters) + 2:
             continue
         try:
-            found[relation.name] = fit_robust(problem_of(y, level, campaigns, relation), loss)
+            found[relation.name] = fit_robust(
+                problem_of(y, level, campaigns, relation.at(peaks)), loss
+            )
         except (InputError, SolverError) as error:
             failed = error
     if not found:

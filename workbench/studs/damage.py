@@ -17,6 +17,7 @@ from workbench.studs.quantities import Array, shank_area
 from workbench.studs.schema import FATIGUE, LIFE, SN_LIFE
 
 EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
+LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve
 NORMAL_PEAK = 0.75  # of the strength, to which EN 1994-1-1, 6.8.1 (recalled) keeps peak loads
 
 
@@ -40,6 +41,26 @@ def damage_of(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame({"level": level, "measure": measure})
 
 
+def peaks_of(rows: pd.DataFrame) -> pd.Series:
+    """Peak of the load cycles over the undamaged strength (n,), of rows with a `ratio` of it."""
+    return rows["predamage_peak_kN"].astype(float) * rows["ratio"] / rows["shear_kN"].astype(float)
+
+
+def anchor_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
+    """Whether relations are candidates that end at R(1) = P_max / P_u, and at which."""
+    if quantity != "strength" or set(rows["predamage_measure"]) != {LIFE}:
+        return
+    peak = peaks_of(rows)
+    if unknown := int(peak.isna().sum()):
+        text = f"{unknown} of {len(rows)} tests do not tell the peak of their cycles: no relation"
+        text += " that ends a fatigue life at R(1) = P_max/P_u is a candidate"
+        yield Finding("fatigue", text, remedy="give predamage_peak_kN")
+    elif np.ptp(peak) > LIKE_PEAK:
+        span = f"{peak.min():.2f} to {peak.max():.2f}"
+        text = f"P_max/P_u of the tests is {span}: curves are for {peak.mean():.2f}"
+        yield Finding("fatigue", text, number=float(peak.mean()))
+
+
 def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
     """What the way in which damage was measured says against it, for the rows of a fit."""
     if (rows["predamage_measure"] == SN_LIFE).any():
@@ -49,10 +70,9 @@ def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
         )
         remedy = "give predamage_life_cycles of equal studs"
         yield Finding("evidence", text, remedy=remedy)
-    undamaged = rows["undamaged_shear_kN"].astype(float)
-    if quantity == "strength":
-        undamaged = rows["shear_kN"].astype(float) / rows["ratio"]
-    peak = rows["predamage_peak_kN"].astype(float) / undamaged
+    peak = peaks_of(rows)
+    if quantity != "strength":
+        peak = rows["predamage_peak_kN"].astype(float) / rows["undamaged_shear_kN"].astype(float)
     high = int((peak > NORMAL_PEAK).sum())
     if high:
         text = (

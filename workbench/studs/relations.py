@@ -1,10 +1,14 @@
 """Relations between damage and what is left: R(D), damage D from 0 on, R = 1 undamaged, R >= 0.
 
-D = 1 is what an undamaged stud bears; a stud that was driven beyond has more.
+D = 1 is what an undamaged stud bears; a stud that was driven beyond has more. A fatigue life ends
+when what is left has fallen to the peak of the load, R(1) = P_max / P_u: relations that keep to it
+are anchored.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -18,7 +22,8 @@ from workbench.studs.quantities import Array
 class Relation:
     """A form of R(D): `parameters` with `lower`, `upper` bounds and `starts`; `formula` in words.
 
-    A fit begins at the start that is nearest: with a kink it would stop at the first valley.
+    A fit begins at the start that is nearest: with a kink it would stop at the first valley. `peak`
+    of an anchored relation: P_max / P_u, one number or that of every test (None: not anchored).
     """
 
     name: str
@@ -27,15 +32,24 @@ class Relation:
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     starts: tuple[tuple[float, ...], ...]
-    value: Callable[[Array, Array], Array]
+    value: Callable[..., Array]
     source: str
+    peak: ArrayLike | None = None
+
+    def at(self, peak: ArrayLike) -> Relation:
+        """An anchored relation at peaks, in its formula if they are one; any other as it is."""
+        if self.peak is None:
+            return self
+        words = f"{self.formula}, P_max/P_u = {peak:.3g}" if np.ndim(peak) == 0 else self.formula
+        return replace(self, peak=peak, formula=words)
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
         """What is left (n,) at damage levels (n,) for parameters (p,)."""
         d = np.asarray(level, float)
         if np.any(d < 0.0):
             raise InputError("level", float(np.min(d)), "damage is 0 or more")
-        return np.maximum(self.value(d, np.asarray(theta, float)), 0.0)
+        known = () if self.peak is None else (np.asarray(self.peak, float),)
+        return np.maximum(self.value(d, np.asarray(theta, float), *known), 0.0)
 
     def start_for(self, level: Array, left: Array) -> tuple[float, ...]:
         """The one of `starts` that is nearest to what is left (n,) at damage levels (n,)."""
@@ -89,5 +103,28 @@ RELATIONS: dict[str, Relation] = {
         Relation("threshold", "R = 1 - c (D - t) / (1 - t) from D = t on, 1 before", ("c", "t"),
                  (0.0, 0.0), (1.0, LATEST), _THRESHOLDS,
                  lambda d, p: 1.0 - p[0] * np.maximum(d - p[1], 0.0) / (1.0 - p[1]), "empirical"),
+    )
+}  # fmt: skip
+
+
+def _inverted_s(d: Array, p: Array, peak: Array) -> Array:
+    inside = np.clip(d, 1e-12, 1.0 - 1e-12)
+    found = np.clip(p[0] - p[1] * np.log(inside / (1.0 - inside)), peak, 1.0)
+    return np.asarray(np.where(d <= 0.0, 1.0, np.where(d >= 1.0, peak, found)))
+
+
+_LEVELS = tuple((a, b) for a in (0.5, 0.65, 0.8, 0.95) for b in (0.02, 0.05, 0.1, 0.2))
+ANCHORED: dict[str, Relation] = {
+    relation.name: relation
+    for relation in (
+        Relation("oehlers", "R = 1 - (1 - P_max/P_u) D", (), (), (), ((),),
+                 lambda d, p, peak: 1.0 - (1.0 - peak) * d,
+                 "after Oehlers 1990 (abstract only); the end of life is a definition", 1.0),
+        Relation("anchored-power", "R = 1 - (1 - P_max/P_u) D^q", ("q",), (0.1,), (10.0,),
+                 ((0.3,), (1.0,), (3.0,)), lambda d, p, peak: 1.0 - (1.0 - peak) * d ** p[0],
+                 "empirical", 1.0),
+        Relation("inverted-s", "R = a - b ln(D / (1 - D)), from 1 down to P_max/P_u", ("a", "b"),
+                 (0.0, 0.0), (1.5, 0.5), _LEVELS, _inverted_s, "inverted S, as recalled of "
+                 "Hanswille, Porsch and Ustundag 2007, whose printed formula was not read", 1.0),
     )
 }  # fmt: skip

@@ -16,7 +16,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
-from workbench.studs.damage import damage_findings
+from workbench.studs.damage import anchor_findings, damage_findings, peaks_of
 from workbench.studs.damaged import QUANTITIES, damaged_rows, reference_findings, studs_in_words
 from workbench.studs.fit_protocol import (
     Content,
@@ -28,7 +28,7 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.relations import RELATIONS, MechanicalCurve, Relation
+from workbench.studs.relations import ANCHORED, RELATIONS, MechanicalCurve, Relation
 from workbench.studs.residual_grade import Grade, grade_of, residual_findings
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
@@ -90,11 +90,17 @@ class ResidualFit(Fit):
         """Whether damage levels (n,) lie beyond the tested ones. Undamaged, all is left."""
         return np.asarray(level, float) > self.levels[1] + 1e-9
 
-    def left(self, level: ArrayLike) -> Array:
-        """Median ratio (n,) that is left at damage levels (n,): the average of the candidates."""
+    def left(self, level: ArrayLike, peak: ArrayLike | None = None) -> Array:
+        """Median ratio (n,) that is left at damage levels (n,): the average of the candidates.
+
+        `peak` of load cycles over P_u, one or (n,), at which a fatigue life ends (None: the mean of
+        the tests).
+        """
         if self.fitted is None:
             return self.relation(level)
-        values = [c.weight * c.relation(level, c.theta) for c in self.averaged]
+        relations = (c.relation if peak is None else c.relation.at(peak) for c in self.averaged)
+        pairs = zip(self.averaged, relations, strict=True)
+        values = [c.weight * relation(level, c.theta) for c, relation in pairs]
         return np.asarray(np.sum(values, axis=0))
 
     def quantiles(
@@ -177,7 +183,9 @@ class ResidualFit(Fit):
         if rows.empty:
             raise InputError("validation", 0, f"holds no test after {self.predamage}")
         self.identity.refuse_overlap(rows)
-        predicted = self.left(rows["level"].to_numpy(float))
+        peaks = peaks_of(rows)  # those of the tests where all tell them
+        known = peaks.to_numpy() if peaks.notna().all() else None
+        predicted = self.left(rows["level"].to_numpy(float), known)
         return judge(rows, rows["ratio"], predicted, confidence, "level")
 
     def to_dict(self) -> Content:
@@ -260,14 +268,15 @@ def fit_residual(
     without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
-    known = Choice((TAU, *(f"{r.name}.{p}" for r in RELATIONS.values() for p in r.parameters)))
+    every = (RELATIONS | ANCHORED).values()
+    known = Choice((TAU, *(f"{r.name}.{p}" for r in every for p in r.parameters)))
     for name in priors:
         known.check("prior", name)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = candidates(mechanical, rows, quantity)
-    y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
-    estimates = fit_candidates(relations, y, level, rows["campaign"], loss)
+    level = rows["level"].to_numpy(float)
+    estimates = fit_candidates(relations, rows, loss)
     scores, averaged = average(relations, estimates, priors)
     chosen = averaged[0].relation
     found = fitted(averaged[0].estimate, confidence=confidence)
@@ -288,6 +297,7 @@ def fit_residual(
             # an outlier hides from a relation that fits badly: the most flexible one finds it
             *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
             *damage_findings(rows, quantity),
+            *anchor_findings(rows, quantity),
             *reference_findings(table, rows, quantity),
             *residual_findings(rows, found, chosen, priors),
         ),

@@ -12,7 +12,7 @@ from workbench.report.chapters.stud_evidence import judged, reference_stud
 from workbench.report.chapters.stud_tables import LEAST_IN_SERIES, Content
 from workbench.studs.answers.fits import SOURCES, STATISTICS, StudResidual
 from workbench.studs.formulas import FORMULAS
-from workbench.studs.relations import RELATIONS
+from workbench.studs.relations import ANCHORED, RELATIONS
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 
 CODE, CODE_FACTOR = "en1994", 1.25  # whose partial factor designers know
@@ -166,7 +166,7 @@ def method(result: Content) -> Iterator[Block]:
                 + _MIXED
             )
         case "residual":
-            relations = [(name, each.formula) for name, each in RELATIONS.items()]
+            relations = [(name, each.formula) for name, each in (RELATIONS | ANCHORED).items()]
             yield Definitions(tuple(relations))
             sources = " ".join(map(cited, (*StudResidual.sources, *STATISTICS[:1])))
             yield Paragraph(

@@ -31,9 +31,15 @@ def rank_scatters(tests: Mapping[str, Any], confidence: float) -> tuple[str, lis
     products = left.T.to_numpy() @ left.to_numpy()
     squares = np.diag(products)
     best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
-    rivals = []
+    rivals: list[dict[str, Any]] = []
     for k in (k for k in range(len(squares)) if k != best):
-        rival = {"name": left.columns[k], "ratio": None, "low": None, "high": None, "apart": False}
+        rival: dict[str, Any] = {
+            "name": left.columns[k],
+            "ratio": None,
+            "low": None,
+            "high": None,
+            "apart": False,
+        }
         if nu > 0 and squares[best] > _EQUAL:
             ratio = float(np.sqrt(squares[k] / squares[best]))
             apart = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
