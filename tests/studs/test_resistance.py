@@ -10,13 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.errors import InputError, OutOfDomainError
+from workbench.errors import InputError
 from workbench.studs import INTERACTIONS, SHEAR_MODELS, strength_formula
-from workbench.studs.formulas import characteristic_strength
+from workbench.studs.formulas import Formula, characteristic_strength
 from workbench.studs.quantities import concrete_modulus, specimens
 
 D, H, FC, EC, FU = 0.019, 0.1, 30e6, 32e9, 450e6
 AREA = pi * D**2 / 4
+
+
+def resistance(model: Formula, d: float, h: float, fc: float, ec: float, fu: float) -> float:
+    return float(np.minimum(model.steel(d, fu), model.concrete(d, h, fc, ec)))
 
 
 def test_en1994_by_hand() -> None:
@@ -25,7 +29,7 @@ def test_en1994_by_hand() -> None:
     assert model.steel(D, FU) == pytest.approx(102.07e3, rel=7e-6)  # measured 3.4e-6
     assert model.concrete(D, H, FC, EC) == pytest.approx(102.58e3, rel=1e-4)  # measured 5.0e-5
     # measured 3.4e-6
-    assert model.resistance(D, H, FC, EC, FU) == pytest.approx(102.07e3, rel=7e-6)
+    assert resistance(model, D, H, FC, EC, FU) == pytest.approx(102.07e3, rel=7e-6)
 
 
 def test_stocky_studs() -> None:
@@ -35,21 +39,20 @@ def test_stocky_studs() -> None:
     assert model.concrete(D, 3.0 * D, FC, EC) == pytest.approx(0.8 * float(full))
     assert model.concrete(D, 3.5 * D, FC, EC) == pytest.approx(0.9 * float(full))
     assert np.isnan(model.concrete(D, np.nan, FC, EC))
-    with pytest.raises(OutOfDomainError, match=r"starts at 3"):
-        model.concrete(D, 2.9 * D, FC, EC)
+    assert np.isnan(model.concrete(D, 2.9 * D, FC, EC))  # it starts at 3
     assert SHEAR_MODELS["aisc360"].concrete(D, np.nan, FC, EC) > 0.0
 
 
 def test_other_models_by_hand() -> None:
     root = sqrt(FC * EC)
-    assert SHEAR_MODELS["roik-mean"].resistance(D, H, 20e6, 25e9, FU) == pytest.approx(
+    assert resistance(SHEAR_MODELS["roik-mean"], D, H, 20e6, 25e9, FU) == pytest.approx(
         0.374 * D**2 * sqrt(20e6 * 25e9)
     )
-    assert SHEAR_MODELS["roik-mean"].resistance(D, H, 90e6, 40e9, FU) == pytest.approx(AREA * FU)
-    assert SHEAR_MODELS["aisc360"].resistance(D, H, FC, EC, FU) == pytest.approx(
+    assert resistance(SHEAR_MODELS["roik-mean"], D, H, 90e6, 40e9, FU) == pytest.approx(AREA * FU)
+    assert resistance(SHEAR_MODELS["aisc360"], D, H, FC, EC, FU) == pytest.approx(
         min(0.5 * AREA * root, 0.75 * AREA * FU)
     )
-    assert SHEAR_MODELS["ollgaard"].resistance(D, H, FC, EC, 1.0) == pytest.approx(
+    assert resistance(SHEAR_MODELS["ollgaard"], D, H, FC, EC, 1.0) == pytest.approx(
         0.5 * AREA * root
     )
 
@@ -96,11 +99,11 @@ def test_resistances_grow_with_strength_and_by_the_square_of_size(
     for model in SHEAR_MODELS.values():
         if model.cone:  # grows by the power 1.5 of the size
             continue
-        base = model.resistance(d, 5 * d, fc, 30e9, fu)
-        assert model.resistance(scale * d, 5 * scale * d, fc, 30e9, fu) == pytest.approx(
-            float(base) * scale**2
+        base = resistance(model, d, 5 * d, fc, 30e9, fu)
+        assert resistance(model, scale * d, 5 * scale * d, fc, 30e9, fu) == pytest.approx(
+            base * scale**2
         )
-        assert model.resistance(d, 5 * d, scale * fc, 30e9, scale * fu) >= base
+        assert resistance(model, d, 5 * d, scale * fc, 30e9, scale * fu) >= base
 
 
 def test_interaction_curves() -> None:

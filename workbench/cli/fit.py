@@ -25,7 +25,7 @@ from workbench.cli.fit_options import (
     variations_of,
 )
 from workbench.cli.output import Answer, verb, writable
-from workbench.errors import InputError, OutOfDomainError
+from workbench.errors import InputError
 from workbench.fields import Choice, Number
 
 if TYPE_CHECKING:
@@ -103,8 +103,8 @@ def stud_strength(options: StrengthOptions, fitted: pd.DataFrame, held: pd.DataF
     for name in names:
         try:
             contents.append(_formula(fitted, held, name, options))
-        except (InputError, OutOfDomainError) as error:
-            if options.model or getattr(error, "field", "table") != "table":
+        except InputError as error:
+            if options.model or error.field != "table":
                 raise
             left_out[name] = error  # the others may need less of the table
     if not contents:

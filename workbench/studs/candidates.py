@@ -135,12 +135,21 @@ def quantiles(
     level: Array,
     shares: Sequence[float],
     median: Sequence[float] = (),
+    reference: float = 0.0,
 ) -> Array:
-    """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`."""
+    """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`.
+
+    `reference`, a relative standard uncertainty of all ratios, adds to them in quadrature.
+    """
+    from scipy.special import ndtri
+
     new = ["new"] * len(level)
     parts = [
         Part(c.weight, c.estimate, c.mixture, problem_of(0.0 * level, level, new, c.relation))
         for c in averaged
         if c.mixture is not None
     ]
-    return averaged_quantile(parts, shares, median)
+    found = averaged_quantile(parts, shares, median)
+    middle = np.sum([c.weight * c.relation(level, c.theta) for c in averaged], axis=0)
+    more = reference * middle * ndtri(np.array([*shares, *median]))[:, None]
+    return np.asarray(middle + np.sign(found - middle) * np.hypot(found - middle, more))

@@ -46,21 +46,6 @@ def peaks_of(rows: pd.DataFrame) -> pd.Series:
     return rows["predamage_peak_kN"].astype(float) * rows["ratio"] / rows["shear_kN"].astype(float)
 
 
-def anchor_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
-    """Whether relations are candidates that end at R(1) = P_max / P_u, and at which."""
-    if quantity != "strength" or set(rows["predamage_measure"]) != {LIFE}:
-        return
-    peak = peaks_of(rows)
-    if unknown := int(peak.isna().sum()):
-        text = f"{unknown} of {len(rows)} tests do not tell the peak of their cycles: no relation"
-        text += " that ends a fatigue life at R(1) = P_max/P_u is a candidate"
-        yield Finding("fatigue", text, remedy="give predamage_peak_kN")
-    elif np.ptp(peak) > LIKE_PEAK:
-        span = f"{peak.min():.2f} to {peak.max():.2f}"
-        text = f"P_max/P_u of the tests is {span}: curves are for {peak.mean():.2f}"
-        yield Finding("fatigue", text, number=float(peak.mean()))
-
-
 def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
     """What the way in which damage was measured says against it, for the rows of a fit."""
     if (rows["predamage_measure"] == SN_LIFE).any():
@@ -73,6 +58,13 @@ def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
     peak = peaks_of(rows)
     if quantity != "strength":
         peak = rows["predamage_peak_kN"].astype(float) / rows["undamaged_shear_kN"].astype(float)
+    elif set(rows["predamage_measure"]) == {LIFE} and (unknown := int(peak.isna().sum())):
+        text = f"{unknown} of {len(rows)} tests do not tell the peak of their cycles: no relation"
+        text += " that ends a fatigue life at R(1) = P_max/P_u is a candidate"
+        yield Finding("fatigue", text, remedy="give predamage_peak_kN")
+    elif set(rows["predamage_measure"]) == {LIFE} and np.ptp(peak) > LIKE_PEAK:
+        text = f"P_max/P_u of the tests is {peak.min():.2f} to {peak.max():.2f}: curves are for"
+        yield Finding("fatigue", f"{text} {peak.mean():.2f}", number=float(peak.mean()))
     high = int((peak > NORMAL_PEAK).sum())
     if high:
         text = (

@@ -1,6 +1,7 @@
 """Tests after pre-damage: what is left of a stud over that of an undamaged one."""
 
 from collections.abc import Iterator
+from math import sqrt
 
 import numpy as np
 import pandas as pd
@@ -17,36 +18,53 @@ QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
     "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
 }
+REFERENCE = ("reference", "reference_tests", "uncertainty")
 FORMULA = "roik-mean"  # that predicts undamaged strengths
 LEAST_UNDAMAGED = 3
 
 
-def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
-    """What every row has of the undamaged reference; NaN where there is none.
+def references(table: pd.DataFrame, quantity: str) -> pd.DataFrame:
+    """The undamaged reference of every row, NaN where there is none.
 
-    The reference is the row's own, or the mean of the undamaged tests that a fit may use with the
-    same campaign and diameter, in concrete of about the same strength.
+    It is the row's own, or the mean of the undamaged tests that a fit may use with the same
+    campaign and diameter, in concrete of about the same strength. Columns: `reference`, in the unit
+    of the table; `reference_tests` behind it (0: the row's own) and standard `uncertainty` of what
+    is left, by the pooled scatter of such tests (NaN: not known).
     """
-    column, reference = QUANTITIES[quantity]
+    column, given = QUANTITIES[quantity]
     undamaged = table[(table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)]
-    values, own = (table[name].astype(float) for name in (column, reference))
-    for index in table.index[own.isna()]:
-        own[index] = equal_studs(undamaged, table.loc[index])[column].astype(float).mean()
-    return values / own
+    own, counts, squares = table[given].astype(float), pd.Series(0.0, table.index), {}
+    for index in table.index[own.isna() & (table["predamage"] != NO_PREDAMAGE)]:
+        tests = equal_studs(undamaged, table.loc[index])[column].astype(float).dropna()
+        own[index], counts[index] = tests.mean(), float(len(tests))
+        if len(tests) > 1:  # a group counts once, however many rows refer to it
+            squares[tuple(tests.index)] = len(tests) - 1, float((tests / tests.mean()).var())
+    freedom = sum(nu for nu, _ in squares.values())
+    spread = sqrt(sum(nu * s for nu, s in squares.values()) / freedom) if freedom else np.nan
+    relative = (spread / counts**0.5).where(counts > 0.0)
+    uncertainty = relative * table[column].astype(float) / own
+    return pd.DataFrame(dict(zip(REFERENCE, (own, counts, uncertainty), strict=True)))
+
+
+def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
+    """What every row has of its undamaged reference; NaN where there is none."""
+    return table[QUANTITIES[quantity][0]].astype(float) / references(table, quantity)["reference"]
 
 
 def damaged_rows(
     table: pd.DataFrame, quantity: str, predamage: str | None = None, measure: str | None = None
 ) -> pd.DataFrame:
-    """Tests after pre-damage with `level` and `ratio` of what is left; empty when there are none.
+    """Tests after pre-damage with `level`, `ratio` of what is left and its reference; may be empty.
 
     Raises `InputError` for an unknown quantity, kinds or measures of damage that must not be mixed,
     or a test that bears more after damage than any can.
     """
     Choice(tuple(QUANTITIES)).check("quantity", quantity)
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
-    damage, ratio = damage_of(table), ratios(table, quantity)
-    rows = table.assign(level=damage["level"], predamage_measure=damage["measure"], ratio=ratio)
+    damage, told = damage_of(table), references(table, quantity)
+    ratio = table[QUANTITIES[quantity][0]].astype(float) / told["reference"]
+    measures = damage["measure"]
+    rows = table.assign(level=damage["level"], predamage_measure=measures, ratio=ratio, **told)
     for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
         if wanted is not None:
             damaged &= rows[name] == wanted
@@ -93,6 +111,17 @@ def reference_findings(table: pd.DataFrame, rows: pd.DataFrame, quantity: str) -
     if damaged.any():
         text = f"{damaged.sum()} damaged tests left out: no undamaged reference of their {quantity}"
         yield Finding("stud", text, remedy="--predicted-reference" * (quantity == "strength"))
+    share, known = reference_share(rows), int(rows["uncertainty"].notna().sum())
+    if share:
+        text = (
+            f"the references of {known} of {len(rows)} tests scatter: what is left is uncertain by "
+            f"{100 * share:.2g} %, alike in all tests of a campaign; this is in design values and "
+            "bands (with three campaigns or more as a part of tau)"
+        )
+        yield Finding("tests", text, number=share)
+    if unknown := len(rows) - known:
+        text = f"the scatter of the references of {unknown} of {len(rows)} tests is not known: it"
+        yield Finding("measurement", f"{text} is in no interval", remedy="give their companions")
     predicted = (rows["undamaged_basis"] == PREDICTED).sum() if quantity == "strength" else 0
     if predicted:
         text = (
@@ -100,6 +129,12 @@ def reference_findings(table: pd.DataFrame, rows: pd.DataFrame, quantity: str) -
             "what the formula misses counts as damage"
         )
         yield Finding("evidence", text, remedy="test an undamaged companion of each")
+
+
+def reference_share(rows: pd.DataFrame) -> float:
+    """Relative standard uncertainty of what is left by the references, root mean square."""
+    known = (rows["uncertainty"] / rows["ratio"]).dropna()
+    return sqrt(float((known**2).mean())) if len(known) else 0.0
 
 
 def studs_in_words(rows: pd.DataFrame) -> str:

@@ -40,7 +40,7 @@ class FactorFit(Fit):
         self.identity.refuse_overlap(table)
         rows = undamaged_headed_studs(table, self.slab, self.model.load)
         tests = specimens(rows)
-        return judge(rows, tests.under(self.model.load), self.model.of(tests), confidence)
+        return judge(rows, tests.quantity(self.model.load), self.model.of(tests), confidence)
 
     def to_dict(self) -> Content:
         """Everything but the rows."""
@@ -83,7 +83,7 @@ def fit_factors(
     names, predict = tuple(factors), prediction(tests, chosen, tuple(factors))
     start = np.log([getattr(chosen, f"{name}_factor") for name in names])
     low, high = np.log([FACTORS[name] for name in names]).T
-    load = np.log(tests.under(chosen.load))
+    load = np.log(tests.quantity(chosen.load))
     given = problem(load, tests.campaign, predict, names, start, lower=low, upper=high)
     try:
         estimate = fit_robust(given, loss)

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.errors import OutOfDomainError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.quantities import (
@@ -108,8 +107,8 @@ class Formula:
     ) -> Array:
         """Concrete term (n,) in N for diameters and heights (m), strength and modulus (Pa).
 
-        `embedment` in m (None: that of a usual head). Raises `OutOfDomainError` for studs below h/d
-        = 3 where the formula has no value.
+        `embedment` in m (None: that of a usual head). NaN for studs below h/d = 3 where the formula
+        has no value.
         """
         d, h = np.asarray(diameter, float), np.asarray(height, float)
         depth = embedment_of(d, h) if embedment is None else np.asarray(embedment, float)
@@ -124,28 +123,10 @@ class Formula:
         return np.asarray(found * twice * (0.25 * np.pi if self.over_area else 1.0))
 
     def _stockiness(self, diameter: Array, height: Array) -> Array:
-        if not self.reduces_stocky:
-            return np.ones(np.broadcast(diameter, height).shape)
-        slenderness = height / diameter
-        if np.any(slenderness < LEAST_SLENDERNESS):
-            raise OutOfDomainError(
-                f"{self.title} has no value for a stud of height over diameter "
-                f"{np.nanmin(slenderness):.3g}: it starts at {LEAST_SLENDERNESS:g}"
-            )
+        slenderness = height / diameter if self.reduces_stocky else np.full(diameter.shape, 9.0)
+        stocky = slenderness < LEAST_SLENDERNESS
         # np.minimum keeps NaN: without a height there is no value, rather than alpha = 1
-        return np.minimum(0.2 * (slenderness + 1.0), 1.0)
-
-    def resistance(
-        self,
-        diameter: ArrayLike,
-        height: ArrayLike,
-        strength: ArrayLike,
-        modulus: ArrayLike,
-        ultimate_strength: ArrayLike,
-    ) -> Array:
-        """Smaller (n,) of steel and concrete term in N; arguments as in `steel` and `concrete`."""
-        concrete = self.concrete(diameter, height, strength, modulus)
-        return np.minimum(self.steel(diameter, ultimate_strength), concrete)
+        return np.where(stocky, np.nan, np.minimum(0.2 * (slenderness + 1.0), 1.0))
 
     def of(self, tests: Specimens) -> Array:
         """Strength (n,) of tested specimens with their mean material values, in N.
@@ -157,10 +138,8 @@ class Formula:
     def terms(self, tests: Specimens) -> tuple[Array, Array]:
         """Steel and concrete term (n,) each of tested specimens, in N."""
         d, strength, ultimate = tests.diameter, tests.concrete_strength, tests.ultimate_strength
-        # a stocky stud has no value, and takes none from the others
-        outside = self.reduces_stocky & (tests.slenderness < LEAST_SLENDERNESS)
-        height = np.where(outside, np.nan, tests.height)
-        concrete = self.concrete(d, height, strength, tests.concrete_modulus, tests.embedment)
+        sizes = (d, tests.height, strength, tests.concrete_modulus, tests.embedment)
+        concrete = self.concrete(*sizes)
         if self.cone:  # EN 1992-4, 7.2.1.4: area of the cone, and edges that disturb it
             free = np.fmin(tests.free_width / (3.0 * tests.embedment), 1.0)
             concrete = concrete * free * (0.7 + 0.3 * free)

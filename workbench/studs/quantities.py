@@ -92,10 +92,6 @@ class Specimens:
         """Height over diameter."""
         return np.asarray(self.height / self.diameter)
 
-    def under(self, load: str) -> Array:
-        """Largest loads (n,) in N under ``shear`` or ``tension``."""
-        return self.tension if load == "tension" else self.shear
-
     def quantity(self, name: str) -> Array:
         """A quantity (n,) by its name, also of the decks; NaN where it is not known."""
         if name == "above_deck":

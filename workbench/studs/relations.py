@@ -36,12 +36,12 @@ class Relation:
     source: str
     peak: ArrayLike | None = None
 
-    def at(self, peak: ArrayLike) -> Relation:
+    def at(self, peak: ArrayLike | None) -> Relation:
         """An anchored relation at peaks, in its formula if they are one; any other as it is."""
-        if self.peak is None:
+        if self.peak is None or peak is None:
             return self
-        words = f"{self.formula}, P_max/P_u = {peak:.3g}" if np.ndim(peak) == 0 else self.formula
-        return replace(self, peak=peak, formula=words)
+        told = f", P_max/P_u = {float(np.mean(peak)):.3g}" * (np.ndim(peak) == 0)
+        return replace(self, peak=peak, formula=self.formula + told)
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
         """What is left (n,) at damage levels (n,) for parameters (p,)."""

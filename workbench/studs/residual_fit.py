@@ -16,8 +16,15 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
-from workbench.studs.damage import anchor_findings, damage_findings, peaks_of
-from workbench.studs.damaged import QUANTITIES, damaged_rows, reference_findings, studs_in_words
+from workbench.studs.damage import damage_findings, peaks_of
+from workbench.studs.damaged import (
+    QUANTITIES,
+    REFERENCE,
+    damaged_rows,
+    reference_findings,
+    reference_share,
+    studs_in_words,
+)
 from workbench.studs.fit_protocol import (
     Content,
     Fit,
@@ -35,6 +42,7 @@ from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
 from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (
+    LEAST_CAMPAIGNS,
     NOTHING,
     TAU,
     Priors,
@@ -93,14 +101,11 @@ class ResidualFit(Fit):
     def left(self, level: ArrayLike, peak: ArrayLike | None = None) -> Array:
         """Median ratio (n,) that is left at damage levels (n,): the average of the candidates.
 
-        `peak` of load cycles over P_u, one or (n,), at which a fatigue life ends (None: the mean of
-        the tests).
+        `peak` of load cycles over P_u, (n,), at which lives end (None: the mean of the tests).
         """
         if self.fitted is None:
             return self.relation(level)
-        relations = (c.relation if peak is None else c.relation.at(peak) for c in self.averaged)
-        pairs = zip(self.averaged, relations, strict=True)
-        values = [c.weight * relation(level, c.theta) for c, relation in pairs]
+        values = [c.weight * c.relation.at(peak)(level, c.theta) for c in self.averaged]
         return np.asarray(np.sum(values, axis=0))
 
     def quantiles(
@@ -116,8 +121,10 @@ class ResidualFit(Fit):
         if self.fitted is None or not tells_new_campaigns(self.fitted.estimate, self.priors):
             return None
         found, inside = np.full((len(shares) + len(median), len(d)), np.nan), ~self.extrapolates(d)
+        few = self.rows["campaign"].nunique() < LEAST_CAMPAIGNS
+        share = reference_share(self.rows) if few else 0.0  # else it is a part of tau
         if inside.any():
-            found[:, inside] = quantiles(self.averaged, d[inside], shares, median)
+            found[:, inside] = quantiles(self.averaged, d[inside], shares, median, share)
         return np.asarray(np.maximum(found, 0.0))
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
@@ -170,7 +177,8 @@ class ResidualFit(Fit):
         if len(self.rows) < LEAST_FOR_DESIGN or not np.all(left > 0.0):
             return None
         try:
-            return evaluate_d8(self.rows["ratio"], left, resistance=1.0)
+            told = {"reference": reference_share(self.rows)}
+            return evaluate_d8(self.rows["ratio"], left, variations=told, resistance=1.0)
         except InputError:  # a scatter that leaves no design value
             return None
 
@@ -229,7 +237,7 @@ class ResidualFit(Fit):
         low, high = self.band(levels, confidence) or (None, None)
         curve = self.mechanical
         names = ("level", "ratio", "low", "high", "basis")
-        columns = ["campaign", "specimen", "level", "ratio", "origin"]
+        columns = ["campaign", "specimen", "level", "ratio", "origin", *REFERENCE]
         return {
             "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
             "curve": {
@@ -297,7 +305,6 @@ def fit_residual(
             # an outlier hides from a relation that fits badly: the most flexible one finds it
             *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
             *damage_findings(rows, quantity),
-            *anchor_findings(rows, quantity),
             *reference_findings(table, rows, quantity),
             *residual_findings(rows, found, chosen, priors),
         ),

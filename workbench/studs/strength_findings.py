@@ -37,7 +37,7 @@ def strength_findings(
     """What a fit to tests warns of."""
     yield from model.findings(tests)
     strongest = tests.area * tests.ultimate_strength
-    above = int(np.sum(tests.under(model.load) / strongest > ABOVE_STEEL))
+    above = int(np.sum(tests.quantity(model.load) / strongest > ABOVE_STEEL))
     if above:
         yield Finding(
             "shank",

@@ -125,7 +125,7 @@ class StrengthFit(Fit):
         rows = undamaged_headed_studs(table, self.slab, self.model.load)
         tests = specimens(rows)
         prediction = self.predict(tests) if corrected else self.model.of(tests)
-        found = judge(rows, tests.under(self.model.load), prediction, confidence)
+        found = judge(rows, tests.quantity(self.model.load), prediction, confidence)
         kept, known = _complete(rows, self.model)
         held = _problem(known, self.model, self._trends, self.reference)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
@@ -247,7 +247,7 @@ def _design(tests: Specimens, trends: tuple[str, ...], reference: Mapping[str, f
 def _problem(
     tests: Specimens, model: Formula, trends: tuple[str, ...], reference: Mapping[str, float]
 ) -> Problem:
-    ratio, names = np.log(tests.under(model.load) / model.of(tests)), ("bias", *trends)
+    ratio, names = np.log(tests.quantity(model.load) / model.of(tests)), ("bias", *trends)
     start, design = np.zeros(len(names)), _design(tests, trends, reference)
     return problem(ratio, tests.campaign, None, names, start, design=design)
 
@@ -287,7 +287,7 @@ def _d8(
                 steel["ultimate_strength"] = min(specified_strength, LARGEST_SPECIFIED)
             nominal = resistance({"concrete_strength": specified, **steel}, code)
     return evaluate_d8(
-        tests.under(model.load),
+        tests.quantity(model.load),
         model.of(tests),
         variations={name: variations[name] for name in means},
         sensitivities=sensitivities_of(resistance, means),
@@ -298,7 +298,7 @@ def _d8(
 
 def _rows(kept: pd.DataFrame, tests: Specimens, model: Formula) -> pd.DataFrame:
     """Test, prediction and ratio of every row, with all variables (SI)."""
-    load, prediction = tests.under(model.load), model.of(tests)
+    load, prediction = tests.quantity(model.load), model.of(tests)
     return kept[["campaign", "specimen", "flag"]].assign(
         test=load,
         prediction=prediction,

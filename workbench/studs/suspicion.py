@@ -74,7 +74,7 @@ def _single(table: pd.DataFrame) -> Iterator[str]:
     """Single tests that bear more than their shank can."""
     tests = specimens(table)
     for load, most in TWO_STUDS.items():
-        share = tests.under(load) / (tests.area * tests.ultimate_strength)
+        share = tests.quantity(load) / (tests.area * tests.ultimate_strength)
         rows = table[share > most]
         if len(rows):
             words = f"{load} of {named(rows)} is up to {np.nanmax(share):.3g} times the tensile"

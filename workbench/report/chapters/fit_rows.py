@@ -45,6 +45,8 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
     if result["fit"] in companions:
         own = rows["campaign"].isin([campaign for campaign, _ in uses])
         uses |= dict.fromkeys(_keys(rows[companions[result["fit"]] & own]), "companion")
+    for content in contents_of(result) if result["fit"] == "residual" else ():
+        rows = rows.merge(_left(content), "left", _NAMES)
     rows["use"] = [uses.get(key, "not used") for key in _keys(rows)]
     shown = (str(name) for name in rows if name not in (*_NAMES, *_HIDDEN))
     told = [name for name in shown if _told(rows[name])]
@@ -66,6 +68,17 @@ def tests(result: Content, tables: Sequence[pd.DataFrame], file: str) -> Iterato
         more = "" if start == 0 else ", further columns"
         caption = f"The tests as they stand in the table{more}; a dash is not reported."
         yield Table.of(f"tests-{start}", caption, columns, records, _PRINTED)
+
+
+def _left(content: Content) -> pd.DataFrame:
+    """Damage, what is left with the uncertainty by its reference, and the reference."""
+    words = ("damage D", "left R", "u(R) by its reference", "reference", "tests behind it")
+    keys = ("level", "ratio", "uncertainty", "reference", "reference_tests")
+    rows = pd.DataFrame(content["tests"], columns=[*_NAMES, *keys]).astype(
+        dict.fromkeys(keys, float)
+    )
+    quantity = content["fit"]["quantity"]
+    return rows.set_axis([*_NAMES, *(f"{quantity}: {each}" for each in words)], axis="columns")
 
 
 def _uses(result: Content) -> dict[tuple[str, str], str]:

@@ -89,17 +89,13 @@ def fitted(named: Named) -> Iterator[Block]:
 def least_scatter(result: Content) -> str:
     """Which formula scatters least, and which ones the tests do not tell from it."""
     title = FORMULAS[result["least_scatter"]].title
-    alike = [each for each in result["rivals"] if not each["apart"]]
-    if not result["rivals"]:
-        return f"Formula: {title}."
+    alike = [FORMULAS[e["name"]].label for e in result["rivals"] if not e["apart"]]
     if not alike:
-        return f"Formula of least scatter: {title}."
-    names = ", ".join(FORMULAS[each["name"]].label for each in alike)
-    level = f"{100 * result['confidence']:g} %"
+        return f"Formula{' of least scatter' if result['rivals'] else ''}: {title}."
     return (
-        f"By their scatter within campaigns the tests cannot tell {title} from {names}: the "
-        f"{level} interval of the ratio of scatters reaches down to {LIKE:g} or less, or there are "
-        "too few tests."
+        f"By their scatter within campaigns the tests cannot tell {title} from {', '.join(alike)}: "
+        f"the {100 * result['confidence']:g} % interval of the ratio of scatters reaches down to "
+        f"{LIKE:g} or less, or there are too few tests."
     )
 
 

@@ -33,19 +33,13 @@ def rank_scatters(tests: Mapping[str, Any], confidence: float) -> tuple[str, lis
     best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
     rivals: list[dict[str, Any]] = []
     for k in (k for k in range(len(squares)) if k != best):
-        rival: dict[str, Any] = {
-            "name": left.columns[k],
-            "ratio": None,
-            "low": None,
-            "high": None,
-            "apart": False,
-        }
+        ends, apart = (None, None, None), False
         if nu > 0 and squares[best] > _EQUAL:
             ratio = float(np.sqrt(squares[k] / squares[best]))
-            apart = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
-            wide = 1.0 + 2.0 * apart * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
+            open_ = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
+            wide = 1.0 + 2.0 * open_ * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
             factor = float(np.sqrt(wide + np.sqrt(wide**2 - 1.0)))
-            ends = ratio / factor, ratio * factor
-            rival |= {"ratio": ratio, "low": ends[0], "high": ends[1], "apart": ends[0] > LIKE}
-        rivals.append(rival)
+            ends, apart = (ratio, ratio / factor, ratio * factor), ratio / factor > LIKE
+        told = dict(zip(("ratio", "low", "high"), ends, strict=True))
+        rivals.append({"name": str(left.columns[k]), **told, "apart": apart})
     return str(left.columns[best]), rivals
