@@ -50,6 +50,11 @@ ABSURD: dict[str, tuple[pd.DataFrame, str]] = {
     "a slip of the pen": (
         push_outs(shear_kN=[101.3, 108.4, 97.2, 104.9, 110.6, 19.98]), "outlier: our lab s5, ",
     ),
+    "a slip of the pen among companions": (
+        push_outs(fcm_MPa=np.nan, fu_MPa=np.nan,
+                  shear_kN=[101.3, 108.4, 97.2, 104.9, 110.6, 199.8]),
+        "outlier: our lab s5, 200 where the others give 104",
+    ),
     "remaining life": (
         push_outs(**DAMAGED, undamaged_shear_kN=160.0,
                   shear_kN=[64.0, 71.0, 96.0, 101.0, 129.0, 143.0]),

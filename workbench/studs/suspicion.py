@@ -20,7 +20,7 @@ from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import same_contents
 
-# median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.8 to 1.5
+# median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.9 and 1.2
 USUAL_RATIO = (0.5, 1.5)
 # load over the tensile strength of the shank, above which one test alone is doubted: of the shipped
 # push-outs the strongest has 1.58 (friction and collar bear too), under tension none has more
@@ -30,7 +30,7 @@ RISES = 0.01  # chance of so steep a rise of what is left if it did not depend o
 UNITS = {"kip instead of kN": 4.448, "tonnes instead of kN": 9.807}
 METRES, INCHES = 0.1, 0.5  # mm, below which slips of a campaign look like another unit
 HIGHER = 1.05  # median of damaged over undamaged, above which columns look swapped
-LEAST_ROWS = 3  # that show a pattern
+LEAST_ROWS, MOST_ROWS = 3, 5000  # that show a pattern; in which single tests are looked at
 
 
 def suspicions(table: pd.DataFrame) -> list[Finding]:
@@ -54,12 +54,12 @@ def _ratios(table: pd.DataFrame) -> pd.Series:
     whole &= ~(table["height_mm"] < 3.0 * table["diameter_mm"])
     rows = table[whole]
     tests = specimens(rows)
-    return pd.Series(tests.shear / SHEAR_MODELS["roik-mean"].of(tests), index=rows.index).dropna()
+    return pd.Series(tests.shear / SHEAR_MODELS["roik-mean"].of(tests), index=rows.index)
 
 
 def _loads(table: pd.DataFrame) -> Iterator[str]:
     """Campaigns whose loads are another unit, or those of several studs."""
-    for campaign, own in _ratios(table).groupby(table["campaign"]):
+    for campaign, own in _ratios(table).dropna().groupby(table["campaign"]):
         middle, (low, high) = float(own.median()), USUAL_RATIO
         if low <= middle <= high:
             continue
@@ -82,11 +82,14 @@ def _single(table: pd.DataFrame) -> Iterator[str]:
 
 
 def _outliers(table: pd.DataFrame) -> Iterator[Finding]:
-    """Undamaged tests far off the others of their campaign."""
+    """Undamaged tests far off the others of their campaign, without a formula of their diameter."""
     ratio = _ratios(table)
-    if len(ratio) > LEAST_ROWS:
-        rows = table.loc[ratio.index]
-        estimate = fit(location(np.log(ratio.to_numpy()), rows["campaign"].to_numpy(str)))
+    rows, known = table.loc[ratio.index], ratio.notna()
+    value = ratio.where(known, rows["shear_kN"].astype(float)).dropna()
+    if LEAST_ROWS < len(value) <= MOST_ROWS:
+        own = rows["campaign"] + " " + rows["diameter_mm"].astype(str)
+        rows, alike = rows.loc[value.index], rows["campaign"].where(known, own)[value.index]
+        estimate = fit(location(np.log(value.to_numpy()), alike.to_numpy(str)))
         yield from outlier_findings(estimate, rows, lambda value: float(np.exp(value)))
 
 
