@@ -40,7 +40,7 @@ class Relation:
         """An anchored relation at peaks, in its formula if they are one; any other as it is."""
         if self.peak is None or peak is None:
             return self
-        told = f", P_max/P_u = {float(np.mean(peak)):.3g}" * (np.ndim(peak) == 0)
+        told = f", P_max/P_u = {float(np.mean(np.asarray(peak, float))):.3g}" * (np.ndim(peak) == 0)
         return replace(self, peak=peak, formula=self.formula + told)
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:

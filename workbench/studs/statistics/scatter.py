@@ -33,7 +33,8 @@ def rank_scatters(tests: Mapping[str, Any], confidence: float) -> tuple[str, lis
     best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
     rivals: list[dict[str, Any]] = []
     for k in (k for k in range(len(squares)) if k != best):
-        ends, apart = (None, None, None), False
+        ends: tuple[float | None, ...] = (None, None, None)
+        apart = False
         if nu > 0 and squares[best] > _EQUAL:
             ratio = float(np.sqrt(squares[k] / squares[best]))
             open_ = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
