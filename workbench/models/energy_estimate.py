@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
 from workbench.models.domain import HEAVY, RESTITUTION, bounce_findings
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
+from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve
 from workbench.models.resistance.limits import (
     SEGMENTS,
@@ -64,6 +64,7 @@ class EnergyEstimate(Declared, table="option"):
         findings = curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact):
             findings += restitution_findings(scenario)
+            findings += elastic_mass_findings(scenario, self.hit_mass)
         return findings
 
     def simulate(self, scenario: Scenario) -> Response:

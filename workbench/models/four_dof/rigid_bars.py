@@ -26,7 +26,7 @@ from workbench.models.domain import bounce_findings, buckling_findings, count_fi
 from workbench.models.elastic_springs import Springs, thesis_springs
 from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
+from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
 from workbench.responses import Finding, Response, build_response, open_share
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
 
@@ -100,7 +100,7 @@ class RigidBars(Declared, table="option"):
         if any(finding.refusal for finding in findings):
             return findings
         if isinstance(scenario, ColumnImpact):
-            findings += bounce_findings(scenario)
+            findings += bounce_findings(scenario) + elastic_mass_findings(scenario, self.hit_mass)
             if self.integrator == "moreau" and self.time_step:
                 stable = 2.0 / self._highest_frequency(scenario.column)
                 findings += step_finding(self.time_step, stable)

@@ -23,7 +23,7 @@ from workbench.impact import collide
 from workbench.impact.pace import Pace
 from workbench.models.base import respond
 from workbench.models.domain import bounce_findings, step_finding
-from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
+from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
     SEGMENTS,
@@ -138,7 +138,7 @@ class SingleDof(Declared, table="option"):
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
         findings = curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact):
-            findings += bounce_findings(scenario)
+            findings += bounce_findings(scenario) + elastic_mass_findings(scenario, self.hit_mass)
             if self.time_step is not None:
                 findings += self._step_findings(scenario, self.time_step)
         return findings
