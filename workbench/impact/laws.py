@@ -1,9 +1,8 @@
-"""Contact laws as value objects: Signorini, Newton's and Poisson's restitution, penalty springs.
+"""Contact laws: Newton's and Poisson's restitution, penalty springs.
 
 Rigid contacts answer with impulses. With G = W' M^-1 W, gap velocities gamma- before and
 gamma = gamma_free + G P after:
 
-* Signorini: 0 <= P perp s >= 0, the slack s being the gap (position) or its velocity.
 * Newton: 0 <= P perp gamma + e gamma- >= 0, contact by contact (Heng 2017, eq. 3.21).
 * Poisson: P = P_c + P_e. Compression ends at 0 <= P_c perp gamma_c >= 0; expansion gives back
   P_e = e P_c, and more only where bodies would overlap otherwise (Glocker and Pfeiffer 1995).
@@ -21,32 +20,10 @@ from scipy.optimize import brentq
 
 from workbench.arrays import Array
 from workbench.compiled import njit
-from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Many, Number, checked
-from workbench.impact.complementarity import (
-    LEMKE,
-    METHODS,
-    Impulses,
-    complementary,
-    solve_contacts,
-)
+from workbench.impact.complementarity import complementary
 
 NEWTON, POISSON = "newton", "poisson"
-
-
-@dataclass(frozen=True)
-class Signorini(Declared, table="signorini"):
-    """No penetration, no pull. `level`: of the gap (position, m) or its velocity (m/s)."""
-
-    level: str = checked(Choice(("position", "velocity")), "velocity")
-    method: str = checked(METHODS, LEMKE)
-
-    def impulses(self, delassus: Array, slack: Array) -> Impulses:
-        """Impulses that leave no negative slack; those of position level shift, in kg m.
-
-        Raises `InputError` and `SolverError`, as `solve_contacts`.
-        """
-        return solve_contacts(delassus, slack, self.method)
 
 
 @dataclass(frozen=True)
@@ -72,28 +49,14 @@ class Restitution(Declared, table="restitution"):
             raise self.refusal("coefficients", f"must be one number or {contacts}, one per contact")
         return np.full(contacts, given)
 
-    def impulses(self, delassus: Array, free: Array, before: Array) -> Impulses:
-        """Impulses of simultaneous impacts.
-
-        Arguments: `delassus` (n, n) in 1/kg; `free` and `before`, gap velocities (n,) in m/s
-        without impulses and before the impact. Raises as `solve_contacts`.
-        """
-        e, start = self.each(np.size(free)), np.asarray(before, dtype=float)
-        if start.shape != np.shape(free):
-            raise InputError("before", start.shape, f"must be one velocity for each of {e.size}")
-        if self.law == NEWTON:
-            found = solve_contacts(delassus, free + e * start)
-            return found._replace(velocities=found.velocities - e * start)
-        pressed = solve_contacts(delassus, free)
-        back = e * pressed.impulses
-        extra = solve_contacts(delassus, pressed.velocities + delassus @ back)
-        total = pressed.impulses + back + extra.impulses
-        return Impulses(total, extra.velocities, max(pressed.residual, extra.residual))
-
 
 @njit(cache=True, error_model="numpy")
 def percussions(G, free, start, e, poisson):
-    """Impulses of a step as `Restitution` has them, and their residual; for compiled steps.
+    """Impulses of simultaneous impacts, and their residual.
+
+    Arguments: `G` (n, n) in 1/kg; `free` and `start`, gap velocities (n,) in m/s without impulses
+    and before the impact; `e` (n,), coefficients; whether the law is Poisson's.
+
 
     A closed contact that separates already reverses its velocity elastically: with e < 1 it would
     create energy (`restitution.rebound`).

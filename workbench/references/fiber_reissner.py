@@ -123,9 +123,8 @@ class FiberReissner(ExactBeams):
     halved (negative: doubled); `step_refinement`, how often the steps alone are halved further;
     `levels`, meshes behind an answer, each with twice the elements and steps of the next finer
     one (1: that of `refinement` alone, the numerical uncertainty is then unknown).
-    Solution: `formulation`, compiled kernel or scikit-fem forms (the same response, slowly);
-    `integrator`, implicit with energy-exact steps or explicit central differences with lumped
-    mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, more damps
+    Solution: `integrator`, implicit with energy-exact steps or explicit central differences with
+    lumped mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, more damps
     waves).
     Steel: `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic hardening
     modulus (or slope of the hardening line) over the elastic one, by default regularisation only:
@@ -139,7 +138,6 @@ class FiberReissner(ExactBeams):
     """
 
     levels: int = checked(LEVELS, 4)
-    formulation: str = checked(Choice(("kernel", "forms")), "kernel")
     steel_law: str = checked(Choice(LAWS), "linear")
     isotropic_ratio: float = checked(Number(0.0, 0.1), 0.0)
     rate_sensitive: bool = checked(Flag(), False)
@@ -183,15 +181,6 @@ class FiberReissner(ExactBeams):
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Elements grow fast from the very small ones of the rule only."""
         return REISSNER_RULE if self.smallest_element is None else REISSNER_GIVEN
-
-    @property
-    def beams(self) -> type[ReissnerBeams]:
-        """The elements, assembled by the compiled kernel or by scikit-fem forms."""
-        if self.formulation != "forms":
-            return ReissnerBeams
-        from workbench.references.reissner_forms import ReissnerForms
-
-        return ReissnerForms
 
     def law(self, steel: Steel) -> UniaxialLaw:
         """The law of the fibers."""

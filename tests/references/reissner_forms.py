@@ -10,6 +10,9 @@ tangent only steers Newton's method and is that of the kernel.
 Source: Reissner 1972; Simo 1985; Simo, Tarnow and Doblare 1995.
 """
 
+from __future__ import annotations
+
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,11 +20,12 @@ from skfem import Basis, ElementLineP1, ElementVector, LinearForm, MeshLine
 from skfem.helpers import grad
 
 from workbench.arrays import Array
+from workbench.references.fiber_reissner import FiberReissner
 from workbench.structures.elements import Bars, Step
 from workbench.structures.reissner_beams import ReissnerBeams
 
 
-@LinearForm  # type: ignore[untyped-decorator]
+@LinearForm
 def residual(v: Any, w: Any) -> Any:
     """Virtual work of the section forces N, V, M of the step for v = (u, v, theta)."""
     slope = grad(v)[:, 0]
@@ -65,6 +69,13 @@ class ReissnerForms(ReissnerBeams):
         fields = _fields(basis, (bars.chords / bars.lengths[:, None]).T, *at, step.dynamic)
         fields["force"] = self._new.stress.T[:, :, None]
         np.add.at(step.force, to_line, residual.assemble(basis, **fields))
+
+
+@dataclass(frozen=True)
+class FormsReissner(FiberReissner):
+    """The reference of record, assembled by scikit-fem forms."""
+
+    beams = ReissnerForms
 
 
 def line_basis(lengths: Array) -> Basis:
