@@ -6,19 +6,22 @@ import dataclasses
 import hashlib
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from time import process_time
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 import xarray as xr
+from toy_models import Spring
 
 from workbench.errors import InputError
 from workbench.models.four_dof import FourDof
 from workbench.report.build import build_report
 from workbench.report.stored import Stored
-from workbench.responses import Outcome, failed_response, provenance
-from workbench.scenarios import ColumnImpact
+from workbench.responses import Outcome, Response, failed_response, provenance
+from workbench.scenarios import ColumnImpact, Scenario
 from workbench.study import Case, State, Store, Study, assess, cells_of, run_study, survey
 from workbench.study.store import (
     Presence,
@@ -253,3 +256,105 @@ def test_six_thousand_cells_are_assessed_in_ten_seconds(small: Study, tmp_path: 
     begin = process_time()
     assert len(assess(many, tmp_path).responses) == 6000
     assert process_time() - begin <= 10.0
+
+
+def test_a_finished_store_that_can_only_be_read_is_run_judged_and_reported(
+    small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(small, tmp_path)
+    store = Store(tmp_path / "toy")
+    manifest = json.loads(store.manifest.read_text())
+    manifest["provenance"]["commit"] = "another"
+    store.manifest.write_bytes(canonical_json(manifest))
+    (store.directory / ".lock").unlink()
+    paths = sorted(store.directory.rglob("*"))
+    before = [path.stat().st_mtime_ns for path in paths]
+    for path in (*paths, store.directory):
+        path.chmod(0o555)  # in vain for root
+    monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
+    assert run_study(small, tmp_path, jobs=0).answered == 0
+    assess(small, tmp_path)
+    assert sorted(store.directory.rglob("*")) == paths
+    assert [path.stat().st_mtime_ns for path in paths] == before
+    for path in (*paths, store.directory):
+        path.chmod(0o755)
+
+
+def no_parts(response: Response) -> Response:
+    told = {"outcome": "collapse", "collapse": '{"mechanism": "geometry", "parts": 7}'}
+    return response.drop_vars(list(response.variables)).assign_attrs(told)
+
+
+def instead(name: str, *variable: Any) -> Change:
+    """A change of a response: another variable under a name."""
+    told = {"units": "m", "long_name": "x"}
+    return lambda response: response.assign({name: (*variable, told)})
+
+
+def saying(name: str, *said: Any) -> list[Change]:
+    """Changes of a response: an attribute that says something else."""
+    return [lambda response, one=one: response.assign_attrs({name: one}) for one in said]
+
+
+Change = Callable[[Response], Response]
+FINDING = '[{"subject": "a", "severity": "warning", "sentence": %s, "remedy": "", "number": %s}]'
+MESHES = '{"levels": [1, 2], "directions": [], "statements": %s, "quantities": %s}'
+BROKEN: dict[str, list[Change]] = {
+    "values": [
+        instead("peak_displacement", (), value) for value in ("large", b"1", float("nan"), 1e300)
+    ],
+    "dimensions": [
+        instead("peak_displacement", "z", [0.1, 0.2]),
+        instead("displacement", (), 0.1),
+        lambda response: response.isel(time=slice(0, 0)),
+        lambda response: response.assign_coords(time=response["time"].values[::-1]),
+    ],
+    "units": [lambda response: response.assign(peak_displacement=0.1)],
+    "unknown": [instead("peak_dsplacement", (), 0.1)],
+    "findings": saying(
+        "findings", "", "[1]", "null", 7, FINDING % (7, 1), FINDING % ('"b"', '"c"')
+    ),
+    "collapse": [no_parts, lambda response: no_parts(response).assign_attrs(collapse="{}")],
+    "outcome": saying("outcome", "collapse", "fine", 7),
+    "message": saying("message", 7),
+    "scenario": saying("scenario", 7),
+    "widths": saying("numerical_uncertainty", "", "[]", 7, '{"peak_displacement": "x"}'),
+    "meshes": saying("refinement", "[]", "{}", MESHES % (7, "{}"), MESHES % ("[]", '{"a": {}}')),
+    "data": saying("data_uncertainty", "7", '{"peak_displacement": NaN}'),
+    "interval": saying("sampling_interval", '{"peak_displacement": [1]}', "[]"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_cells_that_are_signed_but_broken_are_answered_again(
+    small: Study, tmp_path: Path, kind: str
+) -> None:
+    run_study(small, tmp_path, jobs=0)
+    store, cell = Store(tmp_path / "toy"), cells_of(small)[0]
+    sound, record = store.response(cell.key), store.record(cell.key)
+    for change in BROKEN[kind]:
+        broken = change(sound.copy(deep=True))
+        outcome = broken.attrs["outcome"]
+        told = {**record, "outcome": outcome if isinstance(outcome, str) else "ok"}
+        store.put(cell.key, to_netcdf_bytes(broken), told)
+        assert states(small, tmp_path).count(State.TO_DO) == 1
+        assert assess(small, tmp_path).tables["cells"][0]["outcome"] == "not run"
+    build_report(Stored(store.directory, small), formats=("html",))
+    assert run_study(small, tmp_path, jobs=0).answered == 1
+    assert states(small, tmp_path).count(State.TO_DO) == 0
+
+
+def test_a_model_that_says_what_no_one_can_read_has_crashed(small: Study, tmp_path: Path) -> None:
+    study = dataclasses.replace(small, models={"soft": Garbled(), "fine": small.models["fine"]})
+    assert run_study(study, tmp_path, jobs=0).outcomes == {"crashed": 2, "ok": 2}
+    assert "garbled" in assess(study, tmp_path).tables["cells"][0]["message"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Garbled(Spring):
+    """A model from elsewhere whose findings are none."""
+
+    name: ClassVar[str] = "garbled"
+
+    def simulate(self, scenario: Scenario) -> Response:
+        return super().simulate(scenario).assign_attrs(findings="[1]")

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,22 @@ _TOLD = {"units", "long_name"}  # of every variable
 _KNOWN = {  # dimensions and attributes of variables over time, or of steps
     of: {
         name: (tuple(of if d == HISTORY else d for d in one.dims), one.attributes)
-        for name, one in VARIABLES.items()
+        for name, one in {**COORDINATES, **VARIABLES}.items()
     }
     for of in ("time", "step")
 }
+_NAMES, _NUMBERS = "OU", "fiu"  # kinds of types
+_TEXTS = ("hinge", "segment", "member", "upright", "run")  # coordinates that are names
+_RULES: dict[Any, Any] = {  # by variable: what it may stand over, its unit, the kinds of its type
+    name: (
+        [_KNOWN[of][name][0] for of in _KNOWN],
+        told["units"],
+        _NAMES if name in _TEXTS else _NUMBERS,
+    )
+    for name, (_, told) in _KNOWN["time"].items()
+}
 _LARGE = 1000  # numbers of an array that is looked at by itself
+_LARGEST = 1e60  # in any unit: what is beyond is as good as infinite, its square still a number
 
 
 def build_response(
@@ -190,35 +200,39 @@ def _text(finding: Finding) -> str:
 
 
 def check_response(response: Response) -> None:
-    """Hold a response to the contract: known names, units, shapes, finite numbers.
+    """Hold a response to the contract: known names, units, dimensions, types, finite numbers.
 
     Names with dots are a model's own results: words, or numbers that are NaN where not known.
     Raises `WorkbenchError` naming the variable.
     """
-    variables = dict(response.variables)  # plain ones: no index is built
-    standard: dict[Any, Array] = {}
-    for name, array in variables.items():
-        if name in VARIABLES:
-            standard[name] = array.values
-        elif name in COORDINATES or name in response.coords:
+    numbers: dict[Any, Array] = {}
+    for name, array in dict(response.variables).items():  # plain ones: no index is built
+        shapes, units, kinds = _RULES.get(name, ((), "", ""))
+        if not shapes and name in response.coords:
             continue
-        elif "." not in str(name):
+        if not shapes and "." not in str(name):
             raise WorkbenchError(f"response variable {name!r} is not a standard one")
-        if not array.attrs.keys() >= _TOLD:
+        if not array.attrs.keys() >= _TOLD or (shapes and array.attrs["units"] != units):
             raise WorkbenchError(f"response variable {name!r} lacks units or long_name")
-    large = [values for values in standard.values() if values.size > _LARGE]
-    small = [values.ravel() for values in standard.values() if values.size <= _LARGE]
+        if shapes and array.dims not in shapes:
+            over = ", ".join(map(str, array.dims)) or "nothing"
+            raise WorkbenchError(f"response variable {name!r} stands over {over}")
+        if shapes and array.dtype.kind not in kinds:
+            raise WorkbenchError(f"response variable {name!r} holds {array.dtype}")
+        if kinds == _NUMBERS:
+            numbers[name] = array.values
+    large = [values for values in numbers.values() if values.size > _LARGE]
+    small = [values.ravel() for values in numbers.values() if values.size <= _LARGE]
     if not all(map(_finite, (*large, np.concatenate([*small, ()])))):
-        name = next(name for name, values in standard.items() if not _finite(values))
+        name = next(name for name, values in numbers.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
-    if "time" in variables:
-        time = response.get_index("time").values
-        if not (_finite(time) and (time[1:] > time[:-1]).all()):
-            raise WorkbenchError("response time does not increase")
+    time = numbers.get("time")
+    if time is not None and not (time.size and (time[1:] > time[:-1]).all()):
+        raise WorkbenchError("response time does not increase")
 
 
 def _finite(values: Array) -> bool:
-    return not values.size or (isfinite(values.min()) and isfinite(values.max()))
+    return not values.size or bool(values.min() > -_LARGEST and values.max() < _LARGEST)
 
 
 def scalars_of(response: Response) -> dict[str, float]:

@@ -105,12 +105,13 @@ def read_manifest(store: Store) -> Manifest:
     return manifest
 
 
-def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
-    """Write what the study is made of, in canonical form.
+def write_manifest(study: Study, cells: list[Cell], store: Store, *, runs: bool) -> None:
+    """Write what the study is made of, in canonical form, and who `runs` it, if anyone does.
 
     A cell that is not stored keeps under ``answered`` what its last stored answer was made of.
     """
-    answered = _last_answers(read_manifest(store), store)
+    before = read_manifest(store)
+    answered = _last_answers(before, store)
     entries = []
     for cell in cells:
         entry = {name: getattr(cell, name) for name in ("case", "label", "key", "ingredients")}
@@ -118,7 +119,8 @@ def write_manifest(study: Study, cells: list[Cell], store: Store) -> None:
         if not store.holds(cell.key) and last is not None:
             entry["answered"] = last
         entries.append(entry)
-    manifest = {**_description(study), "cells": entries, "provenance": provenance()}
+    manifest = {**_description(study), "cells": entries}
+    manifest["provenance"] = (not runs and before.get("provenance")) or provenance()
     write_atomically(store.manifest, canonical_json(manifest))
 
 

@@ -69,12 +69,12 @@ def run_study(
     progress = progress or Progress()
     store = Store(Path(root) / study.name)
     with store.alone():
-        write_manifest(study, cells, store)
         waiting = [
             cell
             for cell in _costly_first(study, cells)
             if cell.key in chosen and (fresh or _to_do(cell, store, timeout, progress))
         ]
+        write_manifest(study, cells, store, runs=bool(waiting))
         stored = len(chosen) - len(waiting)
         tasks = [task_of(cell, timeout, file) for cell in waiting]
         by_key = {cell.key: cell for cell in waiting}
@@ -89,7 +89,7 @@ def run_study(
                     progress.advance(by_key[result.key], result.outcome, seconds)
         finally:
             progress.end()
-            write_manifest(study, cells, store)
+            write_manifest(study, cells, store, runs=bool(waiting))
         if fresh and only is None:
             for key in store.keys() - {cell.key for cell in cells}:
                 store.remove(key)

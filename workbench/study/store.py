@@ -13,12 +13,12 @@ import json
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -26,7 +26,8 @@ import pandas as pd
 import xarray as xr
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.responses import Outcome, Response, response_of
+from workbench.responses import Outcome, Response, check_response, response_of
+from workbench.responses.soundness import check_attributes
 
 TEMPORARY = ".partial"
 NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored
@@ -50,7 +51,6 @@ _UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
 _PLAIN = (np.dtype(np.float64), np.dtype(np.int64), str)
 _CODED = {"_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates"}
 
-T = TypeVar("T")
 Record = dict[str, Any]
 Row = Mapping[str, Any]
 Ingredients = Mapping[str, Any]  # everything that an answer depends on
@@ -226,9 +226,13 @@ class Store:
         """Prepare and hold the lock of the store; what an interrupted run has left is removed.
 
         The system frees the lock when this process ends in any way. Raises `InputError` if
-        another run holds it, whose files are not touched.
+        another run holds it, whose files are not touched. A store that can only be read has no
+        lock: no one writes there.
         """
         self.prepare()
+        if not all(os.access(d, os.W_OK) for d in (self.directory, self.cells, self.tables)):
+            yield
+            return
         with locked(self.directory / ".lock"):
             for directory in (self.directory, self.cells, self.tables):
                 for leftover in directory.glob(f"*{TEMPORARY}"):
@@ -246,17 +250,13 @@ class Store:
         """
         if not self.holds(key):
             return Presence.ABSENT  # a file without a record was cut off before it counted
-        found = self._sound(key, asked, lambda stored: None)
-        return Presence.CORRUPT if found is None else Presence.FINISHED
+        return Presence.CORRUPT if self.answer(key, asked) is None else Presence.FINISHED
 
     def answer(self, key: str, asked: Ingredients) -> tuple[Record, Response] | None:
-        """Record and response of a cell, read once; None where it is not finished (`presence`)."""
-        return self._sound(key, asked, _loaded)
+        """Record and response of a cell, read once; None where it is not finished (`presence`).
 
-    def _sound(
-        self, key: str, asked: Ingredients, read: Callable[[netCDF4.Dataset], T]
-    ) -> tuple[Record, T] | None:
-        """The record of a cell and what is `read` of its file; None where they do not agree."""
+        Others may have written the file: it is held to all that its readers rely on.
+        """
         try:
             record, file = self.record(key), self.cells / f"{key}.nc"
             content = file.read_bytes() if file.is_file() else b""  # a pipe would never end
@@ -266,8 +266,11 @@ class Store:
                 return None
             with netCDF4.Dataset("stored", memory=content) as stored:
                 agrees = _answers(stored, asked, record["outcome"])
-                return (record, read(stored)) if agrees else None
-        except (*_UNREADABLE, AttributeError):
+                response = _loaded(stored)
+            check_response(response)
+            check_attributes(response)
+            return (record, response) if agrees else None
+        except (*_UNREADABLE, AttributeError, RuntimeError, WorkbenchError):
             return None
 
     def put(self, key: str, content: bytes, record: Record) -> None:
@@ -313,6 +316,7 @@ def _loaded(stored: netCDF4.Dataset) -> Response:
     stored.set_auto_maskandscale(False)
     held = stored.variables.items()
     plain = all(one.dtype in _PLAIN and not _CODED & set(one.ncattrs()) for _, one in held)
+    plain &= all(one.ndim or one.dtype is not str for _, one in held)  # a text alone is no array
     if plain and not stored.groups:  # nothing to decode: by the short way, as it was built
         arrays = {name: (one.dimensions, one[...], one.__dict__) for name, one in held}
         return response_of(arrays, stored.__dict__)

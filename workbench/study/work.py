@@ -15,6 +15,7 @@ from workbench.errors import InputError, told
 from workbench.models.base import Model, signature
 from workbench.responses import Outcome, Response, check_response, failed_response, outcome_of
 from workbench.responses.provenance import provenance
+from workbench.responses.soundness import check_attributes
 from workbench.responses.variables import TIMES, VOLATILE
 from workbench.scenarios import Scenario
 from workbench.study.cells import Cell
@@ -153,7 +154,7 @@ def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
     try:
         response = model.simulate(scenario)
         check_response(response)
-        outcome_of(response)
+        check_attributes(_signed(response, model, scenario))
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))
     except Exception as error:
