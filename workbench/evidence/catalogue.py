@@ -112,7 +112,7 @@ def _rows(entry: Dataset) -> pd.DataFrame:
     place = f"dataset {entry.name}"
     try:
         with open_input(entry.path, place) as stream:
-            table = pd.read_csv(stream, low_memory=False, **LITERAL)
+            table: pd.DataFrame = pd.read_csv(stream, low_memory=False, **LITERAL)
         if not isinstance(table.index, pd.RangeIndex):
             raise ValueError("its rows have more cells than its header")
         return table

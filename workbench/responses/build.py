@@ -221,13 +221,13 @@ def check_response(response: Response) -> None:
             raise WorkbenchError(f"response variable {name!r} holds {array.dtype}")
         if kinds == _NUMBERS:
             numbers[name] = array.values
+    time = numbers.pop("time", None)
     large = [values for values in numbers.values() if values.size > _LARGE]
     small = [values.ravel() for values in numbers.values() if values.size <= _LARGE]
     if not all(map(_finite, (*large, np.concatenate([*small, ()])))):
         name = next(name for name, values in numbers.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
-    time = numbers.get("time")
-    if time is not None and not (time.size and (time[1:] > time[:-1]).all()):
+    if time is not None and not (time.size and _finite(time) and (time[1:] > time[:-1]).all()):
         raise WorkbenchError("response time does not increase")
 
 
