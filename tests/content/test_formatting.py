@@ -14,9 +14,19 @@ from workbench.content.formatting import (
     interval,
     metric_value,
     number,
+    part,
     percent,
 )
 from workbench.responses import VARIABLES
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [(1.0, "1"), (1.2, "1"), (0.9, "1"), (4.0, "5"), (1900.0, "2000"), (0.24, "1/5"),
+     (4.8e-4, "1/2000"), (0.0, "–"), (None, "–")],
+)  # fmt: skip
+def test_ratios_of_times_are_rounded_to_one_two_and_five(ratio, text) -> None:
+    assert part(ratio) == text
 
 
 @pytest.mark.parametrize(

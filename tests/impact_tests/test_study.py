@@ -69,6 +69,7 @@ def tested(empty: Path) -> dict[str, float]:
         campaign = "lab two" if number > 3 else "lab one"
         row |= {"campaign": campaign, "role": "validate", "peak_m": repr(peak), "source": "R"}
         row |= {"residual_m": repr(0.9 * peak)}
+        row["peak_uncertainty_m"] = repr(4.0 * float(row["peak_uncertainty_m"]))
         peaks[f"{campaign} {row['specimen']}"] = peak
     with Path("lab.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
@@ -141,9 +142,9 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     lines = csv.DictReader(dataset("lab").path.read_text(encoding="utf-8").splitlines())
     widths = np.array([float(line["peak_uncertainty_m"]) for line in lines])
     assert (row["tests"], row["campaigns"]) == (6, 2)
-    inside = int(
-        np.sum(np.abs(1.0 / ratios - 1.0) <= widths / np.array([*tested.values()]) / ratios)
-    )
+    off = np.abs(1.0 / ratios - 1.0) * ratios * np.array([*tested.values()]) / widths
+    inside = int(np.sum(off <= 1.0))
+    assert 0 < inside < int(np.sum(off <= 2.0))
     assert (row["covered"], row["counted"]) == (inside, 6)
     low = beta.ppf(0.025, inside, 7 - inside) if inside else 0.0
     high = beta.ppf(0.975, inside + 1, 6 - inside) if inside < 6 else 1.0

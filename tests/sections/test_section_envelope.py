@@ -20,6 +20,14 @@ PLATES = ROLLED.without_fillets()
 ANGLES = np.linspace(0.0, np.pi / 2.0, 181)
 
 
+def test_straight_lines_enclose_the_area_of_the_envelope() -> None:
+    # M falls as 1 - n^2 in a rectangle, area 2/3: (1 + n) / 2 = 2/3
+    assert square(0.2).interaction_corner() == pytest.approx(1.0 / 3.0, abs=1e-4)
+    n, m = PLATES.interaction_envelope(181)
+    corner = PLATES.interaction_corner()
+    assert 0.5 * (1.0 + corner) == pytest.approx(np.trapezoid(m, n))
+
+
 def test_published_ordinates_of_heb_220() -> None:
     # Derived from the closed form of the three-plate section, four decimals.
     n = np.array([0.05, 0.10, 0.1596, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70, 0.80, 0.90])
