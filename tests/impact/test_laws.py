@@ -33,6 +33,13 @@ def test_one_contact_is_the_collision_of_two_masses(law: str, e: float) -> None:
     assert (start + G @ found)[0] == pytest.approx(20.0 * e, abs=1e-12)
 
 
+def test_a_closed_contact_that_separates_reverses_elastically() -> None:
+    """Pressed together while it opens: any less restitution would create energy."""
+    start, free = np.array([1.0]), np.array([-2.0])
+    found, _ = percussions(np.eye(1), free, start, np.array([0.2]), False)
+    assert (free + found)[0] == pytest.approx(-1.0)
+
+
 def cradle(law: str, first: float, second: float) -> np.ndarray:
     """Velocities of three touching balls after the first arrives at 1 m/s."""
     before = np.array([-1.0, 0.0])
