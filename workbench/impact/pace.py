@@ -52,7 +52,7 @@ def late_peak(
     before the time `calm`, in SI units.
     """
     top = int(np.flatnonzero(displacement >= NEARLY * displacement.max())[-1])
-    if time[top] <= calm or not pace.error < inf:
+    if not pace.error < inf:
         return 0.0
     below = displacement[1 : top + 1] < np.maximum.accumulate(displacement[:top])
     rising = (velocity[1 : top + 1] > 0.0) & (percussion[1 : top + 1] == 0.0)
