@@ -27,8 +27,8 @@ from workbench.scenarios import ColumnImpact, load_scenario
 
 MODELS = {
     "energy estimate": (EnergyEstimate(), 50),
-    "SDOF cubic": (SingleDof(), 50),
-    "SDOF analytic": (SingleDof(resistance="analytic"), 50),
+    "SDOF cubic": (SingleDof(resistance="cubic"), 50),
+    "SDOF analytic": (SingleDof(), 50),
     "4-DOF": (FourDof(), 20),
     "4-DOF with panels": (FourDofShear(), 20),
     "energy with panels": (EnergyEstimate(resistance="panel"), 10),

@@ -26,7 +26,7 @@ MADE = any(test.synthetic for test in tests)
 TESTS = "SYNTHETIC rows" if MADE else "tests"
 WEB, BEAM = "web-yielding beam", "fiber beam"
 PANELS, FOUR_DOF, ENERGY = "4-DOF with panels", "4-DOF", "energy estimate"
-SDOF, RIGID = "SDOF cubic", "rigid bars with panels"
+SDOF, RIGID = "SDOF analytic", "rigid bars with panels"
 models = {
     TESTS: Measured(),
     WEB: FiberShear(levels=2),
@@ -35,7 +35,7 @@ models = {
     FOUR_DOF: FourDof(),
     RIGID: RigidSuperelement(),
     "flexible bars with panels": FlexibleSuperelement(),
-    SDOF: SingleDof(resistance="cubic"),
+    SDOF: SingleDof(),
     "SDOF with panels": SingleDof(resistance="panel", hit_mass="waves"),
     ENERGY: EnergyEstimate(),
     "energy with panels": EnergyEstimate(resistance="panel", hit_mass="waves"),

@@ -186,7 +186,7 @@ figures = (
     domain_map(
         "map-web",
         WEB,
-        (PANELS, THESIS_MASS, "rigid bars with panels", "4-DOF", "SDOF cubic", BEAM),
+        (PANELS, THESIS_MASS, "rigid bars with panels", "4-DOF", "SDOF analytic", BEAM),
         "The same against the beam whose webs yield, over all columns",
     ),
     Figure(

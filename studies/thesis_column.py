@@ -48,7 +48,7 @@ models = {
     "SDOF analytic": SingleDof("analytic", rotational_stiffness=THESIS, interaction="linear"),
     "SDOF cubic": SingleDof("cubic", rotational_stiffness=THESIS),
     "SDOF linear N": SingleDof("linear", rotational_stiffness=THESIS),
-    "energy estimate": EnergyEstimate(rotational_stiffness=THESIS),
+    "energy estimate": EnergyEstimate("cubic", rotational_stiffness=THESIS),
     "Heng 2017: 4-DOF": Published(FIGURE_5_9, "4-DOF nonlinear yield surface"),
     "Heng 2017: SDOF": Published(FIGURE_5_9, "SDOF"),
     "Heng 2017: energy": Published(FIGURE_5_9, "energy-equivalent displacement"),

@@ -44,7 +44,8 @@ REGULAR: dict[str, Any] = {
     "joint": [{"name": "soft", "rotational_stiffness": 2e6}],
     "split": [{"member": "A0-A1", "at": 0.8, "node": "hit"}],
 }  # fmt: skip
-GROUND = {"acceleration": [0.0, 1.0, -1.0], "time_step": 0.02, "node": "hit", "direction": "x"}
+GROUND = {"acceleration": [0.0, 1.0, -1.0], "time_step": 0.02, "node": "hit", "direction": "x",
+          "load_as_mass": True}  # fmt: skip
 TESTS = {"asked": "strength", "tables": ["stud-push-out"], "curves": ["stud-load-slip"],
          "calibrate": ["a"], "validate": ["b"], "confidence": 0.9, "digests": []}  # fmt: skip
 PULSE = {"shape": "friedlander", "peak": 1e5, "length": 0.01, "decay": 1.5}

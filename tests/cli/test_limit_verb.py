@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
-from workbench.scenarios import ColumnImpact, to_toml
+from workbench.models.trust import trusted
+from workbench.scenarios import ColumnImpact, load_scenario, to_toml
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def test_limits_of_two_models(car: str, capsys: pytest.CaptureFixture[str]) -> N
     assert (found["over"], found["range"]) == ("striker.velocity", [1.0, 60.0])
     bars, energy = found["limits"]
     assert (bars["model"], energy["model"]) == ("four-dof", "energy-estimate")
-    assert bars["collapses_at"] < 10.0 < energy["survives_at"]  # the simple model is unsafe
+    assert bars["collapses_at"] == pytest.approx(energy["collapses_at"], rel=0.02)
     values = [trial["value"] for trial in bars["trials"]]
     assert values == sorted(values)
     fallen = [trial for trial in bars["trials"] if trial["survives"] is False]
@@ -37,6 +38,43 @@ def test_limits_of_two_models(car: str, capsys: pytest.CaptureFixture[str]) -> N
     value = f"{bars['collapses_at']:g}"
     for said in ("survives at", "collapses at", value, "geometry (below) at 0.54"):
         assert said in text
+
+
+def test_the_limit_warns_as_a_run_there_does(car: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["limit", car, "--model", "four-dof", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["limits"]
+    value = f"striker.velocity={found['survives_at']!r}"
+    run(
+        [
+            "simulate",
+            car,
+            "--model",
+            "four-dof",
+            "--set",
+            value,
+            "--set",
+            "time.duration=0.4",
+            "--json",
+        ]
+    )
+    there = json.loads(capsys.readouterr().out)["warnings"]
+    assert {w["subject"] for w in there} <= {w["subject"] for w in found["warnings"]}
+    assert "shear" in {w["subject"] for w in found["warnings"]} or there == []
+    assert "warnings" not in found["trials"][0]
+    assert run(["limit", car, "--model", "four-dof"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for warning in found["warnings"]:
+        assert f"warning of four-dof there ({warning['subject']})" in text
+
+
+def test_the_model_by_default_is_that_of_the_remedies(
+    car: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["limit", car, "--tolerance", "0.2", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["limits"]
+    assert found["model"] == trusted(load_scenario(car)) != "four-dof"
+    told = {w["subject"] for w in found["warnings"]}
+    assert not told & {"shear", "measured"}
 
 
 def test_other_keys_need_a_range(car: str, capsys: pytest.CaptureFixture[str]) -> None:

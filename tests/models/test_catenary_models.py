@@ -13,10 +13,10 @@ from workbench.models.practice.catenary import (
     Izzuddin,
     TrilinearCatenary,
     YinWang,
-    beam_of,
     profile,
     rigid_plastic,
 )
+from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import axial_flexibility, mechanism_of, resistance_curve
 from workbench.models.resistance.mechanism import LINEAR
 from workbench.scenarios import Column, ColumnImpact, Striker

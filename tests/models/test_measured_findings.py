@@ -55,7 +55,7 @@ def test_variants_have_rules_of_their_own_and_other_models_none(thesis_impact, t
     assert measured_findings(FourDof(beta=1.3), thesis_impact) == []  # not measured
     assert measured_findings(make_model("fiber-reissner"), thesis_impact) == []
     options = set(table.loc[table["model"] == "energy-estimate", "options"])
-    assert options >= {"", "resistance=analytic", "resistance=panel hit_mass=waves"}
+    assert options >= {"", "resistance=cubic", "resistance=panel hit_mass=waves"}
     told = {
         str(model): [f.text for f in measured_findings(model, thesis_impact)]
         for model in (EnergyEstimate(), EnergyEstimate(resistance="panel", hit_mass="waves"))

@@ -11,7 +11,7 @@ from workbench.errors import InputError
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.kernels import RECORD
 from workbench.models.soft_impact import SoftImpact, kernels
-from workbench.responses import Outcome, energy_error, outcome_of, warnings_of
+from workbench.responses import Outcome, energy_error, outcome_of, survives, warnings_of
 from workbench.scenarios import ColumnImpact
 
 
@@ -102,3 +102,21 @@ def test_what_has_no_meaning_is_said_or_refused(thesis_impact: ColumnImpact) -> 
     fast = replace(thesis_impact, striker=replace(thesis_impact.striker, mass=9e3, velocity=40.0))
     response = SoftImpact(striker_stiffness=1e8).simulate(fast)
     assert outcome_of(response) is Outcome.COLLAPSE
+
+
+def test_what_a_run_has_not_reached_is_said_or_left_out(thesis_impact: ColumnImpact) -> None:
+    still = replace(thesis_impact, duration=0.0985)  # the car pushes on, the column swings
+    response = SoftImpact().simulate(still)
+    assert response["displacement"].values.argmax() < response.sizes["time"] - 1
+    found = {finding.subject: finding for finding in warnings_of(response)}
+    assert "peak_displacement" not in response
+    assert survives(response) is None
+    assert "0.22 s" in found["no-peak"].remedy
+    assert "300 kN/m" in found["estimate"].text
+    assert "shear" not in found  # no mechanism forms
+    longer = SoftImpact().simulate(replace(thesis_impact, duration=0.3))
+    assert "no-peak" not in {finding.subject for finding in warnings_of(longer)}
+    assert float(longer["peak_displacement"]) > float(response["displacement"].max())
+    stiff = warnings_of(SoftImpact(striker_stiffness=1e8).simulate(thesis_impact))
+    assert "reaches V/Vpl = 1." in next(f.text for f in stiff if f.subject == "shear")
+    assert "estimate" not in {finding.subject for finding in stiff}

@@ -33,6 +33,18 @@ def test_peak_between_samples_is_that_of_the_parabola() -> None:
     assert peak["time_of_peak"] == pytest.approx(0.4321, abs=1e-12)
 
 
+@pytest.mark.parametrize("end", [1.6, 3.4, 12.9])
+def test_time_of_peak_is_that_of_the_first_nearly_largest_cycle(end) -> None:
+    time = np.linspace(0.0, end, int(37 * end))
+    cycles = np.cos(2.0 * np.pi * (time - 0.3)) * (1.0 + 2e-4 * time)
+    peak = peak_of(time, cycles)
+    assert peak["time_of_peak"] == pytest.approx(0.3, abs=2e-3)
+    assert peak["peak_displacement"] == pytest.approx(cycles.max(), rel=4e-3)
+    assert peak["peak_displacement"] >= cycles.max()
+    growing = peak_of(time, cycles * (1.0 + 0.01 * time))
+    assert end < 2.0 or growing["time_of_peak"] > 1.0  # 1 % a cycle is another peak
+
+
 def test_a_growing_record_has_no_peak() -> None:
     assert peak_of(np.arange(5.0), np.arange(5.0)) == {}
 

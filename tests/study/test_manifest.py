@@ -100,7 +100,7 @@ def test_another_reading_of_histories_is_named(
     small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_study(small, tmp_path, jobs=0)
-    monkeypatch.setattr(ColumnImpact, "READING", 1, raising=False)
+    monkeypatch.setattr(ColumnImpact, "READING", ColumnImpact.READING + 1)
     told = reasons(small, tmp_path)
     assert set(told.values()) == {"other quantities are read off histories"}
 

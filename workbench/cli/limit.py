@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from workbench.cli.output import Answer, option, verb
 from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
-from workbench.content.tree import Block, Cell, Column, Paragraph, Table
+from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
     from workbench.scenarios import Scenario
     from workbench.study.limit import Limit, Trial
 
-COLUMNS, FRAMES, PULSES = "four-dof", "rigid-superelement", "single-dof"  # models by default
 VELOCITY, VELOCITIES = "striker.velocity", (1.0, 60.0)  # m/s
 _ENDINGS = {
     True: Cell("survives", tone="good"),
@@ -42,11 +41,14 @@ def limit(
 ) -> Answer:
     """Find the value at which a structure collapses.
 
-    Per model, the bracket in which survival turns into collapse, and every value tried. Exit
+    Per model, the bracket in which survival turns into collapse, every value tried, and what the
+    model warns of there. By default it asks the model to which remedies lead for the scenario of
+    the file. Exit
     status 0 if every model says where, or that it is not in the range, 1 if one leaves that open,
     2 for bad input.
     """
     from workbench.fields import Number
+    from workbench.models.trust import trusted
     from workbench.registry import make_model
     from workbench.scenarios import load_scenario
     from workbench.study.limit import find_limit
@@ -66,9 +68,8 @@ def limit(
         return load_scenario(scenario, [*(settings or []), f"{over}={value!r}"])
 
     checked = [scenario_at(end) for end in ends]  # both, before the work
-    kind = checked[0].KIND
-    usual = FRAMES if kind.startswith("frame") else PULSES if kind.endswith("pulse") else COLUMNS
-    models = [make_model(each, options_from(options or [])) for each in model or [usual]]
+    names = model or [trusted(load_scenario(scenario, settings or []))]
+    models = [make_model(each, options_from(options or [])) for each in names]
     found = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {
         "scenario": checked[0].name,
@@ -97,6 +98,8 @@ def _said(found: Limit, ends: tuple[float, ...]) -> str:
 
 
 def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterator[Block]:
+    from workbench.responses import Finding
+
     yield Paragraph(f"{name}: limit of {over}, in the unit of the scenario")
     columns = (
         Column("model", width=1.5, of=lambda row: row[0].model),
@@ -106,6 +109,10 @@ def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterat
         Column("what that means", width=3.0, of=lambda row: row[1]),
     )
     yield Table.of("limits", "", columns, zip(found, said, strict=True))
+    for each in found:
+        for warning in each.warnings:
+            told = Finding.from_dict(warning)
+            yield Callout("doubt", f"warning of {each.model} there ({told.subject}): {told}")
     tried = (
         Column("model", width=1.5, of=lambda row: row[0]),
         Column(over, True, 1.0, lambda row: _value(row[1].value)),

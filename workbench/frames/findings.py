@@ -10,9 +10,10 @@ from workbench.frames.elastic import ElasticFrame
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
-from workbench.scenarios import Frame, FramePulse, FrameScenario, FrameStatic
+from workbench.scenarios import Frame, FrameGroundMotion, FramePulse, FrameScenario, FrameStatic
 
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
+_SHARE = 0.1  # of the mass, that may be missing
 HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
 
 
@@ -20,9 +21,9 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
     """Domain findings that all models of frames without shear deformation share.
 
     Refusals: dead loads that the frame cannot carry (squash, buckling, mechanism), a moment on a
-    node where only pins meet. Warnings: dead loads above half the buckling load; a mechanism that
-    no dead load meets; members whose bending mechanism needs more shear force than models without
-    shear yielding allow.
+    node where only pins meet. Warnings: dead loads above half the buckling load, or without mass
+    where the ground moves; a mechanism that no dead load meets; members whose bending mechanism
+    needs more shear force than models without shear yielding allow.
     """
     frame = scenario.frame
     findings = []
@@ -40,7 +41,25 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
             "until its shape has changed"
         )
         findings.append(Finding("mechanism", text))
+    if isinstance(scenario, FrameGroundMotion) and not scenario.load_as_mass:
+        findings += _massless_findings(frame)
     return findings + shear_findings(scenario)
+
+
+def _massless_findings(frame: Frame) -> list[Finding]:
+    """Warning of dead loads whose mass no node has, so that the ground does not shake it."""
+    own = {node.name: node.mass for node in frame.nodes}
+    missing = sum(max(mass - own[node], 0.0) for node, mass in frame.load_masses.items())
+    steel = sum(frame.properties(m).mass_per_length * frame.length(m) for m in frame.members)
+    there = steel + sum(own.values())
+    if missing <= _SHARE * there:
+        return []
+    text = (
+        f"dead loads weigh as much as {missing:.3g} kg that no node has, beside {there:.3g} kg of "
+        "steel and nodes: the ground shakes too little"
+    )
+    remedy = "set ground.load_as_mass = true, or give the nodes their mass"
+    return [Finding("mass", text, remedy=remedy, number=missing / there)]
 
 
 def _dead_load_findings(frame: Frame) -> list[Finding]:

@@ -13,6 +13,7 @@ import pandas as pd
 from workbench.impact_tests.rows import records
 from workbench.impact_tests.schema import STANDS, scenario_of
 from workbench.models.energy_estimate import EnergyEstimate
+from workbench.models.plausible import LEAST_LOAD
 from workbench.responses import Finding, Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.studs.schema import Row, known
@@ -29,7 +30,6 @@ _READ_AS = {
     "mass in g instead of kg": (1.0, 0.001),
 }
 _LIKELY, _NAMED = np.log(2.5), 3  # a reading brings the median this near; how many are named
-_LEAST_LOAD = 1e-3  # of the squash load, below which axial loads look like another unit
 _NUMBERS = ("span_m", "hit_at_m", "axial_load_N", "mass_kg", "velocity_m_per_s", "peak_m")
 
 
@@ -50,7 +50,7 @@ def _loads(rows: pd.DataFrame) -> Iterator[str]:
             column = scenario_of(row).column
             if column.axial_load:
                 shares.append(abs(column.axial_load) / column.properties.squash_load)
-        if shares and max(shares) < _LEAST_LOAD:
+        if shares and max(shares) < LEAST_LOAD:
             yield f"axial loads of {campaign} are at most {max(shares):.1g} of the squash load: kN?"
 
 

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import check_keys
+from workbench.models.plausible import implausible
 from workbench.models.trust import advised, findings_about
 from workbench.responses import (
     Finding,
@@ -64,6 +65,7 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         response = _refused([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
     findings = advised(model, scenario, findings_about(model, scenario))
+    findings += implausible(scenario)
     refusals = [finding for finding in findings if finding.refusal]
     if refusals:
         response = _refused(refusals)

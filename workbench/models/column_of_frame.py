@@ -26,6 +26,7 @@ from workbench.frames.head_mass import HEAD_MASSES
 from workbench.models.base import respond
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
+from workbench.models.plausible import SUBJECT as IMPLAUSIBLE
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
 from workbench.models.validity import RISK, SUBJECT, UNMEASURED
@@ -87,7 +88,7 @@ class ColumnOfFrame(Declared, table="option"):
     restraint: str = checked(Choice(RESTRAINTS), "elastic")
 
     name: ClassVar[str] = "column-of-frame"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     answers: ClassVar[tuple[str, ...]] = (FrameImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Those of the column model.",
@@ -135,7 +136,11 @@ class ColumnOfFrame(Declared, table="option"):
             response = model.simulate(estimate.column)
             force = _spring_force(response, estimate.column.column)
         told = {finding.text for finding in model.domain(estimate.column)}
-        own = _on_frame(found for found in warnings_of(response) if found.text not in told)
+        own = _on_frame(
+            found
+            for found in warnings_of(response)
+            if found.text not in told and found.subject != IMPLAUSIBLE
+        )
         if any(found.subject == "sway" for found in estimate.findings()):
             # those of the study, whose ends neither sway nor turn, are not like this column
             own = [found for found in own if found.subject not in (SUBJECT, RISK, *UNMEASURED)]

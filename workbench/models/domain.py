@@ -14,6 +14,8 @@ from workbench.scenarios.pulse import UNIFORM
 
 RESTITUTION = "restitution"  # subject
 HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
+NEEDED = "a plastic mechanism of the segment {} the hit point needs V/Vpl = {:.2f}"
+REACHED = "the segment {} the hit point reaches V/Vpl = {:.2f}"
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
@@ -90,7 +92,6 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
     And of pulses whose largest force, half of it on either side, is more than that.
     """
     findings = []
-    bound = shear_bound(scenario.column.strength_section)
     if isinstance(scenario, MemberPulse):
         half = 0.5 * scenario.pulse.peak * scenario.whole
         direct = half / scenario.column.properties.shear_resistance
@@ -100,19 +101,26 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
                 "shear before the member bends, which models without shear yielding leave out"
             )
             findings.append(Finding("shear", text, number=direct, instead=()))
-    for segment, ratio in shear_demand(scenario).items():
+    return findings + shear_warnings(scenario.column, shear_demand(scenario), NEEDED)
+
+
+def shear_warnings(
+    column: Column, ratios: Mapping[str, float], words: str = REACHED
+) -> list[Finding]:
+    """Warnings of V/Vpl of segments, `words` that say of each whence it comes."""
+    findings, bound = [], shear_bound(column.strength_section)
+    for segment, ratio in ratios.items():
+        needs = words.format(segment, ratio)
         if bound < ratio <= 1.0:
             text = (
-                f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
-                f"{ratio:.2f}: above {bound:.2f} shear yielding takes more than "
+                f"{needs}: above {bound:.2f} shear yielding takes more than "
                 f"{100 * SHEAR_LOSS:g} % of the resistance of this section, which models without "
                 "it leave out"
             )
             findings.append(Finding("shear", text, number=ratio, instead=()))
         elif ratio > 1.0:
             text = (
-                f"a plastic mechanism of the segment {segment} the hit point needs V/Vpl = "
-                f"{ratio:.2f}: its web yields in shear before, so that every model without shear "
+                f"{needs}: its web yields in shear before, so that every model without shear "
                 "yielding overestimates the plastic resistance"
             )
             findings.append(Finding("shear", text, number=ratio, instead=()))

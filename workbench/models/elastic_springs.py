@@ -1,4 +1,4 @@
-"""Springs with which two rigid bars are the elastic column under a force at the hit point.
+"""Springs with which two rigid bars are the elastic column under a force or a line load.
 
 The moments of a straight elastic bar of length l and its rotations against its own chord are, with
 M_end behind, M_hit at the hit point, both positive in double curvature, and the axial load P,
@@ -46,6 +46,14 @@ def bar_functions(load: float) -> tuple[float, float]:
     return ((1.0 - u / tan(u)) / load).real, ((u / sin(u) - 1.0) / load).real
 
 
+def line_function(load: float) -> float:
+    """f3: rotation at the ends of a bar under a line load q, times EI / q l^3; as above."""
+    if abs(load) < 1e-3:
+        return (1.0 + load / 10.0) / 24.0
+    w = 0.5 * sqrt(load)
+    return float(((tan(w) - w) / (8.0 * w**3)).real)
+
+
 def thesis_springs(column: Column, factor: float) -> Springs:
     """Those of c EI / l, c the `factor`; half of it at the hit point if the far end is pinned."""
     bending = factor * column.steel.elastic_modulus * column.properties.second_moment
@@ -57,21 +65,34 @@ def thesis_springs(column: Column, factor: float) -> Springs:
     return Springs(turned[0][0], turned[0][1], turned[1][1], turned[1][0])
 
 
-def beam_springs(column: Column, shear_stiffness: float, sliding: bool = False) -> Springs:
+def beam_springs(
+    column: Column, shear_stiffness: float, sliding: bool = False, uniform: bool = False
+) -> Springs:
     """Those of the elastic column of the shear stiffness GA_v (N).
 
-    `sliding`: its shear strain is not in the hinges but in the bars. A load so near to buckling
-    that it turns the sense of an end moment has no such springs; it is then left out of them.
+    `sliding`: its shear strain is not in the hinges but in the bars; `uniform`: under a line load
+    instead of a force at the hit point. A load so near to buckling that it turns the sense of an
+    end moment has no such springs; it is then left out of them. So is a line load that turns it.
     """
-    springs = _secants(column, column.axial_load, shear_stiffness, sliding)
-    return springs if min(springs) > 0.0 else _secants(column, 0.0, shear_stiffness, sliding)
+    for line in (uniform, False)[not uniform :]:
+        for load in (column.axial_load, 0.0):
+            springs = _secants(column, load, shear_stiffness, sliding, line)
+            if min(springs) > 0.0:
+                return springs
+    return springs
 
 
-def _secants(column: Column, load: float, shear_stiffness: float, sliding: bool) -> Springs:
-    """Rotations of the bars over the moments of the column under an axial `load` (N)."""
+def _secants(
+    column: Column, load: float, shear_stiffness: float, sliding: bool, line: bool
+) -> Springs:
+    """Rotations of the bars over the moments of the column under an axial `load` (N).
+
+    And under a force at the hit point or a `line` load, v = 1 there either way.
+    """
     bending = column.steel.elastic_modulus * column.properties.second_moment
     lengths = [length for length, _ in _bars(column)]
     A = np.zeros((4, 4))  # M_base, M_hit, M_head, slope at the hit point; over the rotations
+    turned = np.zeros((4, 2))  # by v = 1, and by a line load of 1 N/m
     for bar, (length, pinned) in enumerate(_bars(column)):
         own, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
         one, two = bar_functions(load * length**2 / bending)
@@ -80,13 +101,19 @@ def _secants(column: Column, load: float, shear_stiffness: float, sliding: bool)
         A[rows[0], own] = one, two
         A[rows[1], own] = two, one
         A[rows[1], 3] = 1.0 if bar == 0 else -1.0
+        turned[rows, 0] = 1.0 / length
+        sagged = line_function(load * length**2 / bending) * length**3 / bending
+        turned[rows, 1] = sagged, -sagged
         if pinned:
             A[rows[0]] = 0.0
             A[rows[0], own[0]] = 1.0
-    turned = np.repeat([1.0 / length for length in lengths], 2)
-    for bar, (_, pinned) in enumerate(_bars(column)):
-        turned[2 * bar] *= not pinned
-    base, hit, head, _ = (float(m) for m in np.linalg.solve(A, turned))
+            turned[rows[0]] = 0.0
+    by_v, by_line = np.linalg.solve(A, turned).T
+    if line:  # its half at the hit point does the work of the moments and of the axial load
+        rates = np.array([1.0 / lengths[0], sum(1.0 / x for x in lengths), 1.0 / lengths[1]])
+        needed = rates @ by_v[:3] - rates[1] * load
+        by_v = by_v + needed / (0.5 * column.length - rates @ by_line[:3]) * by_line
+    base, hit, head, _ = (float(m) for m in by_v)
     chords = [1.0 / length for length in lengths]
     if sliding:
         for bar, end in enumerate((base, head)):

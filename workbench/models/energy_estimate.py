@@ -34,7 +34,7 @@ class EnergyEstimate(Declared, table="option"):
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
-    resistance: str = checked(Choice(SHAPES), "cubic")
+    resistance: str = checked(Choice(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)

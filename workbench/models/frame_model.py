@@ -181,6 +181,8 @@ class FrameModel(ABC, Declared, table="option"):
 
         Raises `SolverError`, `OutOfDomainError`, `CollapseError`.
         """
+        if isinstance(scenario, FrameGroundMotion):
+            scenario = scenario.with_masses()
         with one_thread():
             structure = self.structure(scenario)
             if isinstance(scenario, COLUMNS):

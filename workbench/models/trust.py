@@ -44,6 +44,11 @@ def advised(model: Any, scenario: Any, findings: Iterable[Finding]) -> list[Find
     return told
 
 
+def trusted(scenario: Any) -> str:
+    """The first model of the order that is inside its domain here; the beam before the solid."""
+    return next((n for n in _better("", scenario, ()) if n != ORDER[-1]), _NO_STRETCH)
+
+
 def _better(name: str, scenario: Any, first: Sequence[str]) -> tuple[str, ...]:
     """The first model above this one that is inside its domain, and the first without a finding."""
     rank = ORDER.index(name) if name in ORDER else -1

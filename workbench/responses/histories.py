@@ -16,6 +16,8 @@ from workbench.responses.outcome import Finding
 NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
 SETTLED = 1.5  # periods that a residual displacement takes
 NO_PEAK = "no-peak"  # subject of the finding that the record ends before the peak
+_EQUAL = 0.995  # of the largest displacement, which is its peak too
+_SAMPLED = 0.95  # of it, the least that samples may show of such a peak: a tenth of a cycle aside
 _ROUNDED = 1e-4  # of the energy stored before an impact
 # extremes over all parts of a structure: of which variable, and with which signs it counts
 EXTREMES = {
@@ -109,13 +111,28 @@ def still_grows(displacement: Array) -> bool:
 def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     """Peak and its time from a history by the parabola through its three highest points.
 
-    Empty where it `still_grows`. Raises `WorkbenchError` where times do not increase around it.
+    The time is that of the first peak within 0.5 % of the largest, which rounding and the length of
+    the record choose among the cycles of an undamped vibration. Empty where it `still_grows`.
+    Raises `WorkbenchError` where times do not increase around it.
     """
     if still_grows(displacement):
         return {}
     top = int(displacement.argmax())
     if top == 0:
         return {"peak_displacement": float(displacement[0]), "time_of_peak": float(time[0])}
+    largest, at = _apex(time, displacement, top)
+    inner = displacement[1:top]
+    high = (inner > displacement[: top - 1]) & (inner >= displacement[2 : top + 1])
+    for peak in np.flatnonzero(high & (inner >= _SAMPLED * largest)) + 1:
+        value, earlier = _apex(time, displacement, int(peak))
+        if value >= _EQUAL * largest:
+            at = earlier
+            break
+    return {"peak_displacement": largest, "time_of_peak": at}
+
+
+def _apex(time: Array, displacement: Array, top: int) -> tuple[float, float]:
+    """Value and time of the parabola's apex by the highest of three points."""
     before, after = float(time[top - 1] - time[top]), float(time[top + 1] - time[top])
     if not before < 0.0 < after:
         raise WorkbenchError("response time does not increase")
@@ -124,10 +141,7 @@ def peak_of(time: Array, displacement: Array) -> dict[str, float]:
     curvature = (fall_after - fall_before) / (after - before)
     slope = fall_after - curvature * after
     shift = 0.0 if curvature >= 0.0 else min(max(-0.5 * slope / curvature, before), after)
-    return {
-        "peak_displacement": float(displacement[top]) + (slope + curvature * shift) * shift,
-        "time_of_peak": float(time[top]) + shift,
-    }
+    return float(displacement[top]) + (slope + curvature * shift) * shift, float(time[top]) + shift
 
 
 def residual_of(time: Array, displacement: Array) -> float | None:

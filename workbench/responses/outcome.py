@@ -18,7 +18,7 @@ _NOT_OF_DOMAIN = frozenset(
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
         *("section", "plates", "exponents", "no-residual"),
         *("measured-risk", "unmeasured-risk"),
-        *("estimate", "ends"),  # a column cut out of its frame is always one
+        *("estimate", "ends", "plausibility"),  # a column cut out of its frame is always one
         *("evidence", "series", "campaigns", "bounds", "grade", "measurement", SYNTHETIC),
     )
 )

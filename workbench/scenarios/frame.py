@@ -22,6 +22,7 @@ from workbench.scenarios.members import (
 from workbench.scenarios.topology import check_connected, check_places, check_supported, extent
 from workbench.sections import Section
 
+GRAVITY = 9.81  # m/s2
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
 
 
@@ -112,6 +113,14 @@ class Frame(Declared, table="frame"):
     def extent(self) -> float:
         """Diagonal of the box around the nodes, in m."""
         return extent(self.nodes)
+
+    @cached_property
+    def load_masses(self) -> dict[str, float]:
+        """Masses (kg) that weigh what the dead loads on the nodes of these names do."""
+        weights: Counter[str] = Counter()
+        for load in self.loads:
+            weights[load.node] += -load.y  # type: ignore[assignment]
+        return {name: weight / GRAVITY for name, weight in weights.items() if weight > 0.0}
 
     def length(self, member: Member | str) -> float:
         """Length of a member, in m."""

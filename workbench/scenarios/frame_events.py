@@ -7,7 +7,7 @@ from math import hypot
 from typing import ClassVar
 
 from workbench.errors import InputError
-from workbench.fields import Choice, Declared, Instance, Many, Number, Text, checked
+from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
 from workbench.scenarios.column import DURATION, Impact, Striker
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_forms import FrameForm
@@ -121,7 +121,7 @@ class FrameImpact(Impact, Declared, table="time"):
     duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "frame-impact"
-    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:
@@ -136,7 +136,8 @@ class FrameGroundMotion(Declared, table="ground"):
     Arguments: `name`; `frame`; `acceleration` of the ground in m/s2, at the times 0, `time_step`
     (s), 2 time_step and so on, zero after its end; `node`, whose displacement relative to the
     ground is recorded; `direction`; `duration` in s (None: to the end of the acceleration);
-    `damping` in 1/s, forces in proportion to mass and relative velocity. Raises `InputError`.
+    `damping` in 1/s, forces in proportion to mass and relative velocity; `load_as_mass`, whether
+    nodes have the mass of their dead loads too. Raises `InputError`.
     """
 
     name: str = checked(Text(), path="name")
@@ -147,9 +148,19 @@ class FrameGroundMotion(Declared, table="ground"):
     direction: str = checked(Choice(("x", "y")), "x")
     duration: float = checked(RECORD, optional=True, path="time.duration")  # never None afterwards
     damping: float = checked(Number(0.0, 1e4, "1/s"), 0.0)
+    load_as_mass: bool = checked(Flag(), False)
 
     KIND: ClassVar[str] = "frame-ground-motion"
+    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
+
+    def with_masses(self) -> "FrameGroundMotion":
+        """The same with the masses of the dead loads at the nodes, if that is asked for."""
+        if not self.load_as_mass:
+            return self
+        mass = self.frame.load_masses
+        nodes = tuple(replace(n, mass=n.mass + mass.get(n.name, 0.0)) for n in self.frame.nodes)
+        return replace(self, frame=replace(self.frame, nodes=nodes), load_as_mass=False)
 
     def check(self) -> None:
         """Refuse a ground at rest and displacements that are held; take the duration."""
@@ -180,7 +191,7 @@ class FramePulse(Declared, table="pulse"):
     duration: float = checked(DURATION, 0.1, path="time.duration")
 
     KIND: ClassVar[str] = "frame-pulse"
-    READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
+    READING: ClassVar[int] = 2  # raised when what all models read off their histories changes
     STATIC: ClassVar[bool] = False
 
     def check(self) -> None:

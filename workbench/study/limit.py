@@ -24,8 +24,8 @@ LONGER = 4  # doublings of a record that ends before its peak
 class Trial:
     """What became of the structure at one `value`: `survives`, None where that is not known.
 
-    With `outcome` and `message`, `collapse` as responses carry it, and `duration` of the record
-    (s; None: the scenario has none).
+    With `outcome` and `message`, `collapse` as responses carry it, `duration` of the record (s;
+    None: the scenario has none), and `warnings` as `simulate` prints them.
     """
 
     value: float
@@ -34,6 +34,7 @@ class Trial:
     message: str
     collapse: dict[str, Any] | None
     duration: float | None
+    warnings: tuple[dict[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,20 @@ class Limit:
         low, high = sorted((self.survives_at, self.collapses_at))
         return tuple(trial for trial in silent if low < trial.value < high)
 
+    @property
+    def warnings(self) -> tuple[dict[str, Any], ...]:
+        """Of the model at the critical value: where it survives, and of what else it collapses."""
+        ends = (self.survives_at, self.collapses_at)
+        at = [t for end in ends for t in self.trials if t.value == end]
+        known = [each["subject"] for t in at[:1] for each in t.warnings]
+        more = (each for t in at[1:] for each in t.warnings if each["subject"] not in known)
+        return (*(each for t in at[:1] for each in t.warnings), *more)
+
     def as_dict(self) -> dict[str, Any]:
         """The limit as JSON holds it, with trials in the order of their values."""
         tried = sorted(self.trials, key=lambda trial: trial.value)
-        return {**asdict(self), "trials": [asdict(trial) for trial in tried]}
+        trials = [{n: v for n, v in asdict(t).items() if n != "warnings"} for t in tried]
+        return {**asdict(self), "trials": trials, "warnings": list(self.warnings)}
 
 
 def find_limit(
@@ -138,4 +149,5 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
         response.attrs["message"] or "; ".join(open_end),
         None if collapse is None else collapse._asdict(),
         getattr(scenario, "duration", None),
+        tuple(finding.as_dict() for finding in warnings_of(response)),
     )

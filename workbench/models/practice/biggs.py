@@ -9,8 +9,7 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import checked
 from workbench.models.energy_estimate import energy_to_absorb
-from workbench.models.practice.catenary import beam_of
-from workbench.models.practice.deflected_shape import Stage
+from workbench.models.practice.deflected_shape import Stage, beam_of
 from workbench.models.practice.strength import AXIAL, SECTION, plastic_moment
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
@@ -40,7 +39,7 @@ class Biggs(SingleDof):
     hit_mass: ClassVar[str] = "shape"  # type: ignore[misc]
 
     name: ClassVar[str] = "biggs"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     assumptions: ClassVar[tuple[str, ...]] = (
         "The member moves in the shape that its load makes statically, another one for each stage: "
         "elastic, elastic with hinges, mechanism with hinges at clamped ends and at the hit point.",
@@ -57,9 +56,9 @@ class Biggs(SingleDof):
         """Stages under a force at the hit point, or under a `uniform` line load."""
         return _stages(column, self.axial, uniform)
 
-    def curve(self, column: Column) -> ResistanceCurve:
-        """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        return stage_curve(column, self.stages(column))
+    def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
+        """As that of `single-dof`. Raises `OutOfDomainError`."""
+        return stage_curve(column, self.stages(column, uniform), uniform)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of the single-DOF column, and shapes too different to follow each other."""
@@ -100,9 +99,14 @@ class Biggs(SingleDof):
         """
         column, uniform = scenario.column, scenario.load == UNIFORM
         total = column.properties.mass_per_length * column.length
-        stages = self.stages(column, uniform)
-        masses = tuple((stage.start, stage.load_mass_factor * total) for stage in stages)
-        return Pushed(stage_curve(column, stages), masses, scenario.whole, not uniform)
+        stages, share = self.stages(column, uniform), _share(uniform)
+        masses = [share * stage.load_mass_factor * total for stage in stages]
+        # a larger mass keeps the momentum, a smaller one the velocity
+        carried = [min(1.0, m0 / m1) for m0, m1 in zip((masses[0], *masses), masses, strict=False)]
+        moved = zip((stage.start for stage in stages), masses, carried, strict=True)
+        return Pushed(
+            self.curve(column, uniform), tuple(moved), share * scenario.whole, not uniform
+        )
 
     def _solve(self, scenario: ColumnScenario) -> Response:
         if not isinstance(scenario, MemberPulse):
@@ -110,10 +114,11 @@ class Biggs(SingleDof):
         stages = self.stages(scenario.column, scenario.load == UNIFORM)
 
         def known(values: dict[str, Any]) -> dict[str, Any]:
-            moved = values["displacement"], values["force"], values["load"]
+            resisted = values["force"] / _share(scenario.load == UNIFORM)
+            moved = values["displacement"], resisted, values["load"]
             return {"reaction": dynamic_reactions(stages, scenario.load == UNIFORM, *moved)}
 
-        return pulse_response(scenario, self.pushed(scenario), known)
+        return pulse_response(self.name, scenario, self.pushed(scenario), known)
 
 
 def dynamic_reactions(
@@ -163,13 +168,19 @@ def _stages(column: Column, axial: str, uniform: bool) -> tuple[Stage, ...]:
     return beam_of(column, uniform).stages(np.full(3, plastic_moment(column, axial)))
 
 
-def stage_curve(column: Column, stages: tuple[Stage, ...]) -> ResistanceCurve:
-    """Resistance (N) of the whole load over the displacement of the hit point."""
-    mechanism = mechanism_of(column)
+def _share(uniform: bool) -> float:
+    """Of a load, what acts at the hit point of rigid bars."""
+    return 0.5 if uniform else 1.0
+
+
+def stage_curve(column: Column, stages: tuple[Stage, ...], uniform: bool) -> ResistanceCurve:
+    """Resistance (N) to a force, or to half of a `uniform` load, over the displacement there."""
+    mechanism = mechanism_of(column, uniform=uniform)
     pieces = np.zeros(len(stages), PIECE)
     before: frozenset[int] = frozenset()
     for piece, stage in zip(pieces, stages, strict=True):
         piece["start"], piece["c"][:2] = stage.start, (stage.load, stage.stiffness)
+        piece["c"] *= _share(uniform)
         if stage.stiffness == 0.0:
             piece["event"] = events.LOAD
         elif stage.hinges:

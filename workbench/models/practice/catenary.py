@@ -24,7 +24,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.errors import OutOfDomainError
-from workbench.models.practice.deflected_shape import Beam
+from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import Mechanism, ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE, falling_root
@@ -41,16 +41,6 @@ _COMMON = (
     "them, and extended to any supports, place of the hit and axial load by the same equations.",
     "No shear yielding, no local buckling, no strain-rate effect.",
 )
-
-
-def beam_of(column: Column, uniform: bool = False) -> Beam:
-    """The column as a beam under a force at its hit point, or under a `uniform` line load."""
-    return Beam(
-        (0.0, column.length_below, column.length),
-        (column.base == "clamped", column.head != "pinned"),
-        (0.0 if uniform else 1.0,),
-        column.steel.elastic_modulus * column.properties.second_moment,
-    )
 
 
 def trilinear(mechanism: Mechanism) -> ResistanceCurve:
@@ -119,15 +109,15 @@ def rigid_plastic(mechanism: Mechanism) -> ResistanceCurve:
 
 
 @lru_cache(maxsize=256)
-def catenary_curve(column: Column, shape: str) -> ResistanceCurve:
+def catenary_curve(column: Column, shape: str, uniform: bool = False) -> ResistanceCurve:
     """Resistance of a column at its hit point by one of the three models; kept for the next."""
-    mechanism = mechanism_of(column, interaction=LINEAR)
+    mechanism = mechanism_of(column, interaction=LINEAR, uniform=uniform)
     if shape == TRILINEAR:
         return trilinear(mechanism)
     if shape == RIGID_PLASTIC:
         return rigid_plastic(mechanism)
     plastic = np.full(3, column.properties.plastic_moment)
-    return profile(mechanism, beam_of(column).stages(plastic)[0].shape.stretching)
+    return profile(mechanism, beam_of(column, uniform).stages(plastic)[0].shape.stretching)
 
 
 @dataclass(frozen=True)
@@ -137,9 +127,9 @@ class _Catenary(SingleDof):
     rotational_stiffness: ClassVar[None] = None  # type: ignore[misc]
     interaction: ClassVar[str] = LINEAR  # type: ignore[misc]
 
-    def curve(self, column: Column) -> ResistanceCurve:
-        """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
-        return catenary_curve(column, self.resistance)
+    def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
+        """As that of `single-dof`. Raises `OutOfDomainError`."""
+        return catenary_curve(column, self.resistance, uniform)
 
 
 @dataclass(frozen=True)
@@ -149,7 +139,7 @@ class TrilinearCatenary(_Catenary):
     resistance: ClassVar[str] = TRILINEAR  # type: ignore[misc]
 
     name: ClassVar[str] = "trilinear-catenary"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     assumptions: ClassVar[tuple[str, ...]] = (
         "Resistance of three straight lines: elastic, plastic mechanism at the axial force before "
         "the hit, catenary from where chords stretch more than hinges to the rope at N_p.",
@@ -165,7 +155,7 @@ class YinWang(_Catenary):
     resistance: ClassVar[str] = PROFILE  # type: ignore[misc]
 
     name: ClassVar[str] = "yin-wang"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "The deflection keeps the profile of the elastic beam; its elongation alone makes the "
         "axial force, up to N_p, and the moment is what a linear interaction leaves beside it.",
@@ -182,7 +172,7 @@ class Izzuddin(_Catenary):
     resistance: ClassVar[str] = RIGID_PLASTIC  # type: ignore[misc]
 
     name: ClassVar[str] = "izzuddin"
-    version: ClassVar[int] = 1
+    version: ClassVar[int] = 2
     assumptions: ClassVar[tuple[str, ...]] = (
         "Plastic hinges turn as those of a rigid-plastic mechanism and stretch by the flow rule of "
         "the linear N-M interaction. Heng 2017 says that this makes the axial force too small; as "

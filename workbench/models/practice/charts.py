@@ -59,7 +59,7 @@ def ductility(shape: str, length: float, strength: float) -> float:
     sum_up(pieces)
     records = np.zeros(count + 1, kernels.RECORD)
     status, last, residual, *_ = follow(
-        time[1], np.array([[0.0, 1.0]]), pulse.means(time), limit, _FAR, pieces, records
+        time[1], np.array([[0.0, 1.0, 1.0]]), pulse.means(time), limit, _FAR, pieces, records
     )
     if status != kernels.OK:
         raise SolverError(f"step {last} of a pulse", residual, "Newton with bisection")

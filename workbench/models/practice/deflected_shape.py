@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
+from workbench.scenarios import Column
 
 _POINT, _WEIGHT = np.polynomial.legendre.leggauss(5)  # exact up to the ninth degree
 _POINT, _WEIGHT = 0.5 * (1.0 + _POINT), 0.5 * _WEIGHT
@@ -46,6 +47,12 @@ class Shape(NamedTuple):
         """K_M of a uniform mass."""
         _, value, weight = self._at_points()
         return float(np.sum(weight * value**2) / (self.nodes[-1] - self.nodes[0]))
+
+    def momentum(self, other: "Shape") -> float:
+        """Momentum of a uniform mass of 1 that moves in this shape, in the `other` one."""
+        _, value, weight = self._at_points()
+        moved = weight * value * other._at_points()[1]
+        return float(np.sum(moved) / (self.nodes[-1] - self.nodes[0]))
 
     @property
     def mean(self) -> float:
@@ -197,3 +204,13 @@ class Beam(NamedTuple):
             moments[e] = -curved * 2.0 * polynomials[e, 2]
             moments[e + 1] = -curved * (polynomials[e] @ [0.0, 0.0, 2.0, 6.0, 12.0])
         return polynomials, moments
+
+
+def beam_of(column: Column, uniform: bool = False) -> Beam:
+    """The column as a beam under a force at its hit point, or under a `uniform` line load."""
+    return Beam(
+        (0.0, column.length_below, column.length),
+        (column.base == "clamped", column.head != "pinned"),
+        (0.0 if uniform else 1.0,),
+        column.steel.elastic_modulus * column.properties.second_moment,
+    )

@@ -96,7 +96,7 @@ class HardImpact(Declared, table="option"):
         values: dict[str, Any] = {}
         time = None
         if self.application == DYNAMIC:
-            pushed = Pushed(curve, ((0.0, column.properties.impact_mass),), 1.0, True)
+            pushed = Pushed(curve, ((0.0, column.properties.impact_mass, 1.0),), 1.0, True)
             time, values = push(pushed, column, pulse, scenario.duration)
             top = float(values["displacement"].max())
         else:

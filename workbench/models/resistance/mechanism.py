@@ -62,22 +62,25 @@ class Mechanism(NamedTuple):
 
 
 def mechanism_of(
-    column: Column, rotational_stiffness: float | None = None, interaction: str = SECTION
+    column: Column,
+    rotational_stiffness: float | None = None,
+    interaction: str = SECTION,
+    uniform: bool = False,
 ) -> Mechanism:
     """The mechanism of a column.
 
     Arguments: `column`; `rotational_stiffness`, the factor c of the hinge stiffness c EI / l of
     a bar of length l (Heng 2017: 6; None: springs that make the bars the elastic column under a
-    force at the hit point); `interaction`, yield surface of straight lines with the area of the
-    exact envelope (section) or from M_p to N_p (linear, Heng 2017). A head that is fixed has no
-    restraint flexibility; the restraint of any other head is its spring, and without one the head
-    is free to shorten.
+    force at the hit point, or a `uniform` load); `interaction`, yield surface of straight lines
+    with the area of the exact envelope (section) or from M_p to N_p (linear, Heng 2017). A head
+    that is fixed has no restraint flexibility; the restraint of any other head is its spring, and
+    without one the head is free to shorten.
     Raises `OutOfDomainError` if the axial load exhausts the lateral stiffness of the mechanism.
     """
     properties = column.properties
     if rotational_stiffness is None:
         stiffness = shear_stiffness(column.strength_section, column.steel)
-        springs = beam_springs(column, stiffness)
+        springs = beam_springs(column, stiffness, uniform=uniform)
     else:
         springs = thesis_springs(column, rotational_stiffness)
     corner = column.strength_section.interaction_corner() if interaction == SECTION else 0.0

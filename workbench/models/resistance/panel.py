@@ -91,13 +91,18 @@ def panel_curve(
 
 @lru_cache(maxsize=256)
 def column_curve(
-    column: Column, rotational_stiffness: float | None, shape: str, interaction: str = SECTION
+    column: Column,
+    rotational_stiffness: float | None,
+    shape: str,
+    interaction: str = SECTION,
+    uniform: bool = False,
 ) -> ResistanceCurve:
     """Resistance of a column at its hit point, by the name of its shape; kept for the next strike.
 
+    To a force there, or to half of a `uniform` load, which does the same work on rigid bars.
     Raises `OutOfDomainError`, see `mechanism_of`, `resistance_curve` and `panel_curve`.
     """
-    mechanism = mechanism_of(column, rotational_stiffness, interaction)
+    mechanism = mechanism_of(column, rotational_stiffness, interaction, uniform)
     if shape == PANEL:
         return panel_curve(column, mechanism, rotational_stiffness)
     return resistance_curve(mechanism, shape)

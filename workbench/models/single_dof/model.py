@@ -37,13 +37,14 @@ from workbench.models.resistance.limits import (
 )
 from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof import kernels, march
-from workbench.models.single_dof.pulse import Pushed, pulse_response
+from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
 from workbench.responses import (
     Finding,
     Outcome,
     Response,
     build_response,
     peak_contact_force,
+    peak_of,
 )
 from workbench.scenarios import (
     Column,
@@ -93,7 +94,7 @@ class SingleDof(Declared, table="option"):
     `four-dof`); `hit_mass`: thesis or waves, as in `four-dof`.
     """
 
-    resistance: str = checked(Choice(SHAPES), "cubic")
+    resistance: str = checked(Choice(SHAPES), "analytic")
     integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
@@ -101,7 +102,7 @@ class SingleDof(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -112,27 +113,34 @@ class SingleDof(Declared, table="option"):
         "The linear resistance is a choice: the thesis prints neither formula nor number.",
         "Unloading is elastic with the initial stiffness; reverse yielding at the force last "
         "reached is a convention: the model is meant for one push and its rebound.",
-        "At most one third of the column's mass acts at the hit point; a head mass is left out.",
+        "At most one third of the column's mass acts at the hit point, under a pulse that of the "
+        "deflected shape; a head mass is left out.",
         "No shear yielding but with resistance = panel, the static curve of "
         "`four-dof-shear`; no local buckling, no strain-rate effect.",
     )
     sources: ClassVar[tuple[str, ...]] = ("heng2017",)
 
-    def curve(self, column: Column) -> ResistanceCurve:
-        """Resistance of the column at its hit point. Raises `OutOfDomainError`."""
+    def curve(self, column: Column, uniform: bool = False) -> ResistanceCurve:
+        """Resistance of the column at its hit point, to half of a `uniform` load if that acts.
+
+        Raises `OutOfDomainError`.
+        """
         spring = self.rotational_stiffness, self.resistance, self.interaction
-        return column_curve(column, *spring)
+        return column_curve(column, *spring, uniform)
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:
         """The impact with the mass (kg) that meets the striker."""
         return with_hit_mass(scenario, self.hit_mass)
 
     def pushed(self, scenario: MemberPulse) -> Pushed:
-        """What a pulse moves: a line load does half the work of its resultant at the hit point."""
-        column = scenario.column
-        share = (0.5 if scenario.load == UNIFORM else 1.0) * scenario.whole
-        curve = self.curve(column)
-        return Pushed(curve, ((0.0, column.properties.impact_mass),), share, True)
+        """What a pulse moves: a line load does half the work of its resultant at the hit point.
+
+        The mass is that of the elastic shape, then that of the mechanism.
+        """
+        column, uniform = scenario.column, scenario.load == UNIFORM
+        share, curve = 0.5 if uniform else 1.0, self.curve(column, uniform)
+        stages = moved_masses(column, uniform, curve.elastic_limit)
+        return Pushed(curve, stages, share * scenario.whole, not uniform)
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
@@ -185,7 +193,7 @@ class SingleDof(Declared, table="option"):
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
         if isinstance(scenario, MemberPulse):
-            return pulse_response(scenario, self.pushed(scenario))
+            return pulse_response(self.name, scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario))
 
     def _march(self, scenario: ColumnImpact) -> _Run:
@@ -301,6 +309,11 @@ def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
     percussion, values = run.records["percussion"].copy(), {}
     if int(np.argmax(run.records["displacement"])) < len(percussion) - 1:  # it comes back
         values["peak_displacement"], values["time_of_peak"] = run.peak, run.time_of_peak
+        if scenario.striker.restitution > 0.0:  # free, it may come as far again
+            time, v = run.records["time"], run.records["displacement"]
+            first = peak_of(time, v)["time_of_peak"]
+            if np.diff(np.searchsorted(time, (first, run.time_of_peak))) > 1:
+                values["time_of_peak"] = first
         values["residual_displacement"] = run.curve.residual(run.peak) + run.changed
     # the first collision is recorded with the first step but happens at time 0
     striker = scenario.striker

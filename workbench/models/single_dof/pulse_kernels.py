@@ -3,8 +3,8 @@
     M(v) v'' + R(v) = F(t)
 
 The mass belongs to a shape of deflection, which changes once the spring has come to the next stage
-(Biggs). The velocity goes on; what a smaller mass leaves of the kinetic energy is lost. A larger
-one keeps the momentum. Steps keep the energy whatever the curve, and take the mean force exactly.
+(Biggs), and the velocity by a factor that the stage brings; the kinetic energy that this leaves is
+lost. Steps keep the energy whatever the curve, and take the mean force exactly.
 """
 
 import numpy as np
@@ -25,9 +25,9 @@ from workbench.models.single_dof.kernels import (
 def follow(dt, stages, means, elastic_limit, limit, pieces, records):
     """Follow a push in steps of `dt`: (status, last step, residual, final spring, works).
 
-    Arguments: `stages` (n, 2), displacement (m) from which on a mass (kg) moves; `means` (steps,)
-    of the force; the rest as `kernels.impact`. `works` (steps + 1,) of the force so far; the
-    energy lost between stages counts as dissipated.
+    Arguments: `stages` (n, 3), displacement (m) from which on a mass (kg) moves and the factor on
+    the velocity there; `means` (steps,) of the force; the rest as `kernels.impact`. `works`
+    (steps + 1,) of the force so far; the energy lost between stages counts as dissipated.
     """
     state = spring_at_rest(elastic_limit, pieces)
     stage, mass, w, lost = 0, stages[0, 1], 0.0, 0.0
@@ -43,10 +43,8 @@ def follow(dt, stages, means, elastic_limit, limit, pieces, records):
         w = w1
         while stage + 1 < stages.shape[0] and abs(v1) >= stages[stage + 1, 0]:
             stage += 1
-            before, mass = mass, stages[stage, 1]
-            kinetic = 0.5 * before * w * w
-            if mass > before:
-                w *= before / mass
+            kinetic, mass = 0.5 * mass * w * w, stages[stage, 1]
+            w *= stages[stage, 2]
             lost += kinetic - 0.5 * mass * w * w
         row = records[n]
         row.displacement, row.velocity, row.force = v1, w, state.force

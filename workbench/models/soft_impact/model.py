@@ -12,6 +12,7 @@ import numpy as np
 from workbench.errors import SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.models.base import respond
+from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
 from workbench.models.resistance.limits import (
@@ -24,9 +25,11 @@ from workbench.models.resistance.limits import (
     reached_findings,
     shear_utilisation,
 )
+from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof.kernels import COLLAPSE, HISTORIES, RECORD
 from workbench.models.soft_impact import kernels
 from workbench.responses import Finding, Response, build_response, energy_error
+from workbench.responses.histories import NO_PEAK, still_grows
 from workbench.scenarios import ColumnImpact, Scenario
 
 VEHICLE_STIFFNESS = 3.0e5  # N/m, cars, EN 1991-1-7, Annex C
@@ -46,13 +49,13 @@ class SoftImpact(Declared, table="option"):
 
     striker_stiffness: float = checked(Number(1.0, 1e12, "N/m"), VEHICLE_STIFFNESS)
     crush_force: float | None = checked(Number(1.0, 1e12, "N"), optional=True)
-    resistance: str = checked(Choice(SHAPES), "cubic")
+    resistance: str = checked(Choice(SHAPES), "analytic")
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "soft-impact"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "The striker is a mass behind one spring, linear up to its crush force, that cannot pull; "
@@ -74,9 +77,16 @@ class SoftImpact(Declared, table="option"):
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, and a restitution that has no part.
 
-        A perfect one is that of an elastic spring.
+        A perfect one is that of an elastic spring. Shear is that of the run, not of a mechanism.
         """
-        findings = curve_findings(scenario, self.resistance)
+        findings = [f for f in curve_findings(scenario, self.resistance) if f.subject != "shear"]
+        if self.striker_stiffness == VEHICLE_STIFFNESS:
+            text = (
+                f"what strikes is taken for a spring of {VEHICLE_STIFFNESS / 1e3:g} kN/m, that of "
+                "cars in EN 1991-1-7"
+            )
+            remedy = "give the striker_stiffness, and the crush_force, of what it is"
+            findings.append(Finding("estimate", text, remedy=remedy))
         if 0.0 < scenario.striker.restitution < 1.0:
             text = (
                 f"the restitution of {scenario.striker.restitution:g} has no part in an impact "
@@ -122,11 +132,23 @@ class SoftImpact(Declared, table="option"):
         }
         plastic = spring.v - spring.force / spring.stiffness if spring.yielded else 0.0
         values["residual_displacement"] = plastic
+        warnings = reached_findings(curve, companion, top)
+        if values["shear_utilisation"] is not None and self.resistance != PANEL:
+            warnings += shear_warnings(
+                column, dict(zip(SEGMENTS, values["shear_utilisation"], strict=True))
+            )
+        if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
+            values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
+            if not still_grows(records["displacement"]):
+                longer = float(np.pi * np.sqrt(striker.mass / self.striker_stiffness))
+                text = f"the striker still moves on and pushes at the end, {scenario.duration:g} s"
+                remedy = f"extend time.duration to {longer:.2g} s to find the peak"
+                warnings.append(Finding(NO_PEAK, text, remedy=remedy))
         response = build_response(
             values,
             time=np.linspace(0.0, scenario.duration, count + 1),
             segments=SEGMENTS,
-            warnings=reached_findings(curve, companion, top),
+            warnings=warnings,
         )
         error = energy_error(response)
         if error is not None and error > _BALANCE:
