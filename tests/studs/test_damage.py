@@ -16,6 +16,8 @@ from workbench.studs.damaged import damaged_rows, predicted_references
 from workbench.studs.reading import examine, from_frame
 from workbench.studs.residual_grade import Grade
 
+Capture = pytest.CaptureFixture[str]
+
 
 def cycled(**columns: object) -> pd.DataFrame:
     """Four tests after fatigue with 1 to 4 hundred thousand cycles."""
@@ -167,3 +169,18 @@ def test_tests_left_out_for_want_of_a_companion_are_named() -> None:
     fit = fit_residual(lone)
     assert len(fit.rows) == 3
     assert any("1 damaged tests left out" in str(finding) for finding in fit.findings)
+
+
+def test_a_load_range_of_the_whole_specimen_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    """Eight studs: the S-N line makes it 1e8 lives, which no curve can be drawn over."""
+    file = tmp_path / "lab.csv"
+    cycled(predamage_range_kN=480.0).to_csv(file, index=False)
+    arguments = ["fit", "residual", str(file), "--no-mechanical", "--quantity", "strength"]
+    assert run(arguments) == 2
+    error = capsys.readouterr().err
+    assert "lab a" in error
+    assert "must be at most 10" in error
+    assert "per stud" in error
+    long = cycled(predamage_life_cycles=1e4)
+    with pytest.raises(InputError, match="must be at most 3"):
+        fit_residual(long)

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import least_squares
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.studs import (
@@ -26,10 +27,18 @@ from workbench.studs.load_slip import (
     fit_curve,
     law_kind,
     law_stiffness,
+    make_law,
+    parameter_names,
 )
-from workbench.studs.load_slip_curves import first_loading
+from workbench.studs.load_slip_curves import curves_of, first_loading
+from workbench.studs.load_slip_fit import HELD
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
+BOUNDS = {  # of the parameters that are fitted
+    "ollgaard": {"rate": (10.0, 1e5), "exponent": (0.05, 10.0)},
+    "bilinear": {"yield_slip": (1e-5, 0.02)},
+    "rational": {"peak_slip": (1e-4, 0.05), "stiffness_ratio": (1.01, 500.0)},
+}
 
 
 def test_published_ollgaard() -> None:
@@ -181,3 +190,41 @@ def test_doubtful_points_and_means_are_left_out(curves: pd.DataFrame) -> None:
     assert len(used) == 543 - 13 - 29 - 10
     with pytest.raises(InputError, match="hold no point"):
         first_loading(curves[curves["single_specimen"] == 0.0], falling=True)
+
+
+def squares(law: str, start: np.ndarray, curve: tuple[np.ndarray, np.ndarray]) -> float:
+    """Sum of squares of a law of logarithms of parameters, from one start down."""
+    names = [name for name in parameter_names(law) if name not in HELD.get(law, {})]
+    slip, ratio = curve
+
+    def error(theta: np.ndarray) -> np.ndarray:
+        own = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **HELD.get(law, {})}
+        return make_law(law, own, float(slip.max())).ratio(slip) - ratio
+
+    low, high = (np.log([BOUNDS[law][name][k] for name in names]) for k in (0, 1))
+    tight = {"xtol": 1e-10, "ftol": 1e-10, "gtol": 1e-10}
+    begin = low + 1e-3 + start[: len(names)] * (high - low - 2e-3)
+    return 2.0 * float(least_squares(error, begin, bounds=(low + 1e-9, high - 1e-9), **tight).cost)
+
+
+def no_start_is_better(curves: pd.DataFrame, law: str, starts: int) -> None:
+    generator, count = np.random.default_rng(27), 0
+    for name, slip, load in curves_of(curves, falling=law == "rational"):
+        if len(slip) < 3:
+            continue
+        fit = fit_curve(slip, load, law, held=HELD.get(law, {}))
+        curve, count = (np.maximum(slip, 0.0), load / load.max()), count + 1
+        least = min(squares(law, start, curve) for start in generator.uniform(size=(starts, 2)))
+        assert fit.points * fit.rms**2 <= least * (1.0 + 1e-6) + 1e-12, name
+    assert count >= 24
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_no_other_start_finds_a_better_curve(curves: pd.DataFrame, law: str) -> None:
+    no_start_is_better(curves, law, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS)
+def test_no_start_of_fifty_finds_a_better_curve(curves: pd.DataFrame, law: str) -> None:
+    no_start_is_better(curves, law, 50)

@@ -12,7 +12,7 @@ from workbench.responses import Finding
 from workbench.studs.damage import damage_of
 from workbench.studs.formulas import strength_formula
 from workbench.studs.quantities import equal_studs, specimens
-from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, PREDICTED
+from workbench.studs.schema import HEADED, LARGEST_GAIN, LARGEST_LEVEL, NO_PREDAMAGE, PREDICTED
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
@@ -21,6 +21,7 @@ QUANTITIES = {
 REFERENCE = ("reference", "reference_tests", "uncertainty")
 FORMULA = "roik-mean"  # that predicts undamaged strengths
 LEAST_UNDAMAGED = 3
+DRIVEN = 3.0  # damage of a stud driven beyond what it bears; the most that a table may give
 
 
 def references(table: pd.DataFrame, quantity: str) -> pd.DataFrame:
@@ -74,6 +75,12 @@ def damaged_rows(
         if len(words) > 1:
             reason = "different kinds of damage do not share one relation"
             raise InputError(name, ", ".join(words), reason, f"choose one with {advice}")
+    highest = rows["predamage_measure"].map(LARGEST_LEVEL).fillna(DRIVEN)
+    for _, row in rows[rows["level"] > highest].iterrows():
+        name, most = f"{row['campaign']} {row['specimen']}", highest[row.name]
+        reason = f"damage of {row['level']:.3g} by {row['predamage_measure']}"
+        advice = "predamage_range_kN is per stud; predamage_cycles are single cycles"
+        raise InputError(name, reason, f"must be at most {most:g}", advice)
     for _, row in rows[rows["ratio"] > LARGEST_GAIN].iterrows():
         name, reason = f"{row['campaign']} {row['specimen']}", "times the undamaged tests"
         advice = "are columns swapped, or the units different?"

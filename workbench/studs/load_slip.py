@@ -5,7 +5,7 @@ the slip of its ascending branch at a load (`slip_at`). Stiffness is that of the
 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). Units: SI.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -135,6 +135,8 @@ _BOUNDS: dict[str, tuple[tuple[str, float, float, float], ...]] = {
 }
 LOSSES = ("linear", "huber", "soft_l1")
 LOSS_SCALE = 0.03  # of the largest load: deviations beyond it count less in a robust loss
+SCANNED = {0: 1, 1: 200, 2: 20, 3: 12}  # values of each of so many parameters, to find the valleys
+VALLEYS = 5  # that are followed down
 
 
 @dataclass(frozen=True)
@@ -214,18 +216,16 @@ def fit_curve(
         values = np.clip(np.exp(theta), np.exp(low), np.exp(high))
         return make_law(law, {**dict(zip(names, values.tolist(), strict=True)), **fixed}, capacity)
 
-    starts = [start]
-    if "peak_slip" in names:
-        peak = max(float(s[int(np.argmax(y))]), 1e-4)
-        starts.append(np.clip(np.concatenate([[np.log(peak)], start[1:]]), low, high))
+    def error(theta: Array) -> Array:
+        return at(theta).ratio(s) - y
+
     tolerances = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
     tried = [
         least_squares(
-            lambda theta: at(theta).ratio(s) - y, begin, bounds=(low, high), loss=loss,
-            f_scale=LOSS_SCALE, **tolerances,
+            error, begin, bounds=(low, high), loss=loss, f_scale=LOSS_SCALE, **tolerances
         )
-        for begin in starts
-    ]  # fmt: skip
+        for begin in (start, *_valleys(error, low, high, loss))
+    ]
     solved = [each for each in tried if each.success]
     if not solved:
         raise SolverError("least squares of a load-slip curve", float("nan"), "several starts")
@@ -236,6 +236,22 @@ def fit_curve(
     stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
     at_bound = tuple(name for name, on in zip(names, stuck, strict=True) if on)
     return CurveFit(parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)
+
+
+def _valleys(error: Callable[[Array], Array], low: Array, high: Array, loss: str) -> list[Array]:
+    """Points of a scan between bounds (p,) that no neighbour is better than, the best first."""
+    from scipy.ndimage import minimum_filter
+
+    count = SCANNED[len(low)]
+    axes = [np.linspace(a, b, count + 2)[1:-1] for a, b in zip(low, high, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    z = np.array([error(theta) for theta in grid.reshape(-1, len(low))]) ** 2 / LOSS_SCALE**2
+    if loss != "linear":
+        far = 2.0 * np.sqrt(z) - 1.0
+        z = 2.0 * np.sqrt(1.0 + z) - 2.0 if loss == "soft_l1" else np.where(z > 1.0, far, z)
+    cost = z.sum(axis=1).reshape(grid.shape[:-1])
+    lowest = cost <= minimum_filter(cost, 3, mode="nearest")
+    return list(grid[lowest][np.argsort(cost[lowest])][:VALLEYS])
 
 
 CHORD = (0.1, 0.4)  # of the largest load

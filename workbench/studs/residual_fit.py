@@ -38,7 +38,7 @@ from workbench.studs.quantities import Array
 from workbench.studs.relations import ANCHORED, RELATIONS, MechanicalCurve, Relation
 from workbench.studs.residual_grade import Grade, grade_of, residual_findings
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.annex_d import D8, LEAST_FOR_DESIGN, evaluate_d8
+from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.influence import without_each
 from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (
@@ -56,7 +56,7 @@ from workbench.studs.trust import influence_of
 
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
-FRACTILE = 0.05
+BELOW = 1.0 - CHARACTERISTIC, 1.0 - TABLE_DESIGN  # shares of new tests, for design
 
 
 @dataclass(frozen=True)
@@ -144,19 +144,18 @@ class ResidualFit(Fit):
     def design_rows(self, share: float = 0.9) -> pd.DataFrame:
         """What a designer takes at usual levels in the tested range and at its end; may be empty.
 
-        Columns: `level`, `median` with its confidence bounds `low`, `high`, `fractile` (5 % of new
-        tests in new campaigns lie below), `characteristic` and `design` by EN 1990 D.8. NaN where
-        the tests do not tell.
+        Columns: `level`, `median` with its confidence bounds `low`, `high`, and what 5 % and 0.1 %
+        of new tests in new campaigns lie below, `characteristic` and `design`. NaN where the tests
+        do not tell, as in `quantiles`, and for a `design` value of nothing.
         """
         end, usual = self.levels[1], np.array(DESIGN_LEVELS)
         level = np.append(usual[usual < end - 1e-9], end) if self.fitted else np.zeros(0)
-        told = self.quantiles(level, (FRACTILE,), tails_of(share)) if len(level) else None
-        fractile, low, high = np.full((3, len(level)), np.nan) if told is None else told
-        median, shares = self.left(level), self.design
-        r_k, r_d = (np.nan, np.nan) if shares is None else (shares.r_k, shares.r_d)
-        design = {"characteristic": r_k * median, "design": r_d * median}
-        told_by_tests = {"low": low, "high": high, "fractile": fractile}
-        return pd.DataFrame({"level": level, "median": median, **told_by_tests, **design})
+        told = self.quantiles(level, BELOW, tails_of(share)) if len(level) else None
+        names = ("characteristic", "design", "low", "high")
+        rows = np.full((len(names), len(level)), np.nan) if told is None else told
+        values = dict(zip(names, rows, strict=True))
+        values["design"] = np.where(values["design"] > 0.0, values["design"], np.nan)
+        return pd.DataFrame({"level": level, "median": self.left(level), **values})
 
     def posterior(self, confidence: float) -> dict[str, Interval]:
         """Intervals under the priors of the parameters of the relation, and of tau."""
@@ -164,23 +163,6 @@ class ResidualFit(Fit):
         if mixture is None or not self.priors:
             return {}
         return posterior_intervals(self.averaged[0].estimate, mixture, confidence)
-
-    @property
-    def design(self) -> D8 | None:
-        """EN 1990 D.8 on the relation: shares of the median that are characteristic and design.
-
-        Of `resistance` 1, so that r_k and r_d multiply what `left` gives in the tested range. All
-        tests count as independent, as in the standard. None for a prediction, and where D.8 has no
-        factor for so few tests or nothing is left in one of them.
-        """
-        left = self.left(self.rows["level"].to_numpy(float)) if self.fitted else np.zeros(1)
-        if len(self.rows) < LEAST_FOR_DESIGN or not np.all(left > 0.0):
-            return None
-        try:
-            told = {"reference": reference_share(self.rows)}
-            return evaluate_d8(self.rows["ratio"], left, variations=told, resistance=1.0)
-        except InputError:  # a scatter that leaves no design value
-            return None
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold what is predicted to be left against tests that the fit has not used.
@@ -210,8 +192,6 @@ class ResidualFit(Fit):
             "priors": dict(self.priors),
             **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
             "grade": str(self.grade),
-            "characteristic_share": None if self.design is None else self.design.r_k,
-            "design_share": None if self.design is None else self.design.r_d,
             **self.used(),
         }
 

@@ -54,16 +54,15 @@ def residual_findings(
     if campaigns < LEAST_CAMPAIGNS and TAU in priors:
         text = "bands rest on the prior of the scatter between campaigns"
         yield Finding("campaigns", f"{campaigns} of {LEAST_CAMPAIGNS} campaigns: {text}")
-    elif campaigns == 1:
-        text = (
-            "one campaign: candidates were weighed by leaving out specimens, not campaigns; every "
-            "interval lacks the scatter between campaigns"
-        )
-        yield Finding("campaigns", text)
     elif campaigns < LEAST_CAMPAIGNS:
-        text = "two campaigns: no band for a new campaign without a prior of tau"
-        lacking = "intervals of parameters lack most of the scatter between campaigns"
-        yield Finding("campaigns", f"{text}; {lacking}")
+        text = (
+            f"{campaigns} of {LEAST_CAMPAIGNS} campaigns do not tell how much campaigns differ: no "
+            "characteristic or design value and no band for a new one; intervals lack that scatter"
+        )
+        if campaigns == 1:
+            text += "; candidates were weighed by leaving out specimens, not campaigns"
+        remedy = "give that scatter: --prior tau=MEDIAN:SPREAD, in shares; SPREAD of its logarithm"
+        yield Finding("campaigns", text, remedy=remedy)
     if found.at_bound:
         yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
     left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))

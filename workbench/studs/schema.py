@@ -109,7 +109,8 @@ LEAST_SLIP = 0.02  # mm, at the largest load
 LEAST_SLENDERNESS, LARGEST_SLENDERNESS = 1.5, 25.0  # height over diameter
 PREDICTED = "predicted"  # an undamaged strength that no test gave
 FATIGUE, LIFE, SN_LIFE = "fatigue", "life fraction", "S-N life fraction"
-LARGEST_LEVEL = {"section loss": 1.0, "load ratio": 1.3}  # studs scatter about their mean strength
+# of studs about their mean strength; a mean life may be several times the characteristic one
+LARGEST_LEVEL = {"section loss": 1.0, "load ratio": 1.3, SN_LIFE: 10.0}
 LIKE_LEVEL = 0.02  # by which a given share of life may miss that of the cycles
 _CYCLES = (
     *("predamage_peak_kN", "predamage_range_kN", "predamage_cycles", "predamage_life_cycles"),

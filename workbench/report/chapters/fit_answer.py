@@ -103,13 +103,14 @@ def _left(result: Content) -> Iterator[str]:
     """What a designer takes at the end of the tested damage."""
     for content in contents_of(result):
         for row in content["design"][-1:]:
-            shares = [row[name] for name in ("fractile", "characteristic") if row[name] is not None]
             text = f"{content['fit']['quantity']} at damage {row['level']:.3g}, the largest "
-            text += f"tested: {number(row['median'], 3)} left in the median"
-            if shares:
-                text += f", {number(min(shares), 3)} as characteristic value"
+            text += f"tested: {number(row['median'], 3)} left in the median, "
+            if row["characteristic"] is None:
+                text += stud_design.NO_VALUE
+            else:
+                text += f"{number(row['characteristic'], 3)} as characteristic value"
             if row["design"] is not None:
-                text += f", {number(row['design'], 3)} for design by EN 1990 D.8 [@en1990]"
+                text += f", {number(row['design'], 3)} that 0.1 % of new tests fall below"
             yield f"{text}."
 
 

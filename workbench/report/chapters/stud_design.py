@@ -6,6 +6,10 @@ from workbench.content.formatting import percent, share, valued
 from workbench.content.tree import Block, Cell, Column, Table
 from workbench.report.chapters.stud_tables import KILO, Content, span, span_of, table, value_of
 
+NO_VALUE = (
+    "no characteristic value: fewer than three campaigns do not tell how much campaigns differ, and "
+    "no prior does (--prior tau=MEDIAN:SPREAD)"
+)
 _NONE = Cell("none: fewer than three campaigns, and no prior of tau", tone="doubt")
 
 
@@ -25,15 +29,14 @@ def residual_design(contents: Iterable[Content]) -> Iterator[Block]:
         Column("damage", True, 0.7, value_of("level")),
         Column("median", True, 0.7, value_of("median")),
         Column("its interval", True, 1.3, bounds),
-        Column("5 % of new tests", True, 1.0, value_of("fractile")),
         Column("characteristic", True, 1.0, value_of("characteristic")),
         Column("design", True, 0.8, value_of("design")),
     )
     caption = (
-        "From damage to design: median share that is left with what is known of it, the share that "
-        "5 % of new tests in new campaigns fall below, and characteristic and design value by EN "
-        "1990 D.8 [@en1990], which takes all tests as independent and is unsafe where campaigns "
-        "differ: the smaller of fractile and characteristic value counts."
+        "From damage to design: median share that is left with what is known of it, and what 5 % "
+        "(characteristic) and 0.1 % (design) of new tests in new campaigns fall below, the two "
+        "fractiles of EN 1990 D.8 [@en1990]: scatter within and between campaigns and what few "
+        "tests leave open of the relation are in them. No design value: nothing is surely left."
     )
     return table("residual-design", caption, columns, rows)
 

@@ -169,11 +169,17 @@ def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) ->
 def criterion_at(
     given: Problem, ratio: float, start: Array, free: Indices
 ) -> tuple[float, float, Solved]:
-    """Twice the negative restricted log-likelihood for a lambda, sigma^2, and the parameters."""
+    """Twice the negative restricted log-likelihood for a lambda, sigma^2, and the parameters.
+
+    What a non-linear prediction counts for parameters is that of its `tangent`.
+    """
     solved = solve_theta(given, ratio, start, free)
-    m = given.count - len(solved.normal)
-    told = np.diag(solved.normal) > 0.0  # without influence: refused by `fit`, once it is final
-    normal = solved.normal if told.all() else solved.normal[np.ix_(told, told)]
+    normal = solved.normal
+    if given.tangent is not None:
+        x = given.tangent[:, free]
+        x = whiten(given, x[:, np.any(x != 0.0, axis=0)], ratio)
+        normal = x.T @ x
+    m = given.count - len(normal)
     information = _log_determinant(normal) if len(normal) else 0.0
     variance = max(solved.size / m, np.finfo(float).tiny)
     determinant = float(np.sum(np.log1p(ratio * given.totals)))
@@ -279,6 +285,19 @@ def _valley(
     return float(np.expm1(t[k])), float(values[k])
 
 
+def _with_tangent(given: Problem, ratio: float, start: Array, free: Indices) -> Problem:
+    """The problem with the slopes of its prediction at the best parameters for a lambda.
+
+    Parameters on a bound have none. The criterion keeps them, so that it does not jump where a
+    parameter reaches a bound.
+    """
+    if given.moments is not None:
+        return given
+    solved = solve_theta(given, ratio, start, free)
+    slopes = np.where(solved.stuck, 0.0, jacobian(given, solved.theta, free))
+    return replace(given, tangent=slopes)
+
+
 def fit(given: Problem, *, start: Array | None = None) -> Estimate:
     """Fit a problem by restricted maximum likelihood. Raises `SolverError` or `InputError`.
 
@@ -290,9 +309,15 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
         advice = "hold parameters fixed, or bring more tests"
         allowed = f"must be more than the {len(free)} parameters"
         raise InputError("observations", given.count, allowed, advice)
-    ratio, _, theta = best_ratio(given, given.start if start is None else start, free)
-    _, variance, solved = criterion_at(given, ratio, theta, free)
-    theta = solved.theta
+    ratio, theta = 0.0, given.start if start is None else start
+    stuck = np.ones(len(free), bool)
+    for _ in range(ROUNDS):
+        given, stuck_before = _with_tangent(given, ratio, theta, free), stuck
+        ratio, _, theta = best_ratio(given, theta, free)
+        _, variance, solved = criterion_at(given, ratio, theta, free)
+        theta, stuck = solved.theta, solved.stuck
+        if given.moments is not None or np.array_equal(stuck, stuck_before):
+            break
     own = np.flatnonzero(~solved.stuck)
     _check_influence(given, np.diag(solved.normal), own, theta)
     if np.linalg.matrix_rank(solved.normal, hermitian=True) < len(own):

@@ -22,7 +22,8 @@ class Problem:
     """What is fitted: `y` (n,), campaigns (n,), the prediction f(theta) -> (n,), and bounds.
 
     `names` of the parameters, `start`, `lower`, `upper` (p,); `weights` (n,); `design` (n, p) for
-    a linear prediction (then `predict` is design @ theta).
+    a linear prediction (then `predict` is design @ theta); `tangent` (n, p), slopes of any other
+    near its best parameters, set by `fit`.
     """
 
     y: Array
@@ -35,6 +36,7 @@ class Problem:
     weights: Array
     labels: tuple[str, ...]
     design: Array | None = None
+    tangent: Array | None = None
 
     @cached_property
     def moments(self) -> tuple[Array, Array, Array] | None:
@@ -148,6 +150,7 @@ def subset(given: Problem, rows: Indices) -> Problem:
         weights=given.weights[rows],
         labels=tuple(given.labels[k] for k in labels),
         design=design,
+        tangent=None,
     )
 
 
