@@ -83,7 +83,8 @@ def test_the_power_relation_is_chosen_and_recovered(damaged: Maker, c: float, p:
 def test_a_damage_without_effect_is_called_so(damaged: Maker) -> None:
     fit = fit_residual(damaged(6, 8, 0.0, kind="corrosion", measure="section loss"))
     assert fit.relation.name == "none"
-    assert fit.scores[0].weight > 0.5
+    # lines, and a threshold at 0, are one relation: each has as much of what chance leaves it
+    assert fit.scores[0].weight > 2.0 * fit.scores[1].weight
     assert fit.left([0.9]).tolist() == [pytest.approx(1.0, abs=0.01)]  # an average; measured 0.004
     assert fit.parameters == {}
 
@@ -117,7 +118,7 @@ def test_one_or_two_campaigns_do_not_give_a_band(damaged: Maker) -> None:
     assert any("leaving out specimens" in text for text in texts(one))
     two = fit_residual(damaged(2, 12))
     assert two.band([0.5]) is None
-    assert any("no band for a new campaign" in text for text in texts(two))
+    assert any("no band for a new one" in text for text in texts(two))
 
 
 def test_validation_refuses_seen_rows(damaged: Maker) -> None:
@@ -199,19 +200,6 @@ def test_what_cannot_be_told_apart_is_averaged(damaged: Maker) -> None:
 def test_two_campaigns_do_not_validate(damaged: Maker) -> None:
     fit = fit_residual(damaged(2, 4, origin="measured"))
     assert fit.grade is Grade.TWO_CAMPAIGNS
-    assert any("lack most of the scatter between campaigns" in text for text in texts(fit))
+    assert any("2 of 3 campaigns do not tell how much" in text for text in texts(fit))
     one = fit_residual(damaged(1, 6, origin="measured"))
-    assert any("every interval lacks the scatter between campaigns" in text for text in texts(one))
-
-
-def test_characteristic_and_design_shares_follow_en_1990(damaged: Maker) -> None:
-    """Recomputed from the chain of D.8 with plain numpy."""
-    fit = fit_residual(damaged(3, 5, origin="measured"))
-    e, t = fit.rows["ratio"].to_numpy(float), fit.left(fit.rows["level"])
-    b = (e @ t) / (t @ t)
-    q = np.std(np.log(e / (b * t)), ddof=1)  # Q_delta, as ln(V^2 + 1) = s_delta^2
-    found = fit.to_dict()
-    wide = np.sqrt(1.0 + 1.0 / 15.0)
-    for key, quantile in (("characteristic_share", 1.76131), ("design_share", 3.78739)):  # t_14
-        assert found[key] == pytest.approx(b * np.exp(-quantile * wide * q - 0.5 * q * q), rel=1e-4)
-    assert fit_residual(damaged(1, 3, origin="measured")).to_dict()["design_share"] is None
+    assert any("1 of 3 campaigns do not tell how much" in text for text in texts(one))

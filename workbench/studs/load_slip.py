@@ -221,9 +221,7 @@ def fit_curve(
 
     tolerances = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
     tried = [
-        least_squares(
-            error, begin, bounds=(low, high), loss=loss, f_scale=LOSS_SCALE, **tolerances
-        )
+        least_squares(error, begin, bounds=(low, high), loss=loss, f_scale=LOSS_SCALE, **tolerances)
         for begin in (start, *_valleys(error, low, high, loss))
     ]
     solved = [each for each in tried if each.success]

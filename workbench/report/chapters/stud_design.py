@@ -7,8 +7,8 @@ from workbench.content.tree import Block, Cell, Column, Table
 from workbench.report.chapters.stud_tables import KILO, Content, span, span_of, table, value_of
 
 NO_VALUE = (
-    "no characteristic value: fewer than three campaigns do not tell how much campaigns differ, and "
-    "no prior does (--prior tau=MEDIAN:SPREAD)"
+    "no characteristic value: fewer than three campaigns do not tell how much campaigns differ, "
+    "and no prior does (--prior tau=MEDIAN:SPREAD)"
 )
 _NONE = Cell("none: fewer than three campaigns, and no prior of tau", tone="doubt")
 

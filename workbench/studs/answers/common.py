@@ -91,7 +91,7 @@ class StudModel(Declared, table="option"):
     """
 
     name: ClassVar[str]
-    version: ClassVar[int] = 10
+    version: ClassVar[int] = 11
     answers: ClassVar[tuple[str, ...]] = (StudTests.KIND,)
     assumptions: ClassVar[tuple[str, ...]]
     asks: ClassVar[tuple[str, ...]] = ()

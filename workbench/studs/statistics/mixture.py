@@ -24,8 +24,8 @@ LEAST_CAMPAIGNS = 3
 LARGEST_RATIO = 100.0  # tau over sigma; beyond it the likelihood has vanished for 3 campaigns
 LEAST_RATIO = 0.002  # above zero, where a prior may lie; without one it tells nothing more
 POINTS = 80
-# scale of the half-Cauchy density of tau over sigma: 5 % of new tests +- 2 % lie below the fractile
-# of three campaigns and more, whatever the ratio up to 3
+# scale of the half-Cauchy density of tau over sigma: 3 to 6.5 % of new tests lie below the 5 %
+# fractile of three campaigns or more where the ratio is 0.4 to 2
 USUAL_RATIO = 1.0
 VARIANCES = (np.arange(16) + 0.5) / 16.0  # shares of its distribution, at which sigma^2 is taken
 NEGLIGIBLE = 14.0  # of a logarithm of a density below its largest
@@ -155,11 +155,9 @@ def averaged_quantile(
     """Values (shares + median, n) that shares of a distribution lie below, in the unit of y.
 
     `shares`, of new tests in a new campaign; `median`, of what the tests tell of the median over
-    campaigns. The distributions of the candidates are averaged with their weights; for the median
-    those of most free parameters alone, as a stiffer form would count as knowledge of it.
+    campaigns. The distributions of the candidates are averaged with their weights.
     """
-    weights, centres, scales, freedoms, flexible = [], [], [], [], []
-    most = max(len(part.estimate.theta) for part in parts)
+    weights, centres, scales, freedoms = [], [], [], []
     for weight, estimate, mixture, held in parts:
         free = np.flatnonzero(~estimate.at_bound)
         middle, x = held.predict(estimate.theta), jacobian(held, estimate.theta, free)
@@ -169,14 +167,11 @@ def averaged_quantile(
         centres.append(middle + (mixture.theta[:, free] - estimate.theta[free]) @ x.T)
         weights.append(weight * mixture.weight)
         freedoms.append(np.full(len(mixture.weight), float(mixture.nu)))
-        flexible.append(weights[-1] * (len(estimate.theta) == most))
-    centre, nu = np.concatenate(centres), np.concatenate(freedoms)
+    centre, share_of, nu = (np.concatenate(each) for each in (centres, weights, freedoms))
     least = ROUND_OFF * max(1.0, float(np.max(np.abs(centre))))
     both = np.maximum(np.concatenate(scales, axis=1), least)
     found = []
-    for scale, own, wanted in zip(both, (weights, flexible), (shares, median), strict=True):
-        share_of = np.concatenate(own)
-        share_of = share_of / share_of.sum()
+    for scale, wanted in zip(both, (shares, median), strict=True):
         columns, index = np.unique(np.vstack([centre, scale]), axis=1, return_inverse=True)
         for share in wanted:
             each = [
