@@ -15,7 +15,7 @@ from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
 from workbench.fields import Choice
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.problem import Indices, Problem, jacobian, whiten
+from workbench.studs.statistics.problem import Indices, Problem, jacobian, log_determinant, whiten
 
 GRID = (0.0, 0.01, 0.05, 0.2, 0.6, 2.0, 6.0, 20.0, 1e2, 1e3, 1e4, 1e6)  # lambda, to find the valley
 TOLERANCES: dict[str, float | None] = {"xtol": 1e-9, "ftol": 1e-11, "gtol": None}
@@ -110,15 +110,6 @@ def _solve_linear(given: Problem, ratio: float, start: Array, free: Indices) -> 
     return Solved(theta, max(size, 0.0), normal, np.zeros(len(free), bool))
 
 
-def _log_determinant(normal: Array) -> float:
-    sign, value = np.linalg.slogdet(normal)
-    if sign > 0.0:
-        return float(value)
-    # singular to round-off: bounded, so that the search goes on until `fit` refuses it
-    values = np.linalg.eigvalsh(normal)
-    return float(np.sum(np.log(np.maximum(values, 1e-14 * max(values.max(), 1e-300)))))
-
-
 def _check_influence(given: Problem, scale: Array, free: Indices, theta: Array) -> None:
     if len(scale) and np.any(scale <= 0.0):
         k = free[int(np.argmin(scale))]
@@ -180,7 +171,7 @@ def criterion_at(
         x = whiten(given, x[:, np.any(x != 0.0, axis=0)], ratio)
         normal = x.T @ x
     m = given.count - len(normal)
-    information = _log_determinant(normal) if len(normal) else 0.0
+    information = log_determinant(normal) if len(normal) else 0.0
     variance = max(solved.size / m, np.finfo(float).tiny)
     determinant = float(np.sum(np.log1p(ratio * given.totals)))
     return m * float(np.log(variance)) + information + determinant + m, variance, solved

@@ -177,3 +177,13 @@ def whiten(given: Problem, x: Array, ratio: float) -> Array:
     scaled = (root * x.T).T
     along = (directions @ scaled).T * phi
     return np.asarray(scaled - directions.T @ along.T)
+
+
+def log_determinant(normal: Array) -> float:
+    """Logarithm of the determinant of a normal matrix (p, p), bounded where it is singular."""
+    sign, value = np.linalg.slogdet(normal)
+    if sign > 0.0:
+        return float(value)
+    # singular to round-off: bounded, so that the search goes on until `fit` refuses it
+    values = np.linalg.eigvalsh(normal)
+    return float(np.sum(np.log(np.maximum(values, 1e-14 * max(values.max(), 1e-300)))))
