@@ -64,6 +64,7 @@ class Formula:
     steel_factor: float = INF
     concrete_factor: float = INF
     product: str = "d² √(f_c E_c)"
+    note: str = ""
     powers: tuple[float, float, float, float] = (2.0, 0.0, 0.5, 0.5)
     over_area: bool = False
     head_factor: float = INF
@@ -78,18 +79,13 @@ class Formula:
     @property
     def formula(self) -> str:
         """The formula in symbols: d, h, h_ef, A_s of the shank, A_h of the head, f_u, f_c, E_c."""
-        alpha, pry = " α" * self.reduces_stocky, " k" * bool(self.pry_depth)
-        terms = (
-            (self.steel_factor, " A_s f_u"),
-            (self.concrete_factor, f"{pry}{alpha} {self.product}"),
-            (self.head_factor, " A_h f_c"),
-        )
-        words = [f"{factor:g}{rest}" for factor, rest in terms if np.isfinite(factor)]
-        whole = words[0] if len(words) == 1 else f"min({'; '.join(words)})"
-        stocky = ", α = 0.2 (h/d + 1) ≤ 1" if alpha else ""
-        return f"P = {whole}{stocky}" + (
-            f", k = 2 from h_ef = {1e3 * self.pry_depth:g} mm on, else 1" if pry else ""
-        )
+        terms = {
+            " A_s f_u": self.steel_factor,
+            f" {self.product}": self.concrete_factor,
+            " A_h f_c": self.head_factor,
+        }
+        words = [f"{factor:g}{rest}" for rest, factor in terms.items() if np.isfinite(factor)]
+        return "P = " + (f"min({'; '.join(words)})" if words[1:] else words[0]) + self.note
 
     def steel(self, diameter: ArrayLike, ultimate_strength: ArrayLike) -> Array:
         """Steel term (n,) in N for diameters (m) and tensile strengths (Pa)."""
@@ -217,20 +213,11 @@ def usual_stud(model: Formula) -> dict[str, float | None] | None:
     strength = mean if model.name == _MEAN else CONCRETE
     european = 22e9 * (mean / 10e6) ** 0.3
     modulus = float(concrete_modulus(CONCRETE)) if model.name == "aisc360" else european
-    steel = float(model.steel(DIAMETER, STEEL))
-    concrete, other = (
-        float(model.concrete(DIAMETER, HEIGHT, strength, each))
-        for each in (modulus, concrete_modulus(mean))
-    )
+    steel, moduli = float(model.steel(DIAMETER, STEEL)), (modulus, concrete_modulus(mean))
+    terms = [float(model.concrete(DIAMETER, HEIGHT, strength, each)) for each in moduli]
     return {
-        "diameter": DIAMETER,
-        "height": HEIGHT,
-        "concrete_strength": strength,
-        "concrete_modulus": modulus,
-        "ultimate_strength": STEEL,
-        "steel_term": steel,
-        "concrete_term": concrete,
-        "resistance": min(steel, concrete),
-        "other_concrete_term": other,
-        "partial_factor": _PARTIAL.get(model.name),
+        **{"diameter": DIAMETER, "height": HEIGHT, "ultimate_strength": STEEL},
+        **{"concrete_strength": strength, "concrete_modulus": modulus},
+        **{"steel_term": steel, "concrete_term": terms[0], "other_concrete_term": terms[1]},
+        **{"resistance": min(steel, terms[0]), "partial_factor": _PARTIAL.get(model.name)},
     }
