@@ -40,7 +40,7 @@ cases = tuple(
             "striker over impact mass": round(mass / COLUMN.properties.impact_mass, 1),
             "velocity in m/s": velocity,
         },
-        quick=mass == 1500.0,
+        quick=mass in MASSES[::2],
     )
     for mass, velocity in product(MASSES, VELOCITIES)
 )
@@ -78,6 +78,12 @@ study = Study(
     cases=cases,
     models=models,
     reference=RIGID,
+    groups={
+        f"{velocity:g} m/s": tuple(
+            case.name for case in cases if case.scenario.striker.velocity == velocity
+        )
+        for velocity in VELOCITIES
+    },
     quantities=("peak_displacement", "peak_force"),
     gates=gates,
     figures=figures,

@@ -88,7 +88,7 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert times[rows[-1]] / times[rows[0]] == pytest.approx(counts[rows[-1]] / counts[rows[0]])
     assert {"time", "place"} <= set(drawn["records"].data)
     page = document(stored.study, stored, [])
-    section = next(part for part in page.sections if part.key == "schemes")
+    section = next(part for part in page.sections if part.key == "answer")
     table = next(block for block in walk((section,)) if isinstance(block, Table))
     assert [column.title for column in table.columns] == ["scheme", "two-masses", "grazing"]
     rows = {row[0].text: row[1:] for row in table.rows}
@@ -102,3 +102,11 @@ def test_the_page_says_which_scheme_for_which_problem(stored: Stored) -> None:
     assert lost == [
         "More than 10 % of the largest place off on two-masses: newmark, at worst by 1.6 times."
     ]
+
+
+def test_the_order_on_a_ball_is_that_of_many_starts() -> None:
+    """Of one start it depends on where in its step an impact falls: 0.66 for the midpoint."""
+    given = ImpactProblem("ball", "ball")
+    for scheme in ("moreau-midpoint", "ggl"):
+        response = ImpactIntegrator(scheme).simulate(given)
+        assert 0.92 < float(response["observed_order"]) < 1.05

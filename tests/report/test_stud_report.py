@@ -87,14 +87,14 @@ def test_there_is_no_structure_to_draw(studs):
 
 
 def test_what_is_not_validated_comes_first(studs):
-    section = stud_evidence.in_short(studs.study, studs)
-    first, second = [block for block in section.blocks if isinstance(block, Callout)]
+    blocks = stud_evidence.in_short(studs.study, studs)
+    first, second = [block for block in blocks if isinstance(block, Callout)]
     assert first.tone == "bad"
     assert first.text.startswith("Not validated: strength and stiffness left after damage")
     assert GRADE in first.text
     assert "no combined test is in the tables" in first.text
     assert "24 of 26 tests exceed the tensile strength of their shank" in second.text
-    (bullets,) = [block for block in section.blocks if isinstance(block, Bullets)]
+    (bullets,) = [block for block in blocks if isinstance(block, Bullets)]
     said = {word: next(i for i in bullets.items if word in i) for word in SAID}
     assert all(text in said[word] for word, text in SAID.items())
 
@@ -146,7 +146,7 @@ def test_the_whole_report(studs, tmp_path):
     files = build_report(studs, out=tmp_path)
     html = files["html"].read_text(encoding="utf-8")
     assert files["pdf"].read_bytes().startswith(b"%PDF")
-    order = [html.index(f">{title}<") for title in ("What was asked", "In short", "Verdicts")]
+    order = [html.index(f">{title}<") for title in ("The answer", "Verdicts")]
     assert order == sorted(order)
     assert "1.094 (0.3389 to 3.533)" in html
     assert "(−66.1\u2009% to +253.3\u2009%)" in html
@@ -195,7 +195,7 @@ def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     assert "band of a new test" in {
         text.get_text() for text in drawing.canvas.legends[0].get_texts()
     }
-    (only,) = stud_evidence.in_short(study, stored).blocks
+    (only,) = stud_evidence.in_short(study, stored)
     assert "5 unseen tests of lab 3" in only.items[0]
     (result,) = assess(study, tmp_path).verdicts
     assert result.verdict.value == "pass"

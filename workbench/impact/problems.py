@@ -22,6 +22,7 @@ from workbench.impact.system import Springs, System, springs
 
 G = 9.81  # m/s2
 _FINER = 2
+HEIGHTS = 0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Problem:
     and v (n,); `duration` in s; `exact`, places (k, n) at times (k,), None where the answer is
     certified; `steps` of the coarsest of a ladder; `impacts`, how often a contact begins (None:
     without end, or not known); `conservative`, whether no energy comes or goes;
-    `certified`, how far off an answer that is not exact may be, over the largest place.
+    `certified`, how far off an answer that is not exact may be, over the largest place; `others`,
+    the same from other starts, as where in a step an impact falls decides the error of one ladder.
     """
 
     title: str
@@ -46,6 +48,7 @@ class Problem:
     impacts: int | None = None
     conservative: bool = False
     certified: float = 1e-6
+    others: "tuple[Problem, ...]" = ()
 
     def answer(self, times: Array) -> Array:
         """Places (k, n) at equidistant times (k,) from 0 to the duration."""
@@ -71,8 +74,8 @@ def flights(e: float, height: float, times: Array) -> Array:
     return places[:, None]
 
 
-def ball(e: float, height: float = 0.3) -> Problem:
-    """A ball that bounces on the floor."""
+def ball(e: float, height: float = 0.3, heights: tuple[float, ...] = HEIGHTS) -> Problem:
+    """A ball that bounces on the floor; `heights` of other starts over its own."""
 
     def system() -> Springs:
         return springs([1.0], contacts=[{0: 1.0}], gaps=[0.0], load=[-G])
@@ -84,6 +87,7 @@ def ball(e: float, height: float = 0.3) -> Problem:
         lambda times: flights(e, height, times),
         steps=50,
         conservative=e == 1.0,
+        others=tuple(ball(e, share * height, ()) for share in heights),
     )
 
 

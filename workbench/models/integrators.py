@@ -66,7 +66,7 @@ class ImpactIntegrator(Declared, table="option"):
     runs: int = checked(Number(2, 10, integer=True), 6)
 
     name: ClassVar[str] = "impact-integrator"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     answers: ClassVar[tuple[str, ...]] = (ImpactProblem.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Unilateral contact without friction; restitution by the law of the problem, which schemes "
@@ -87,7 +87,29 @@ class ImpactIntegrator(Declared, table="option"):
         given = problem_of(scenario.problem)
         finest = given.steps * 2 ** (self.runs - 1)
         exact = _answer(scenario.problem, finest)
-        size = float(np.abs(exact).max())
+        ladder, found, lost = self._climb(given, exact)
+        times = np.linspace(0.0, given.duration, finest + 1)
+        others = [self._climb(other, other.answer(times))[0] for other in given.others]
+        errors = np.mean([each["ladder.error"] for each in (ladder, *others)], axis=0)
+        if found is None:
+            raise SolverError(f"the finest of {self.runs} runs", np.inf, lost)
+        response: Response = _response(
+            given,
+            {"record.place": found.q[:, -1], "record.exact": exact[:, -1]},
+            ladder,
+            relative_error=ladder["ladder.error"][-1],
+            observed_order=_order(errors),
+            **_scalars(given, found),
+        )
+        response.attrs["solve_time"] = found.seconds
+        return response
+
+    def _climb(self, given: Problem, exact: Array) -> tuple[dict[str, Any], Run | None, str]:
+        """The ladder held against the `exact` places at its finest steps; its last run, or why not.
+
+        Errors and evaluations of runs that do not converge are NaN.
+        """
+        finest, size = len(exact) - 1, float(np.abs(exact).max())
         ladder: dict[str, Any] = {name: np.full(self.runs, np.nan) for name in LADDER}
         found: Run | None = None
         lost = ""
@@ -104,18 +126,7 @@ class ImpactIntegrator(Declared, table="option"):
             off = np.abs(found.q - exact[:: finest // steps]).max()
             ladder["ladder.error"][level] = off / size
             ladder["ladder.evaluations"][level] = found.evaluations
-        if found is None:
-            raise SolverError(f"the finest of {self.runs} runs", np.inf, lost)
-        response: Response = _response(
-            given,
-            {"record.place": found.q[:, -1], "record.exact": exact[:, -1]},
-            ladder,
-            relative_error=ladder["ladder.error"][-1],
-            observed_order=_order(ladder["ladder.error"]),
-            **_scalars(given, found),
-        )
-        response.attrs["solve_time"] = found.seconds
-        return response
+        return ladder, found, lost
 
 
 def _order(errors: Array) -> float | None:

@@ -82,20 +82,18 @@ def build_report(
 def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
     """The content tree of a study, from stored results and drawn figures with their kinds."""
     own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
-    first = answer.decisive(study)
+    first = answer.decisive(study, {p.key for _, p in drawn if p.svg})
     pictures = (
         Section(f"figure-{p.key}", p.title, (p,))
         for of, p in drawn
         if of not in own and p.key != first
     )
     decisive = [p for _, p in drawn if p.key == first]
-    short = stud_evidence.in_short(study, stored, decisive)
+    more = (*stud_evidence.in_short(study, stored), *integrators.in_short(study, stored))
     parts: list[Section | None] = [
-        answer.answer(study, stored, () if short else decisive),
+        answer.answer(study, stored, decisive, more),
         ranking.table(stored),
         measured.validation(study, stored),
-        short,
-        integrators.in_short(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),
         limits.missing(study, stored),

@@ -17,7 +17,7 @@ from workbench.study.store import NOT_RUN, Row
 from workbench.study.validation import MEASURED
 
 ALL = "all cases"
-_POOLED = ("count", "bias", "low", "high", "worst", "within")
+_POOLED = ("count", "bias", "low", "high", "least", "most", "worst", "within")
 _ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
 # `quantity`: whose numbers the columns of the peak hold
 # `falls`: the model collapses and the reference survives, `stands`: the other way round;
@@ -46,9 +46,10 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     counting = {case: cells[case, str(row["label"])] for case, row in standings.items()}
     pairs = against_best(tables, standings)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
+    static = [case.name for case in study.cases if case.scenario.STATIC]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
     models = {label: model for label, model in models.items() if _shown(study, label)}
-    groups = dict(study.groups) or {ALL: tuple(moving)}
+    groups = dict(study.groups) or {ALL: tuple(moving or static)}
     for group, names in groups.items():
         cases = [name for name in names if name in moving]
         quantity = PEAK if cases else _told_by(study, names, pairs)
@@ -152,8 +153,8 @@ def pooled(rows: Sequence[Row]) -> dict[str, object]:
     """Bias and scatter over compared cases; of a single case its error with its uncertainty.
 
     The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
-    `worst` is the error of largest magnitude, `within` the largest with its uncertainty
-    (None: unknown in a case).
+    Two cases tell no scatter. `least` and `most` are the ends of the ratios, `worst` is the error
+    of largest magnitude, `within` the largest with its uncertainty (None: unknown in a case).
     """
     found = bias_and_scatter([row["value"] for row in rows], [row["against_value"] for row in rows])
     errors = [row["value"] / row["against_value"] - 1.0 for row in rows]
@@ -169,7 +170,7 @@ def pooled(rows: Sequence[Row]) -> dict[str, object]:
     if len(known) < len(rows):
         unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
         note = f"numerical uncertainty unknown in {unknown}"
-    low, high = found.low, found.high
+    low, high = (None, None) if len(rows) == 2 else (found.low, found.high)
     if len(rows) == 1 and known:
         low = high = found.bias
     return {
@@ -177,6 +178,8 @@ def pooled(rows: Sequence[Row]) -> dict[str, object]:
         "low": None if low is None else low * (1.0 - common),
         "high": None if high is None else high * (1.0 + common),
         "uncertainty": common if known else None,
+        "least": min(errors) + 1.0,
+        "most": max(errors) + 1.0,
         "worst": max(errors, key=abs),
         "within": None if len(known) < len(rows) else max(error + width for error, width in both),
         "note": note,
@@ -191,6 +194,7 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
     stands for it.
     """
     moving = {case.name for case in study.cases if case.scenario.STATIC is False}
+    moving = moving or {case.name for case in study.cases if case.scenario.STATIC}
     best = Counter(
         row["label"] for row in tables["references"] if row["case"] in moving and row.get("label")
     )

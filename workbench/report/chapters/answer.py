@@ -1,9 +1,8 @@
 """The first page: how far each model can be trusted, where, and at what cost."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from math import ceil
 
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import count, duration, part, percent, several, title_of
@@ -21,18 +20,22 @@ from workbench.content.tree import (
 )
 from workbench.report.chapters import measured, ranking, verdicts
 from workbench.report.chapters.budgets import budgets
-from workbench.report.chapters.subject import in_labels, measured_at, subject
+from workbench.report.chapters.subject import in_labels, subject
+from workbench.report.chapters.taken import first, judged, trusted
 from workbench.report.chapters.wording import FAIR, Row, ends, sentence, up
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
-from workbench.study.definition import Study
+from workbench.study.definition import Figure, Study
 
 GOOD = 0.05  # bound of what may be relied on
 _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
+_LAST = ("structure", "convergence", "cost")  # kinds that show no answer
+_WIDE = 4.0  # upper end of an interval over the lower one, from which it says nothing
 _REASONS = 4  # why models are outside their domain, the most frequent
 _CAPTION = (
     "How far each model is off: bias of the peak displacement over the cases of a group with its "
-    "95 % interval (of one case: its error with its numerical uncertainty){residual}{statics}, "
+    "95 % interval (of one case: its error with its numerical uncertainty; of two, and where the "
+    "interval would be wider than a factor of four, the ends of the cases){residual}{statics}, "
     "against the best reference that is inside its own domain. Colours judge the peak. Good: the "
     "whole interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain "
     "or of unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model "
@@ -44,22 +47,37 @@ _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix that are told
 
 
-def answer(study: Study, stored: Stored, pictures: Iterable[Picture]) -> Section:
-    """The question, the matrix, `pictures`, what places models outside their domain, budgets."""
+def answer(
+    study: Study, stored: Stored, pictures: Iterable[Picture], more: Iterable[Block] = ()
+) -> Section:
+    """The question, the matrix, `pictures`, what places models outside their domain, budgets.
+
+    `more` is the answer of studies of another kind.
+    """
     shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
     found = list(matrix(study, stored))
     found[1:1] = _budgeted(study, stored)  # beside what the references say
-    after = next((i for i, block in enumerate(found) if isinstance(block, Table)), -1) + 1
+    found += more
+    tables = (i for i, block in enumerate(found, 1) if isinstance(block, Table))
+    after = next(tables, len(found))
     title = "The answer" if found or shown else "What was asked"
     said = [Paragraph(study.question), *subject(study), *measured.made(stored)]
     said += measured.footnote(study, stored)
     return Section("answer", title, (*said, *found[:after], *shown, *found[after:]))
 
 
-def decisive(study: Study) -> str:
-    """Key of the figure of the first page; empty if none shows models over cases."""
-    kinds = (figure.key for figure in study.figures if figure.kind in _DECISIVE)
-    return study.decisive or next(kinds, "")
+def decisive(study: Study, drawn: Collection[str] | None = None) -> str:
+    """Key of the figure of the first page, out of those that could be `drawn` (None: all).
+
+    The one that the study names, else the first that shows models over cases, else any; or empty.
+    """
+    figures = [each for each in study.figures if drawn is None or each.key in drawn]
+
+    def place(figure: Figure) -> tuple[bool, ...]:
+        last = figure.kind in _LAST
+        return figure.key != study.decisive, last, figure.kind not in _DECISIVE
+
+    return min(figures, key=place).key if figures else ""
 
 
 def matrix(study: Study, stored: Stored) -> Iterator[Block]:
@@ -86,7 +104,7 @@ def matrix(study: Study, stored: Stored) -> Iterator[Block]:
         *(timed if costs else ()),
         Column("in words", width=3.0, of=lambda item: sentence(item[1])),
     )
-    yield from ranking.tree(stored) or [Bullets(tuple(_trusted(study, stored, g) for g in groups))]
+    yield from ranking.tree(stored) or [Bullets(tuple(trusted(study, stored, g) for g in groups))]
     yield from _besides(study, stored)
     yield Table.of("matrix", caption, columns, by_label.items())
     reasons = tuple(_why(stored, set(by_label)))
@@ -109,11 +127,6 @@ def _name(study: Study, label: str) -> str:
         return label
     place = f" {study.ranked.index(label) + 1}" if len(study.ranked) > 1 else ""
     return f"{label}\nreference{place}"
-
-
-def _judged(row: Row) -> str:
-    """What the numbers of a row are of, in words."""
-    return "peak" if row["quantity"] == PEAK else title_of(row["quantity"]).lower()
 
 
 def _static(stored: Stored) -> bool:
@@ -147,69 +160,15 @@ def _budgeted(study: Study, stored: Stored) -> Iterator[Block]:
     """What all errors may make of an answer of the model to take in its case."""
     groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
     every = tuple(case.name for case in study.cases)
-    ranked = [(study.groups.get(group, every), _ranked(study, stored, group)) for group in groups]
-    taken = {case: labels[0] for cases, labels in ranked if labels for case in cases}
-    return budgets(stored, taken)
-
-
-def _group(stored: Stored, group: str) -> dict[str, Row]:
-    return {row["label"]: row for row in stored.rows["matrix"] if row["group"] == group}
-
-
-def _ranked(study: Study, stored: Stored, group: str) -> list[str]:
-    """The models that stay within `FAIR` in every case of a group, the one to take first."""
-    own = _group(stored, group)
-    found = {
-        label: row[f"{PEAK}_within"]
-        for label, row in own.items()
-        if label not in study.ranked
-        and row[f"{PEAK}_count"]
-        and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
-        and row[f"{PEAK}_within"] is not None
-        and row[f"{PEAK}_within"] <= FAIR
-        and not any(row[name] for name in ("outside", "against_outside", "falls", "stands"))
-        and not row["synthetic"]
-    }
-    costs = stored.costs
-
-    def place(label: str) -> tuple[float, ...]:
-        """Whole percents; the rest is told apart by what remains, then by the time."""
-        shares = found[label], own[label][f"{RESIDUAL}_within"] or 0.0
-        return *(ceil(100.0 * share) for share in shares), costs.get(label, 1.0)
-
-    return sorted(found, key=place)
-
-
-def _trusted(study: Study, stored: Stored, group: str) -> str:
-    """The model to take in a group of cases, and all that stay within `FAIR` in every case."""
-    own, ranked, costs = _group(stored, group), _ranked(study, stored, group), stored.costs
-    judged = [row for row in own.values() if row[f"{PEAK}_count"]]
-    if judged and all(row["against_outside"] == row[f"{PEAK}_count"] for row in judged):
-        return f"{group}: nobody knows, as no reference is inside its domain."
-    if any(row["synthetic"] for row in own.values()):
-        return f"{group}: synthetic, shows the form only; no model is judged."
-    if not ranked:
-        return f"{group}: {ranking.advice(stored, group, up(FAIR))}"
-    first, *others = ranked
-    within = {label: up(own[label][f"{PEAK}_within"]) for label in ranked}
-    asked, remains = own[first]["asked"], own[first][f"{RESIDUAL}_within"]
-    cases = "the case" if asked == 1 else f"all {asked} cases"
-    left = "" if remains is None else f", residual within {up(remains)}"
-    spent = f", {part(costs[first])} of the time" if first in costs else ""
-    of = own[first]["against"] or "the reference"
-    what = _judged(own[first])
-    text = f"{group}: {first}, {what} within {within[first]} of {of}{left} in {cases}{spent}"
-    if others:
-        names = several([f"{label} ({within[label]})" for label in others], 8)
-        text += f". {what.capitalize()} within {up(FAIR)} as well, inside their domain: {names}"
-    return f"{text}.{measured_at(study, group)}"
+    told = [(study.groups.get(group, every), first(study, stored, group)) for group in groups]
+    return budgets(stored, {case: label for cases, label in told if label for case in cases})
 
 
 def _title(stored: Stored, group: str) -> str:
     rows = [row for row in stored.rows["matrix"] if row["group"] == group]
     against = rows[0]["against"]
     if rows[0]["quantity"] != PEAK:
-        group += f": {_judged(rows[0])}"
+        group += f": {judged(rows[0])}"
     return f"{group}; against {against}" if against else f"{group}; no reference answered"
 
 
@@ -240,11 +199,13 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
 
 def _bias(row: Row, quantity: str) -> str:
     bias, low, high = (row[f"{quantity}_{name}"] for name in ("bias", "low", "high"))
-    text = percent(bias - 1.0, rough=True)
-    if low is None:
-        return f"{text} (interval unknown)"
+    text, of = percent(bias - 1.0, rough=True), ""
+    if low is None or high > _WIDE * low:
+        if row[f"{quantity}_count"] == 1:
+            return f"{text} (interval unknown)"
+        low, high, of = row[f"{quantity}_least"], row[f"{quantity}_most"], "cases "
     ends = (percent(end - 1.0, rough=True).removesuffix("\u2009%") for end in (low, high))
-    return f"{text} ({' to '.join(ends)})"
+    return f"{text} ({of}{' to '.join(ends)})"
 
 
 def _tone(row: Row) -> str:
@@ -254,7 +215,7 @@ def _tone(row: Row) -> str:
     """
     ends = row[f"{PEAK}_low"], row[f"{PEAK}_high"]
     known = [abs(end - 1.0) for end in ends if end is not None]
-    far = max(known, default=abs(row[f"{PEAK}_bias"] - 1.0))
+    far = max(known, default=abs(row[f"{PEAK}_worst"]))
     sure = row[f"{PEAK}_within"] is not None and not row["against_outside"]
     judged = row["against_outside"] < row[f"{PEAK}_count"]
     if far <= GOOD and sure and not row["falls"] and not row["stands"]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.content.formatting import number
-from workbench.content.tree import ABSENT, Block, Bullets, Cell, Column, Section, Table
+from workbench.content.tree import ABSENT, Block, Bullets, Cell, Column, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.scenarios import ImpactProblem
@@ -20,10 +20,10 @@ _LESS = "≤\u202f"
 _CAPTION = (
     "Evaluations of the forces that an error of 1 % takes (largest error of the places over the "
     "largest place, kept by all finer steps too; ≤: the coarsest step has it); below, the order p "
-    "where errors are below 100 %, or exact for errors of round-off, and the error of the finest "
-    "step (beyond 10 % it alone, in % or times). Good: reached; doubtful: the finest step is below "
-    "10 %; bad: beyond, or no answer. Hatched: impacts missed (−) or invented (+) by the finest "
-    "step."
+    "where errors are below 100 % (of balls those of eight starts in the mean), or exact for round-"
+    "off, and the error of the finest step (beyond 10 % it alone, in % or times). Good: reached; "
+    "doubtful: the finest step is below 10 %; bad: beyond, or no answer. Hatched: impacts missed "
+    "(−) or invented (+) by the finest step."
 )
 
 
@@ -42,8 +42,8 @@ class _Entry(NamedTuple):
     chatter: float
 
 
-def in_short(study: Study, stored: Stored) -> Section | None:
-    """The matrix and what it says; None for a study without integrators."""
+def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
+    """What the matrix says, and itself; nothing for a study without integrators."""
     found: dict[str, dict[str, _Entry | None]] = {}
     asked = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
     for case in asked:
@@ -55,17 +55,16 @@ def in_short(study: Study, stored: Stored) -> Section | None:
             elif cell is not None and cell.outcome == "not-converged":
                 found.setdefault(label, {})[case.name] = None
     if not any(entry for row in found.values() for entry in row.values()):
-        return None
+        return ()
     problems = [case.name for case in asked if any(case.name in row for row in found.values())]
     columns = (
         Column("scheme", width=2.0, of=lambda item: str(item[0])),
         *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
     )
-    blocks: tuple[Block, ...] = (
-        Table.of("integrators", _CAPTION, columns, found.items()),
+    return (
         Bullets((*(_best(name, found) for name in problems), *_told(found))),
+        Table.of("integrators", _CAPTION, columns, found.items()),
     )
-    return Section("schemes", "Which scheme for which problem", blocks)
 
 
 def _entry(response: Response) -> _Entry:

@@ -13,11 +13,14 @@ Row = dict[str, Any]
 _WIDE = 40  # rows
 
 
-def advice(stored: Stored, group: str, bound: str) -> str:
-    """What to take where no model keeps within a `bound` in every case, and what to expect."""
+def advice(stored: Stored, group: str) -> str:
+    """What to take where no model keeps within the bound in every case, and what to expect.
+
+    Empty for a group of too few cases to rank.
+    """
     rows = [row for row in stored.rows["ranking"] if row["group"] == group]
     if not rows:
-        return f"no model stays within {bound} in every case, inside its domain."
+        return ""
     best = rows[0]
     text = _take(best, best["judged"])
     if best["refused"]:

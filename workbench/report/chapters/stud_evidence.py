@@ -1,12 +1,12 @@
 """Studs: what no test validates, what unseen tests say of the rest, numbers for designers."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.content.formatting import count, number, percent
-from workbench.content.tree import Block, Bullets, Callout, Paragraph, Picture, Section
+from workbench.content.tree import Block, Bullets, Callout, Paragraph, Section
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
@@ -50,15 +50,15 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
                 yield Answered(case.name, label, case.scenario.asked, content, found)
 
 
-def in_short(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> Section | None:
-    """What is not validated, then one answer to each question; None for a study without studs.
+def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
+    """What is not validated, then one answer to each question; nothing for a study without studs.
 
     A usual stud by the codes, what unseen tests say, what is left after damage, load-slip laws and
-    what no test tells; then the decisive `pictures`.
+    what no test tells.
     """
     found = list(answers(study, stored))
     if not found:
-        return None
+        return ()
     blocks: list[Block] = []
     missing = [*_residual(found), *_combined(found)]
     if missing:
@@ -75,8 +75,7 @@ def in_short(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> 
         *_factors(found),
         *_judged(study, [each for each in found if _on_curves(each)]),
     )
-    blocks.extend([Bullets(items)] if items else [])
-    return Section("short", "In short", (*blocks, *pictures))
+    return (*blocks, *([Bullets(items)] if items else []))
 
 
 def _usual(found: list[Answered]) -> Iterator[str]:

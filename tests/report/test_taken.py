@@ -1,0 +1,74 @@
+"""The sentence of the first page: what to take, what is nearest, who sees a collapse."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from workbench.assessment.budget import PEAK, RESIDUAL
+from workbench.report.chapters.answer import decisive
+from workbench.report.chapters.taken import first, trusted
+from workbench.study import Figure
+from workbench.study.matrix import MATRIX_COLUMNS, pooled
+
+STUDY = SimpleNamespace(ranked=("beam",), groups={}, cases=())
+REFERENCE = {"label": "beam", "reference": 2, "known": 0.002}
+
+
+def row(label: str, worst: float | None = None, within: float | None = None, **more) -> dict:
+    """A row of the matrix of two cases."""
+    found = {**dict.fromkeys(MATRIX_COLUMNS, 0), "group": "all", "label": label, "asked": 2}
+    found |= {"quantity": PEAK, "against": "beam", "known": None, f"{RESIDUAL}_within": None}
+    found |= {f"{PEAK}_worst": worst, f"{PEAK}_within": within}
+    return {**found, f"{PEAK}_count": 0 if worst is None else 2, **more}
+
+
+def said(*rows: dict) -> str:
+    stored = SimpleNamespace(rows={"matrix": rows, "ranking": []}, costs={})
+    return trusted(STUDY, stored, "all").replace("\u2009", " ")
+
+
+def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
+    beam = row(**REFERENCE)
+    near, far = row("near", -0.03), row("far", 0.4, 0.42)
+    assert said(beam, far, near).endswith(
+        "nearest is near, peak off by up to 3 %, numerical error not known."
+    )
+    near["outside"] = 2  # a model inside its domain comes first
+    assert "nearest is far, peak off by up to 40 %." in said(beam, near, far)
+    assert said(beam, near).endswith(
+        "3 %, outside its domain in 2 of 2, numerical error not known."
+    )
+    assert said({**beam, "known": 0.3}, far).endswith("the reference itself is open by 30 %.")
+    sure = row("sure", 0.05, 0.06)
+    assert said(beam, far, sure).startswith("all: sure, peak within 6 % of beam in all 2 cases")
+    stored = SimpleNamespace(rows={"matrix": [beam, far, sure]}, costs={})
+    assert first(STUDY, stored, "all") == "sure"
+
+
+def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:
+    beam = row("beam", collapsed=2)
+    sees, blind = row("sees", collapsed=2), row("blind", stands=2)
+    assert said(beam, sees) == "all: the reference collapses, and so do all that answer."
+    assert said(beam, sees, blind) == "all: the reference collapses; blind miss it."
+
+
+def test_two_cases_give_their_ends_and_no_interval() -> None:
+    rows = [
+        {"value": value, "against_value": 1.0, "uncertainty": 0.01} for value in (0.9, 1.02, 1.1)
+    ]
+    assert pooled(rows)["low"] is not None
+    two = pooled(rows[:2])
+    assert (two["low"], two["high"]) == (None, None)
+    assert (two["least"], two["most"]) == (pytest.approx(0.9), pytest.approx(1.02))
+
+
+def test_a_picture_that_could_not_be_drawn_is_replaced_by_one_that_was() -> None:
+    kinds = {"frame": "structure", "map": "sweep", "path": "interaction"}
+    figures = tuple(Figure(key, kind, key, key) for key, kind in kinds.items())
+    study = SimpleNamespace(figures=figures, decisive="map")
+    assert decisive(study) == decisive(study, {"frame", "map", "path"}) == "map"
+    assert decisive(study, {"frame", "path"}) == "path"
+    assert decisive(study, {"frame"}) == "frame"
+    assert decisive(study, set()) == ""

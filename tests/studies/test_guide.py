@@ -1,0 +1,27 @@
+"""The first study of the user guide is one whose answer is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from textwrap import dedent
+
+import workbench
+from workbench.models.trust import findings_about
+from workbench.scenarios import to_toml
+
+GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
+
+
+def test_its_models_are_inside_their_domain(thesis_impact, tmp_path: Path, monkeypatch) -> None:
+    text = GUIDE.read_text(encoding="utf-8").split("`studies/mine.py`:\n")[1]
+    code = dedent(text.split("Kinds of figures")[0])
+    (tmp_path / "scenario.toml").write_text(to_toml(thesis_impact), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    made: dict = {}
+    exec(code, made)
+    study = made["study"]
+    assert len(study.cases) == 3
+    for case in study.cases:
+        for label, model in study.models.items():
+            outside = [f for f in findings_about(model, case.scenario) if f.outside or f.refusal]
+            assert not outside, f"{case.name}, {label}: {outside[0]}"
