@@ -18,7 +18,7 @@ from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.kernels import RECORD
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.single_dof.pulse_kernels import follow
-from workbench.models.superelements import FlexibleSuperelement
+from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, energy_error, outcome_of, warnings_of
@@ -255,6 +255,56 @@ def test_a_member_is_a_frame_of_two() -> None:
         assert "line-load" not in told  # cut by itself
         coarse = {finding.subject for finding in FlexibleSuperelement(elements=1).domain(scenario)}
         assert ("line-load" in coarse) == (load == "uniform")
+
+
+# profile, lengths below and above (m), base, force (N), length of the pulse (s)
+OFF_MIDSPAN = (
+    ("HEA 220", 1.1, 4.4, "pinned", 2.4e5, 0.022),
+    ("IPE 240", 4.2, 1.0, "clamped", 2e5, 0.006),
+    ("HEB 160", 1.2, 2.4, "clamped", 4e4, 0.012),  # elastic
+)
+
+
+@pytest.mark.parametrize("case", OFF_MIDSPAN, ids=lambda case: case[0])
+def test_a_force_off_midspan_moves_superelements_as_far_as_fiber_beams(case) -> None:
+    """One bar on either side went up to twice as far: its mass swings with the hit point alone."""
+    profile, below, above, base, force, length = case
+    member = Column(find(profile), below, above, base=base, head="pinned")
+    scenario = MemberPulse("off midspan", member, Pulse("triangular", force, length), "point", 0.06)
+    expected = float(FiberShear(levels=1).simulate(scenario)["peak_displacement"])
+    for model, most in ((FlexibleSuperelement(), 0.08), (RigidSuperelement(), 0.05)):
+        response = model.simulate(scenario)
+        assert float(response["peak_displacement"]) == pytest.approx(expected, rel=most)
+
+
+def test_no_advice_leads_to_fiber_shear_where_a_pulse_shears_webs_off(column) -> None:
+    """The finer its mesh, the further it goes: nothing keeps the slide from a single section."""
+    pulse = Pulse("triangular", 2.6 * column.properties.shear_resistance, 0.004)
+    punched = MemberPulse("punched", column, pulse, "point", 0.02)
+    models = FiberShear(levels=1), FiberShear(levels=1, refinement=1)
+    coarse, fine = (float(m.simulate(punched)["peak_displacement"]) for m in models)
+    assert fine > 1.3 * coarse
+    weaker = MemberPulse("weaker", column, replace(pulse, peak=0.7 * pulse.peak), "point")
+    line = MemberPulse("line", column, replace(pulse, peak=pulse.peak / 4.0), "uniform")
+    for model in (FiberShear(), FlexibleSuperelement(), Biggs()):
+        told = [
+            "direct-shear" in {finding.subject for finding in model.domain(scenario)}
+            for scenario in (punched, weaker, line)
+        ]
+        assert told == [True, False, not isinstance(model, FlexibleSuperelement)]
+    short = Column(find("HEB 260"), 1.1, 4.7)
+    for model, expected in ((FiberShear(), True), (FlexibleSuperelement(), False)):
+        long = MemberPulse("long", short, Pulse("triangular", 6e5, 0.06))
+        assert ("clear-web" in {f.subject for f in model.domain(long)}) == expected
+    for name in ("fiber-shear", "fiber-reissner"):
+        assert name not in warned(Biggs(), punched) + warned(Biggs(), line)
+    assert "superelement" in warned(Biggs(), line)
+
+
+def warned(model: Biggs, scenario: MemberPulse) -> str:
+    """What a model says of direct shear, as it answers."""
+    (found,) = (f for f in warnings_of(model.simulate(scenario)) if f.subject == "direct-shear")
+    return found.remedy
 
 
 def test_hinges_under_a_line_load_carry_that_of_limit_analysis(column) -> None:

@@ -88,36 +88,55 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
 
     A node shares its velocity with a third of each bar beside it at once, of which the beam knows
     nothing: in an inelastic hit that takes its share of the energy. Bars are at most `_LONGEST`,
-    and so short that two of them take some `_SHARED`, unless they were shorter than high. Joints at
+    and so short that two of them take some `_SHARED`, unless they were shorter than high. Beside
+    the force of a pulse there is no striker whose mass governs: the member swings in its own
+    modes, and bars are half as long. Joints at
     the far ends of struck members turn against the inertia of what meets them there, which one bar
     has at its ends alone: such members are `_NEIGHBOURS` bars. So do members beyond, by less: their
     beam's own swinging needs a node between their ends. Members under a line load, which
     acts at the ends of elements, are at least `FEWEST_LOADED`.
     """
+    frame = scenario.frame
     if isinstance(scenario, FrameImpact):
-        return _struck_parts(
-            scenario.frame, scenario.striker.node, scenario.striker.mass, multiple, far
-        )
-    pressed = scenario.members if isinstance(scenario, FramePulse) else ()
-    several = multiple * ceil(FEWEST_LOADED / multiple)
-    return tuple(several if m.name in pressed else 1 for m in scenario.frame.members)
+        return _parts(frame, (scenario.striker.node,), (), scenario.striker.mass, multiple, far)
+    if isinstance(scenario, FramePulse):
+        nodes = tuple(load.node for load in scenario.loads)
+        return _parts(frame, nodes, scenario.members, inf, multiple, far)
+    return (1,) * len(frame.members)
 
 
 @lru_cache(maxsize=64)
-def _struck_parts(frame: Frame, node: str, mass: float, multiple: int, far: int) -> tuple[int, ...]:
-    """Those of a frame that a `mass` (kg) strikes at a node."""
+def _parts(
+    frame: Frame,
+    nodes: tuple[str, ...],
+    pressed: tuple[str, ...],
+    mass: float,
+    multiple: int,
+    far: int,
+) -> tuple[int, ...]:
+    """Those where a `mass` (kg) hits nodes, or (infinite) a pulse acts there, on `pressed` too."""
     counts = [far] * len(frame.members)
-    struck = _struck(frame, node)
-    ends = {end for _, m in struck for end in (m.start, m.end)} - {node}
+    struck = [number for number, m in enumerate(frame.members) if {m.start, m.end} & set(nodes)]
+    line = [number for number, m in enumerate(frame.members) if m.name in pressed]
+    hit = [frame.members[number] for number in {*struck, *line}]
+    ends = {end for member in hit for end in (member.start, member.end)} - set(nodes)
+    heights = _LONGEST if mass < inf else 0.5 * _LONGEST
     for number, member in enumerate(frame.members):
         if ends & {member.start, member.end}:
-            counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
-    for number, member in struck:
-        height, own = member.section.height, frame.properties(member).mass_per_length
-        longest = min(_LONGEST * height, 1.5 * _SHARED * mass / own)
-        pairs = frame.length(member) / max(longest, height) / multiple
-        counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+            counts[number] = _multiple(_NEIGHBOURS, multiple)
+        if number in struck:
+            height, own = member.section.height, frame.properties(member).mass_per_length
+            longest = min(heights * height, 1.5 * _SHARED * mass / own)
+            pairs = frame.length(member) / max(longest, height) / multiple
+            counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
+        if number in line:
+            counts[number] = max(counts[number], _multiple(FEWEST_LOADED, multiple))
     return tuple(counts)
+
+
+def _multiple(least: int, multiple: int) -> int:
+    """The smallest multiple that is no less."""
+    return multiple * ceil(least / multiple)
 
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:

@@ -158,7 +158,7 @@ class Giberson(BarHinges):
     ratio: float = checked(Number(0.0, 10.0), 0.0)
 
     name: ClassVar[str] = "giberson"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("giberson1967", "heng2017")
     second_order: ClassVar[bool] = False
     stretches: ClassVar[bool] = False
@@ -199,7 +199,7 @@ class PlasticHinge(BarHinges):
     surface: str = checked(Choice(RULES), "exact")
 
     name: ClassVar[str] = "plastic-hinge"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     sources: ClassVar[tuple[str, ...]] = ("orbison1982", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic up to the full plastic section, perfectly plastic hinges of zero length at the "
@@ -227,7 +227,7 @@ class QuasiPlasticHinge(PlasticHinge):
     layers: int = checked(Number(4, 1000, integer=True), 40)
 
     name: ClassVar[str] = "quasi-plastic-hinge"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     sources: ClassVar[tuple[str, ...]] = ("attalla1994", "heng2017")
     assumptions: ClassVar[tuple[str, ...]] = (
         "Hinges yield first where the outermost fiber does and harden to the full section as the "
@@ -264,7 +264,7 @@ class RefinedPlasticHinge(BarHinges):
     imperfect: bool = checked(Flag(), False)
 
     name: ClassVar[str] = "refined-plastic-hinge"
-    version: ClassVar[int] = 5
+    version: ClassVar[int] = 6
     sources: ClassVar[tuple[str, ...]] = ("liew1993", "heng2017")
     stretches: ClassVar[bool] = False
     in_cycles: ClassVar[str] = (

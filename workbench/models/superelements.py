@@ -47,7 +47,7 @@ from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.impact.pace import NEARLY, Pace, late_peak
 from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
-from workbench.models.domain import panel_findings
+from workbench.models.domain import DIRECT_SHEAR, panel_findings
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
 from workbench.models.validity import MOSTLY, may_warn, measured_findings
 from workbench.responses import Finding, Response
@@ -151,7 +151,8 @@ class _HingedBars(BarFrames):
         if isinstance(scenario, FrameImpact):
             findings += self._measured(scenario)
         if len(rigid) < len(told.frame.members):
-            findings = [finding for finding in findings if finding.subject != "shear"]
+            known = ("shear", DIRECT_SHEAR if getattr(told, "members", ()) else "")
+            findings = [finding for finding in findings if finding.subject not in known]
             findings += shear_findings(told, rigid) if rigid else []
         return findings + of_webs
 
@@ -253,7 +254,7 @@ class RigidSuperelement(_HingedBars):
     `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member that ends
     in a pin gets half of it at the other end; None: 6 of one element, several are exact
     together); `axial_stiffness`, c of c EA/L (2: exact);
-    `elements` per member (None: one, of struck members more, see `struck_parts`);
+    `elements` per member (None: one, of loaded members more, see `struck_parts`);
     `accuracy` that steps by error aim at, as a share of the peak;
     `inertia` of the turning bar, nonlinear, linear (of the initial
     position) or none; `integrator`; `time_step` in s (None: by the error, of
@@ -274,7 +275,7 @@ class RigidSuperelement(_HingedBars):
     inertia: str = checked(Choice(INERTIAS), "nonlinear")
 
     name: ClassVar[str] = "rigid-superelement"
-    version: ClassVar[int] = 16
+    version: ClassVar[int] = 17
     least_parts: ClassVar[int] = 2
     far_parts: ClassVar[int] = 1  # with two rigid bars two of 34 frames were 11 and 18 % low
     assumptions: ClassVar[tuple[str, ...]] = (
@@ -327,7 +328,7 @@ class FlexibleSuperelement(_HingedBars):
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)
 
     name: ClassVar[str] = "flexible-superelement"
-    version: ClassVar[int] = 15
+    version: ClassVar[int] = 16
     assumptions: ClassVar[tuple[str, ...]] = (
         "Elastic Bernoulli beams, straight against their chord: one element per member leaves out "
         "P-delta inside the member.",

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from workbench.materials import Steel
+from workbench.models.domain import DIRECT_SHEAR, shear_demand
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
-from workbench.scenarios import FrameScenario
+from workbench.responses import Finding
+from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
 from workbench.structures.uniaxial import ShearYielding
 
 
@@ -46,6 +48,21 @@ class FiberShear(ExactBeams):
         """Bibliography keys of the beam and of the options that are on."""
         keys = ("reissner1972", "simo1985", "simo-tarnow-doblare1995", "simo-hughes1998")
         return keys if self.residual_stress == "none" else (*keys, "eccs1984")
+
+    def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
+        """As all; and pulses that webs decide, which are those between the flanges here."""
+        findings = super().domain(scenario)
+        known = {finding.subject for finding in findings}
+        if isinstance(scenario, MemberPulse) and DIRECT_SHEAR not in known:
+            needed = max(shear_demand(scenario).values())
+            if needed > 1.0:
+                text = (
+                    f"a plastic mechanism needs V/Vpl = {needed:.2f}: webs decide the resistance, "
+                    "here the clear ones, some percent weaker than those of a solid, and near the "
+                    "resistance a pulse makes far more of it"
+                )
+                findings.append(Finding("clear-web", text, number=needed, instead=()))
+        return findings
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
