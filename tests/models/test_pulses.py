@@ -236,7 +236,7 @@ def test_measured_errors_warn_where_models_were_often_off() -> None:
 
 def test_time_of_peak_is_that_of_the_first_of_equal_cycles() -> None:
     scenario = beam_under(0.4, 0.4, "point")
-    for model in (SingleDof(), Biggs(), FlexibleSuperelement()):
+    for model in (SingleDof(), Biggs(), FlexibleSuperelement(elements=1)):  # more bars, more modes
         times = {
             round(float(model.simulate(replace(scenario, duration=end))["time_of_peak"]), 4)
             for end in (0.061, 0.14, 0.2)

@@ -98,45 +98,33 @@ def struck_parts(scenario: FrameScenario, multiple: int, far: int = 1) -> tuple[
     """
     frame = scenario.frame
     if isinstance(scenario, FrameImpact):
-        return _parts(frame, (scenario.striker.node,), (), scenario.striker.mass, multiple, far)
-    if isinstance(scenario, FramePulse):
-        nodes = tuple(load.node for load in scenario.loads)
-        return _parts(frame, nodes, scenario.members, inf, multiple, far)
-    return (1,) * len(frame.members)
+        return _parts(frame, (scenario.striker.node,), scenario.striker.mass, multiple, far)
+    if not isinstance(scenario, FramePulse):
+        return (1,) * len(frame.members)
+    several = multiple * ceil(FEWEST_LOADED / multiple)
+    counts = _parts(frame, tuple(load.node for load in scenario.loads), inf, multiple, far)
+    pressed = [several if member.name in scenario.members else 1 for member in frame.members]
+    return tuple(map(max, counts, pressed))
 
 
 @lru_cache(maxsize=64)
 def _parts(
-    frame: Frame,
-    nodes: tuple[str, ...],
-    pressed: tuple[str, ...],
-    mass: float,
-    multiple: int,
-    far: int,
+    frame: Frame, nodes: tuple[str, ...], mass: float, multiple: int, far: int
 ) -> tuple[int, ...]:
-    """Those where a `mass` (kg) hits nodes, or (infinite) a pulse acts there, on `pressed` too."""
+    """Those of a frame whose nodes a `mass` (kg) hits, or (infinite) the force of a pulse."""
     counts = [far] * len(frame.members)
-    struck = [number for number, m in enumerate(frame.members) if {m.start, m.end} & set(nodes)]
-    line = [number for number, m in enumerate(frame.members) if m.name in pressed]
-    hit = [frame.members[number] for number in {*struck, *line}]
-    ends = {end for member in hit for end in (member.start, member.end)} - set(nodes)
-    heights = _LONGEST if mass < inf else 0.5 * _LONGEST
+    struck = [(n, m) for n, m in enumerate(frame.members) if {m.start, m.end} & set(nodes)]
+    ends = {end for _, m in struck for end in (m.start, m.end)} - set(nodes)
     for number, member in enumerate(frame.members):
         if ends & {member.start, member.end}:
-            counts[number] = _multiple(_NEIGHBOURS, multiple)
-        if number in struck:
-            height, own = member.section.height, frame.properties(member).mass_per_length
-            longest = min(heights * height, 1.5 * _SHARED * mass / own)
-            pairs = frame.length(member) / max(longest, height) / multiple
-            counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
-        if number in line:
-            counts[number] = max(counts[number], _multiple(FEWEST_LOADED, multiple))
+            counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
+    heights = _LONGEST if mass < inf else 0.5 * _LONGEST
+    for number, member in struck:
+        height, own = member.section.height, frame.properties(member).mass_per_length
+        longest = min(heights * height, 1.5 * _SHARED * mass / own)
+        pairs = frame.length(member) / max(longest, height) / multiple
+        counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
     return tuple(counts)
-
-
-def _multiple(least: int, multiple: int) -> int:
-    """The smallest multiple that is no less."""
-    return multiple * ceil(least / multiple)
 
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
