@@ -8,11 +8,24 @@ import pytest
 
 from workbench.frames.shear import shear_bound
 from workbench.impact import collide
-from workbench.models.domain import bounce_findings, member_findings, shear_demand
+from workbench.models.domain import (
+    bounce_findings,
+    buckling_findings,
+    euler_load,
+    member_findings,
+    shear_demand,
+)
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
 from workbench.registry import make_model
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    MemberPulse,
+    Pulse,
+    Striker,
+)
 from workbench.sections import CircularTube, RectangularTube, Section, find, square
 
 LENGTH = 8.0
@@ -36,6 +49,39 @@ def test_shear_yielding_takes_five_per_cent_at_the_bound(name, lost) -> None:
     yielding = FiberShear(levels=1, **mesh).simulate(push)
     free = FiberReissner(levels=1, **mesh).simulate(push)
     assert lost[0] < 1.0 - float(yielding["force"][-1] / free["force"][-1]) < lost[1]
+
+
+@pytest.mark.parametrize(("ends", "moments"), [("pinned", 4.0), ("clamped", 8.0)])
+def test_a_line_load_needs_its_reactions(ends: str, moments: float) -> None:
+    """q L / 2 of the mechanism q = 8 M / L^2, clamped 16 M / L^2."""
+    head = "pinned" if ends == "pinned" else "guided"
+    column = Column(find("HEB 220"), 2.0, 2.0, base=ends, head=head)
+    own = column.properties
+    pulse = MemberPulse("line", column, Pulse("ramp", 1.0, 1.0), "uniform")
+    expected = moments * own.plastic_moment / column.length / own.shear_resistance
+    assert shear_demand(pulse) == pytest.approx({"below": expected, "above": expected})
+
+
+def test_axial_loads_are_told_from_half_the_euler_load_on() -> None:
+    column = Column(find("IPE 300"), 9.0, 9.0, base="pinned", head="pinned")
+    critical = euler_load(ColumnPushover("push", column, 0.01))
+    assert critical < 0.9 * column.properties.squash_load
+    for share, told in ((0.4, []), (0.6, [False]), (1.01, [True])):
+        loaded = replace(column, axial_load=share * critical)
+        found = buckling_findings(ColumnPushover("push", loaded, 0.01))
+        assert [finding.refusal for finding in found] == told
+        assert [finding.number for finding in found] == pytest.approx([share] * len(told))
+
+
+def test_half_of_a_pulse_on_either_side_is_direct_shear() -> None:
+    column = Column(find("HEB 220"), 2.0, 2.0)
+    resistance = column.properties.shear_resistance
+    for load, factor in (("point", 1.0), ("uniform", 0.25)):
+        for share in (0.8, 1.25):
+            pulse = Pulse("rectangular", 2.0 * share * factor * resistance, 0.01)
+            found = member_findings(MemberPulse("hit", column, pulse, load))
+            direct = [f.number for f in found if "direct shear" in f.text]
+            assert direct == pytest.approx([share] if share > 1.0 else [])
 
 
 def test_the_bound_follows_the_share_of_the_webs() -> None:

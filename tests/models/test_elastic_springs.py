@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, pi, sqrt, tan
+from math import inf, pi, sin, sinh, sqrt, tan, tanh
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from builders import THESIS_SPRINGS
 
 from workbench.errors import OutOfDomainError
 from workbench.frames.shear import shear_stiffness
-from workbench.models.elastic_springs import beam_springs
+from workbench.models.elastic_springs import bar_functions, beam_springs
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.resistance import mechanism_of
 from workbench.models.single_dof import SingleDof
@@ -25,6 +25,15 @@ RIGID = 1e20  # N, shear stiffness
 
 def bending(column: Column) -> float:
     return column.steel.elastic_modulus * column.properties.second_moment
+
+
+@pytest.mark.parametrize("load", [-9e-4, -1e-4, 1e-4, 9e-4, 0.5, -0.5])
+def test_stability_functions_go_over_into_their_series(load: float) -> None:
+    u = sqrt(abs(load))
+    one, two = 1.0 - u / tan(u), u / sin(u) - 1.0
+    if load < 0.0:
+        one, two = 1.0 - u / tanh(u), u / sinh(u) - 1.0
+    assert bar_functions(load) == pytest.approx((one / load, two / load), rel=1e-7)
 
 
 def stiffness(column: Column, shear: float) -> float:

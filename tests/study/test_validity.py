@@ -118,6 +118,20 @@ def test_a_reference_outside_its_domain_judges_nobody(study) -> None:
     assert set(found["good"]) == {case.name for case in study.cases} - {"3", "7"}
 
 
+@pytest.mark.parametrize("wrong", [0.6, 1.3])
+def test_advice_takes_no_model_that_is_as_far_off_to_either_side(study, wrong: float) -> None:
+    tables = tables_of(study, {})
+    for row in tables["comparisons"]:
+        row["value"] = {"soft": wrong, "good": 1.09}[row["model"]]
+    (row,) = advice_rows(study, tables)
+    assert (row["label"], row["within"], row["count"]) == ("good", row["count"], 48)
+    assert row["right"] == row["asked"] == 12
+    rules = {row["options"]: row for row in validity_rows(study, tables, unseen_of(study))}
+    soft = rules["stiffness=4000000.0"]
+    assert (soft["low"], soft["high"]) == ((48, 0) if wrong < 1.0 else (0, 48))
+    assert soft["better_off"] == 0
+
+
 def test_advice_takes_the_model_that_is_right_most_often_the_cheapest_of_equals(study) -> None:
     slow = [case.name for case in study.cases if case.scenario.striker.velocity <= BOUND]
     tables = tables_of(study, {(name, "good"): Outcome.OUT_OF_DOMAIN for name in slow})

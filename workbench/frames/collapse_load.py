@@ -125,7 +125,7 @@ def _equilibrium(frame: Frame, member: Member) -> Array:
     c, s = (end.x - start.x) / length, (end.y - start.y) / length
     e, n = np.array([c, s, 0.0]), np.array([-s, c, 0.0]) / length
     turn = np.array([0.0, 0.0, 1.0])
-    rows = [np.append(-e, e), np.append(turn - n, n), np.append(-n, turn + n)]
+    rows = [np.append(-e, e), np.append(turn + n, -n), np.append(n, turn - n)]
     return np.array(rows).T
 
 
