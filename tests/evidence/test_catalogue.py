@@ -20,6 +20,22 @@ def test_every_dataset_is_described_and_present() -> None:
         assert len(load(entry.name)) > 0
 
 
+def test_columns_and_their_descriptions_must_agree(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path))
+    (tmp_path / "own.csv").write_text("a,b\n1,2\n")
+    text = (
+        '[[dataset]]\nname = "own"\nfile = "own.csv"\ntitle = "Own"\nsource = "me"\n'
+        'licence = "none"\nrole = "verify"\nuncertainty = "none"\n'
+    )
+    catalogue = tmp_path / "catalogue.toml"
+    catalogue.write_text(f'{text}[dataset.columns]\na = "one"\nc = "three"\n')
+    problems = [text for text in check() if "own" in text]
+    assert problems == [
+        "dataset own: column b is not described",
+        "dataset own: column c is missing in the file",
+    ]
+
+
 def test_every_table_of_tests_names_its_works() -> None:
     from workbench.content.bibliography import bibliography
 

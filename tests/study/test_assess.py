@@ -264,7 +264,11 @@ def test_the_car_park_column_that_only_the_single_dof_lets_survive(
         title="Car park",
         question="Does the column stand?",
         cases=tuple(Case(f"{v:g} m/s", impact.at_velocity(v)) for v in (5.0, 8.0, 10.0)),
-        models={"4-DOF": FourDof(), "SDOF": SingleDof(resistance="cubic"), "panels": FourDofShear()},
+        models={
+            "4-DOF": FourDof(),
+            "SDOF": SingleDof(resistance="cubic"),
+            "panels": FourDofShear(),
+        },
         reference="4-DOF",
         gates=(
             Gate("SDOF", "4-DOF", **compared, **said),
