@@ -197,6 +197,11 @@ def test_what_cannot_be_told_apart_is_averaged(damaged: Maker) -> None:
     assert high[0] > max(c.relation(0.6, c.estimate.theta) for c in fit.averaged)
 
 
+def test_the_loss_of_a_threshold_is_that_of_a_life() -> None:
+    left = RELATIONS["threshold"](np.array([0.1, 0.2, 0.6, 1.0]), (0.4, 0.2))
+    assert left == pytest.approx([1.0, 1.0, 0.8, 0.6])
+
+
 def test_two_campaigns_do_not_validate(damaged: Maker) -> None:
     fit = fit_residual(damaged(2, 4, origin="measured"))
     assert fit.grade is Grade.TWO_CAMPAIGNS
