@@ -40,7 +40,7 @@ class EnergyEstimate(Declared, table="option"):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "energy-estimate"
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Resistance of the single-DOF column: two rigid bars with plastic hinges, small rotations, "
