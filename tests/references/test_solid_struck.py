@@ -13,6 +13,8 @@ from scipy.sparse.linalg import eigsh
 
 from workbench.errors import SolverError
 from workbench.materials import Steel
+from workbench.models.superelements import FlexibleSuperelement
+from workbench.references.fiber_shear import FiberShear
 from workbench.references.solid import SolidPlaneStress
 from workbench.references.solid.assembly import SolidAssembly
 from workbench.references.solid.mesh import solid_mesh
@@ -20,7 +22,7 @@ from workbench.references.solid.struck import MovingSolid, nodal_mass, unknown_m
 from workbench.references.solid.supports import supports_of
 from workbench.responses import Outcome, Response, energy_error, outcome_of
 from workbench.responses.uncertainty import WIDTHS
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, MemberPulse, Pulse, Striker
 from workbench.sections import find, rectangle
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.time_steps import PointMass
@@ -206,6 +208,48 @@ def test_default_answer_states_less_than_five_per_cent(velocity: float, peak: fl
     assert 0.0 < width < 0.05 * found
     finer = SolidPlaneStress(levels=1, refinement=1).simulate(scenario)
     assert abs(float(finer["peak_displacement"]) - found) < width
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("load", "share", "length"), [("point", 1.3, 0.004), ("uniform", 1.2, 0.02)]
+)
+def test_panels_answer_direct_shear_and_fiber_shear_goes_too_far(load, share, length) -> None:
+    """Half of the force is `share` V_pl; docs/theory/shear-panel.md."""
+    column = Column(find("HEB 220").without_fillets(), 2.0, 2.0)
+    force = 2.0 * share * column.properties.shear_resistance
+    pulse = Pulse("triangular", force / (column.length if load == "uniform" else 1.0), length)
+    scenario = MemberPulse("sheared", column, pulse, load, 0.015)
+    solid = pulsed(scenario)
+    panels, beam = (
+        float(model.simulate(scenario)["peak_displacement"])
+        for model in (FlexibleSuperelement(), FiberShear(levels=1))
+    )
+    assert panels == pytest.approx(solid, rel=0.1)
+    assert beam > 1.3 * solid
+
+
+def pulsed(scenario: MemberPulse) -> float:
+    """Peak (m) of a solid under a pulse: a load that is renewed with every record of the driver."""
+    column = scenario.column
+    solid = solid_of(column)
+    moving = MovingSolid(solid, column)
+    sideways = np.zeros(solid.mesh.size)
+    sideways[solid.mesh.dofs[:, 0::2]] = 1.0
+    pattern = np.asarray(solid.supports.tied.T @ (nodal_mass(solid, column) * sideways))
+    if scenario.load == "point":
+        pattern = np.eye(moving.size)[solid.supports.hit]
+    else:
+        pattern *= column.length / float(np.sum(nodal_mass(solid, column) * sideways))
+    records = 300
+    factors = scenario.pulse.means(np.linspace(0.0, scenario.duration, records + 1))
+    moving.load = factors[0] * pattern
+    spans = [(scenario.duration, scenario.duration / records)]
+    peak = 0.0
+    for number, _ in enumerate(explicit_impact(moving, solid.supports.hit, NEVER, spans), 1):
+        moving.load = factors[min(number, records - 1)] * pattern
+        peak = max(peak, float(solid.q[solid.supports.hit]))
+    return peak
 
 
 def test_keeps_the_contract_of_models() -> None:
