@@ -11,14 +11,14 @@ import pandas as pd
 from workbench.datafiles import data_directory
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence.catalogue import dataset, datasets, load
-from workbench.fields import Declared, Text, checked
-from workbench.models.base import respond
+from workbench.fields import Text, checked
+from workbench.models.base import Answering
 from workbench.responses import SCALARS, Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, FrameImpact, Scenario, load_scenario
 
 
 @dataclass(frozen=True)
-class Published(Declared, table="option"):
+class Published(Answering):
     """One published series. Options: `dataset`, a catalogue name; `series`, a row label of it.
 
     Both must be given; what is missing or unknown is refused with the choices.
@@ -66,10 +66,6 @@ class Published(Declared, table="option"):
             )
             return [Finding("published", text, refusal=True)]
         return []
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """The published scalars of this scenario."""
-        return respond(self, scenario, self._solve)
 
     def _row(self, scenario: Scenario) -> pd.Series | None:
         entry = dataset(self.dataset)

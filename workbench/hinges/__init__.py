@@ -1,22 +1,10 @@
 """Generalized elasto-plastic hinges with N-M and N-M-V yield surfaces."""
 
-from workbench.hinges.hinge import GeneralizedHinge, HingeUpdate
-from workbench.hinges.panel import (
-    PanelUpdate,
-    ShearSurface,
-    has_shear_surface,
-    has_webs,
-    project_panel,
-)
-from workbench.hinges.surface import YieldSurface
-
-__all__ = [
-    "GeneralizedHinge",
-    "HingeUpdate",
-    "PanelUpdate",
-    "ShearSurface",
-    "YieldSurface",
-    "has_shear_surface",
-    "has_webs",
-    "project_panel",
-]
+from workbench.hinges.hinge import GeneralizedHinge as GeneralizedHinge
+from workbench.hinges.hinge import HingeUpdate as HingeUpdate
+from workbench.hinges.panel import PanelUpdate as PanelUpdate
+from workbench.hinges.panel import ShearSurface as ShearSurface
+from workbench.hinges.panel import has_shear_surface as has_shear_surface
+from workbench.hinges.panel import has_webs as has_webs
+from workbench.hinges.panel import project_panel as project_panel
+from workbench.hinges.surface import YieldSurface as YieldSurface

@@ -18,39 +18,24 @@ from workbench.sections.shapes import CircularTube, Rectangle
 
 ANGLES = 181  # of the (n, m) plane between 0 and 90 degrees, as in the fit of super-ellipses
 _STRAIGHT = 1e-9  # deviation from a straight line that counts as none
-_RULES: dict[str, Callable[[Section, Array], Array]] = {}
 
 
-def _rule(
-    name: str,
-) -> Callable[[Callable[[Section, Array], Array]], Callable[[Section, Array], Array]]:
-    def named(capacity: Callable[[Section, Array], Array]) -> Callable[[Section, Array], Array]:
-        _RULES[name] = capacity
-        return capacity
-
-    return named
-
-
-@_rule("exact")
 def _exact(section: Section, n: Array) -> Array:
     """The fully plastic section, between 721 points of its envelope."""
     return np.interp(n, *_envelope(section))
 
 
-@_rule("super-ellipse")
 def _super_ellipse(section: Section, n: Array) -> Array:
     """Heng 2017, eq. 2.16, exponents fitted to the exact curve."""
     alpha, beta = section.interaction_fit()
     return np.asarray((1.0 - n**beta) ** (1.0 / alpha))
 
 
-@_rule("orbison")
 def _orbison(section: Section, n: Array) -> Array:
     """1.15 n^2 - 0.15 n^6 + m^2 + 3.67 n^2 m^2 = 1 (Orbison, McGuire and Abel 1982)."""
     return np.sqrt((1.0 - 1.15 * n**2 + 0.15 * n**6) / (1.0 + 3.67 * n**2))
 
 
-@_rule("attalla")
 def _attalla(section: Section, n: Array) -> Array:
     """0.19 n^6 + 0.54 m^6 - 1.40 n^4 - 1.64 m^4 + 2.21 n^2 + 2.10 m^2 = 1 (Attalla et al. 1994).
 
@@ -62,13 +47,11 @@ def _attalla(section: Section, n: Array) -> Array:
     )
 
 
-@_rule("aisc")
 def _aisc(section: Section, n: Array) -> Array:
     """AISC 360, equations H1-1: n + 8/9 m = 1 from n = 0.2 on, n / 2 + m = 1 below."""
     return np.where(n >= 0.2, 9.0 / 8.0 * (1.0 - n), 1.0 - 0.5 * n)
 
 
-@_rule("eurocode")
 def _eurocode(section: Section, n: Array) -> Array:
     """EN 1993-1-1, 6.2.9.1: (1 - n) / (1 - a/2) up to 1, a the share of the webs up to 1/2."""
     shape = section.shape
@@ -81,7 +64,6 @@ def _eurocode(section: Section, n: Array) -> Array:
     return np.minimum(1.0, (1.0 - n) / (1.0 - 0.5 * min(webs, 0.5)))
 
 
-@_rule("linear")
 def _linear(section: Section, n: Array) -> Array:
     """A straight line, m + n = 1."""
     return 1.0 - n
@@ -92,6 +74,15 @@ def _envelope(section: Section) -> tuple[Array, Array]:
     return section.interaction_envelope(4 * (ANGLES - 1) + 1)
 
 
+_RULES: dict[str, Callable[[Section, Array], Array]] = {
+    "exact": _exact,
+    "super-ellipse": _super_ellipse,
+    "orbison": _orbison,
+    "attalla": _attalla,
+    "aisc": _aisc,
+    "eurocode": _eurocode,
+    "linear": _linear,
+}
 RULES = tuple(_RULES)
 
 

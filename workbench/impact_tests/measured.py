@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.errors import CollapseError, OutOfDomainError
-from workbench.fields import Declared, Text, checked
+from workbench.fields import Text, checked
 from workbench.impact_tests.rows import ImpactTest, impact_tests, tables
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.responses import Finding, Response, build_response
 from workbench.responses.outcome import SYNTHETIC
 from workbench.scenarios import ColumnImpact, Scenario
@@ -17,7 +17,7 @@ _TOLD = ("name", "title", "source", "licence", "year", "role", "uncertainty")
 
 
 @dataclass(frozen=True)
-class Measured(Declared, table="option"):
+class Measured(Answering):
     """Impact tests of the data catalogue. Option: `dataset`, one table of them (all by default).
 
     The response holds the measured scalars only; attribute `data_uncertainty` has the half-widths
@@ -70,10 +70,6 @@ class Measured(Declared, table="option"):
             text = "SYNTHETIC: made numbers, no test; they show the form and validate nothing"
             return [Finding(SYNTHETIC, text)]
         return []
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """The measured scalars of this scenario."""
-        return respond(self, scenario, self._solve)
 
     def _test(self, scenario: Scenario) -> ImpactTest | None:
         if not isinstance(scenario, ColumnImpact):

@@ -8,7 +8,7 @@ from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
-from workbench.fields import check_keys
+from workbench.fields import Declared, check_keys
 from workbench.models.plausible import implausible
 from workbench.models.trust import advised, findings_about
 from workbench.responses import (
@@ -85,6 +85,17 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     if warnings or later:
         set_findings(response, [*warnings, *later])
     return _signed(response, model, scenario, started)
+
+
+class Answering(Declared, table="option"):
+    """A model whose fields are its options, and which solves a scenario by itself with `_solve`."""
+
+    def simulate(self, scenario: Scenario) -> Response:
+        """Answer a scenario of a kind that it answers; a failure is a response with its outcome."""
+        return respond(self, scenario, self._solve)  # type: ignore[arg-type]
+
+    def _solve(self, scenario: Any) -> Response:
+        raise NotImplementedError
 
 
 def _refused(refusals: Sequence[Finding]) -> Response:

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
-from workbench.fields import Choice, Declared, checked
+from workbench.fields import Choice, checked
 from workbench.frames.column_estimate import (
     HEADS,
     ON_FRAME,
@@ -23,7 +23,7 @@ from workbench.frames.column_estimate import (
 )
 from workbench.frames.findings import frame_findings
 from workbench.frames.head_mass import HEAD_MASSES
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.plausible import SUBJECT as IMPLAUSIBLE
@@ -37,7 +37,6 @@ from workbench.scenarios import (
     FrameImpact,
     Member,
     Node,
-    Scenario,
     frame_scenario,
     to_toml,
 )
@@ -70,7 +69,7 @@ def derive_column(
 
 
 @dataclass(frozen=True)
-class ColumnOfFrame(Declared, table="option"):
+class ColumnOfFrame(Answering):
     """The impacted column of a frame, the rest of it as a spring, a mass and a dead load.
 
     Options: `model` of the column, four-dof, single-dof, energy-estimate or rigid-superelement,
@@ -117,10 +116,6 @@ class ColumnOfFrame(Declared, table="option"):
             findings.append(Finding("restraint", text, refusal=True))
         inner = MODELS[self.model].domain(estimate.column)
         return [*findings, *_on_frame(inner), *estimate.findings()]
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer an impact on a column of a frame."""
-        return respond(self, scenario, self._solve)
 
     def estimate(self, scenario: FrameImpact) -> ColumnEstimate:
         """The derived column and what is known about it. Raises `OutOfDomainError`."""

@@ -3,12 +3,13 @@
 Regions in which models were measured, and the rules of validity found there, are told by these.
 """
 
-import csv
 import dataclasses
 from collections.abc import Mapping
 from functools import lru_cache
 from math import inf, sqrt
 from typing import Any
+
+import pandas as pd
 
 from workbench.datafiles import data_directory
 from workbench.models.domain import RESTITUTION, euler_load, shear_demand
@@ -57,23 +58,22 @@ def descriptors(scenario: ColumnImpact) -> dict[str, float]:
     }
 
 
-@lru_cache(maxsize=4)
-def spanned(table: str) -> Mapping[str, tuple[float, float]]:
-    """Least and largest value of each descriptor in the columns of a study, by its `table`."""
+@lru_cache(maxsize=8)
+def measured_rows(table: str) -> list[dict[str, Any]]:
+    """Rows of a `table` of what studies measured of models; NaN where there is no number."""
     path = data_directory() / "validation" / f"{table.replace('-', '_')}.csv"
-    with path.open(newline="", encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
-    return {row["descriptor"]: (float(row["low"]), float(row["high"])) for row in rows}
+    return pd.read_csv(path).fillna({"options": ""}).to_dict("records")  # type: ignore[return-value]
 
 
 def beyond(own: Mapping[str, float], table: str) -> dict[str, str]:
     """What of a column, its `own` descriptors, the columns of a study did not span; in words."""
-    told = {}
-    for name, (low, high) in spanned(table).items():
+    words = {}
+    for row in measured_rows(table):
+        name, low, high = row["descriptor"], row["low"], row["high"]
         if not low <= own[name] <= high:
             span = f"{low:g} only" if low == high else f"{low:g} to {high:g}"
-            told[name] = f"{WORDS[name]} {own[name]:.3g}: columns were measured at {span}"
-    return told
+            words[name] = f"{WORDS[name]} {own[name]:.3g}: columns were measured at {span}"
+    return words
 
 
 FEATURES = {  # of rules of validity, and their words

@@ -7,26 +7,17 @@ energy that the collision leaves, W(v_max) = E.
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from workbench.fields import Choice, Declared, Number, checked
-from workbench.models.base import respond
+from workbench.fields import Choice, Number, checked
+from workbench.models.base import Answering
 from workbench.models.domain import HEAVY, RESTITUTION, bounce_findings
 from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
-from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve
-from workbench.models.resistance.limits import (
-    SEGMENTS,
-    analytic_companion,
-    collapsed,
-    curve_findings,
-    limit_of,
-    reached_findings,
-    shear_utilisation,
-)
+from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, limits
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ColumnImpact, ColumnScenario, Scenario
+from workbench.scenarios import ColumnImpact, ColumnScenario
 
 
 @dataclass(frozen=True)
-class EnergyEstimate(Declared, table="option"):
+class EnergyEstimate(Answering):
     """Energy-equivalent displacements.
 
     Options: `resistance`: analytic, cubic, linear or panel, as in the single-DOF column;
@@ -61,35 +52,29 @@ class EnergyEstimate(Declared, table="option"):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and the restitution that the balance does not cover."""
-        findings = curve_findings(scenario, self.resistance)
+        findings = limits.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact):
             findings += restitution_findings(scenario)
             findings += elastic_mass_findings(scenario, self.hit_mass)
         return findings
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column impact: peak and residual displacement."""
-        return respond(self, scenario, self._solve)
 
     def _solve(self, scenario: ColumnImpact) -> Response:
         column = scenario.column
         spring = self.rotational_stiffness, self.resistance, self.interaction
         curve = column_curve(column, *spring)
         energy = energy_to_absorb(with_hit_mass(scenario, self.hit_mass))
-        limit = limit_of(curve, column)
+        limit = limits.limit_of(curve, column)
         if energy >= curve.work(limit):
-            raise collapsed(curve, column, limit)
+            raise limits.collapsed(curve, column, limit)
         peak = curve.displacement_at(energy)
-        companion = analytic_companion(curve)
+        shear, warnings = limits.reached(curve, column, peak)
         values: dict[str, Any] = {
             "peak_displacement": peak,
             "residual_displacement": curve.residual(peak),
             "input_energy": scenario.input_energy,
-            "shear_utilisation": shear_utilisation(companion, column, peak),
+            "shear_utilisation": shear,
         }
-        return build_response(
-            values, segments=SEGMENTS, warnings=reached_findings(curve, companion, peak)
-        )
+        return build_response(values, segments=limits.SEGMENTS, warnings=warnings)
 
 
 def energy_to_absorb(scenario: ColumnImpact) -> float:

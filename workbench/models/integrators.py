@@ -13,14 +13,14 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
-from workbench.fields import Choice, Declared, Number, checked
+from workbench.fields import Choice, Number, checked
 from workbench.impact.march import Run, run
 from workbench.impact.problems import Problem, problem
 from workbench.impact.schemes import SCHEMES
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.models.impact_systems import PROBLEMS as STRUCTURES
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ImpactProblem, Scenario
+from workbench.scenarios import ImpactProblem
 
 LADDER = {
     "ladder.step": ("s", "time step"),
@@ -56,7 +56,7 @@ def _response(given: Problem, places: dict[str, Array], ladder: dict[str, Any], 
 
 
 @dataclass(frozen=True)
-class ImpactIntegrator(Declared, table="option"):
+class ImpactIntegrator(Answering):
     """One integrator of the impact laboratory.
 
     Options: `scheme`, its name; `runs`, step sizes of the ladder, each half the one before.
@@ -78,10 +78,6 @@ class ImpactIntegrator(Declared, table="option"):
     def domain(self, scenario: ImpactProblem) -> list[Finding]:
         """Every scheme takes every problem: failures are what the study is about."""
         return []
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer an impact problem."""
-        return respond(self, scenario, self._solve)
 
     def _solve(self, scenario: ImpactProblem) -> Response:
         given = problem_of(scenario.problem)
@@ -156,7 +152,7 @@ def _scalars(given: Problem, found: Run) -> dict[str, float | None]:
 
 
 @dataclass(frozen=True)
-class ImpactExact(Declared, table="option"):
+class ImpactExact(Answering):
     """The known answer of an impact problem.
 
     Option: `steps`, times at which it is told, as a multiple of those of the coarsest run.
@@ -176,10 +172,6 @@ class ImpactExact(Declared, table="option"):
     def domain(self, scenario: ImpactProblem) -> list[Finding]:
         """Every problem has an answer."""
         return []
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer an impact problem."""
-        return respond(self, scenario, self._solve)
 
     def _solve(self, scenario: ImpactProblem) -> Response:
         given = problem_of(scenario.problem)

@@ -5,21 +5,20 @@ a scenario says before anything is run, with what was measured there and the mod
 A second table holds what the columns of the study spanned: outside, nothing is expected from them.
 """
 
-import csv
 from collections.abc import Iterable
 from functools import lru_cache
-from math import inf, nan
+from math import inf, isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.datafiles import data_directory
 from workbench.models.descriptors import (
     FEATURES,
     beyond,
     descriptors,
     features,
+    measured_rows,
     region_of,
     variant_of,
 )
@@ -29,6 +28,7 @@ from workbench.scenarios import ColumnImpact
 
 TABLE, RANGES = "validity", "validity-ranges"
 BEYOND = 0.10  # error of the peak that is told
+_OFF = f"{100.0 * BEYOND:g} % off"
 TOLERATED = 0.04  # chance of a column to be beyond it that needs no warning, see the theory page
 SUBJECT = "measured"  # most columns of the region are off: outside the domain
 RISK = "measured-risk"  # some are
@@ -69,8 +69,7 @@ def measured_findings(model: Any, scenario: Any) -> list[Finding]:
 class _Rules(NamedTuple):
     """Rows of the table, numbers of the `risky` ones of each model and options, which warn.
 
-    And bounds (rows, features) of their regions: NaN, which no number is below or above, where they
-    bound nothing.
+    And bounds (rows, features) of their regions, infinite where they bound nothing.
     """
 
     rows: list[dict[str, Any]]
@@ -87,30 +86,21 @@ def _holds(rules: _Rules, at: Array, numbers: Any) -> Flags:
 @lru_cache(maxsize=1)
 def _rules() -> _Rules:
     """The table."""
-    path = data_directory() / "validation" / f"{TABLE}.csv"
-    with path.open(newline="", encoding="utf-8") as stream:
-        rows = [_typed(row) for row in csv.DictReader(stream)]
+    rows = measured_rows(TABLE)
     risky: dict[tuple[str, str], list[int]] = {}
     for number, row in enumerate(rows):
         own = risky.setdefault((row["model"], row["options"]), [])
-        own += [number] if row["chance"] > TOLERATED else []
-    ends = [[row["bounds"].get(name, (nan, nan)) for name in FEATURES] for row in rows]
-    low, high = np.moveaxis(np.array(ends).reshape(-1, len(FEATURES), 2), 2, 0)
-    told = {of: np.array(numbers, dtype=np.int64) for of, numbers in risky.items()}
-    return _Rules(rows, told, low, high)
+        own += [number] if chance_of(row) > TOLERATED else []
+    numbers = {of: np.array(which, dtype=np.int64) for of, which in risky.items()}
+    low, high = (
+        np.array([[row[f"{name}_{end}"] for name in FEATURES] for row in rows])
+        for end in ("low", "high")
+    )
+    return _Rules(rows, numbers, low, high)
 
 
-def _typed(row: dict[str, str]) -> dict[str, Any]:
-    """Numbers of a row as such; under `bounds` those of the region that bound anything."""
-    words = ("model", "options", "better", "study")
-    typed = {name: v if name in words else float(v) if v else None for name, v in row.items()}
-    ends = {name: (typed[f"{name}_low"], typed[f"{name}_high"]) for name in FEATURES}
-    bounds = {name: end for name, end in ends.items() if end != (-inf, inf)}
-    return {**typed, "bounds": bounds, "chance": _chance(typed)}
-
-
-def _chance(row: dict[str, Any]) -> float:
-    """Expected share of columns beyond the bound, the mean of its posterior: few columns warn."""
+def chance_of(row: dict[str, Any]) -> float:
+    """Expected share of cases beyond the bound, the mean of its posterior: few cases warn."""
     return float((row["low"] + row["high"] + 1.0) / (row["count"] + 2.0))
 
 
@@ -121,8 +111,8 @@ def _better(number: int, there: tuple[int, ...]) -> tuple[str, ...]:
     First the one that did best in the region of the row.
     """
     row, rows = _rules().rows[number], [_rules().rows[i] for i in there]
-    chances = {other["model"]: other["chance"] for other in rows if not other["options"]}
-    less = [name for name, chance in chances.items() if chance < row["chance"]]
+    chances = {other["model"]: chance_of(other) for other in rows if not other["options"]}
+    less = [name for name, chance in chances.items() if chance < chance_of(row)]
     return tuple(sorted(less, key=lambda name: (name != row["better"], chances[name])))
 
 
@@ -130,40 +120,54 @@ def _told(
     row: dict[str, Any], own: dict[str, float], better: tuple[str, ...], bounces: bool
 ) -> Finding:
     """What was measured in a region, the numbers of this column beside its bounds."""
-    where = region_of(row["bounds"], own) + ("; all without restitution" if bounces else "")
-    (off, share), apart = _off(row), row["falls"] + row["stands"]
-    text = (
-        f"in {off:.0f} of {row['count']:.0f} columns like this ({where}) the peak was more than "
-        f"{100.0 * BEYOND:g} % off"
-    )
-    if off:
-        text += f", {row['low']:.0f} too small and {row['high']:.0f} too large"
-    else:
-        text += ", but that few prove little"
-    if row["bias"] is not None:
+    where = _region(row, own) + ("; all without restitution" if bounces else "")
+    text = how_often(row, f"columns like this ({where})")
+    if not isnan(row["bias"]):
         ends = (100.0 * (row[name] - 1.0) for name in ("bias", "least", "most"))
         text += "; expect {:+.0f} % ({:+.0f} to {:+.0f} %)".format(*ends)
-    if apart:
+    if row["falls"] + row["stands"]:
         text += (
             f"; {row['falls']:.0f} collapsed where the reference survives, {row['stands']:.0f} "
             "survived where it collapses"
         )
+    return measured_finding(row, text, better)
+
+
+def how_often(row: dict[str, Any], like: str) -> str:
+    """In how many of the cases `like` this one a model was off, in words."""
+    off = row["low"] + row["high"]
+    text = f"in {off:.0f} of {row['count']:.0f} {like} the peak was more than {_OFF}"
+    if not off:
+        return text + ", but that few prove little"
+    return text + f", {row['low']:.0f} too small and {row['high']:.0f} too large"
+
+
+def measured_finding(row: dict[str, Any], text: str, better: tuple[str, ...] = ()) -> Finding:
+    """The warning of a row of a table, of less weight where fewer than half of the cases were off.
+
+    `better` models are asked first.
+    """
+    share = _share(row)
     return Finding(RISK if share <= 0.5 else SUBJECT, text, number=share, instead=better)
 
 
 def _unknown(row: dict[str, Any], own: dict[str, float], outside: Iterable[str]) -> Finding:
     """That nobody measured such a hit, and what the region holds of those that were drawn."""
-    off, share = _off(row)
+    share = _share(row)
     text = (
         f"what to expect here is not known ({'; '.join(outside)}); of the columns that were, in "
-        f"the same region ({region_of(row['bounds'], own)}), {off:.0f} of {row['count']:.0f} had a "
-        f"peak more than {100.0 * BEYOND:g} % off"
+        f"the same region ({_region(row, own)}), {row['low'] + row['high']:.0f} of "
+        f"{row['count']:.0f} had a peak more than {_OFF}"
     )
-    subject = UNMEASURED[share <= 0.5]
-    return Finding(subject, text, number=share, instead=())
+    return Finding(UNMEASURED[share <= 0.5], text, number=share, instead=())
 
 
-def _off(row: dict[str, Any]) -> tuple[float, float]:
-    """Columns of a region that were off, and their share."""
-    off = row["low"] + row["high"]
-    return off, float(off / row["count"])
+def _region(row: dict[str, Any], own: dict[str, float]) -> str:
+    """The region of a row in words, by the bounds that bound anything."""
+    ends = {name: (row[f"{name}_low"], row[f"{name}_high"]) for name in FEATURES}
+    return region_of({name: end for name, end in ends.items() if end != (-inf, inf)}, own)
+
+
+def _share(row: dict[str, Any]) -> float:
+    """Share of the cases of a row that were off."""
+    return float((row["low"] + row["high"]) / row["count"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from copy import copy
 from typing import Any, ClassVar, NamedTuple, Self
 
@@ -193,7 +194,35 @@ class MemberElements(ElementGroup):
 
 
 class HingedElements(MemberElements):
-    """Elements whose plasticity is told of as that of two hinges, at their ends."""
+    """Elements whose plasticity is told of as that of two hinges, at their ends.
+
+    Arguments: `nodes` (elements, 2), node numbers; the `bars` (elements,), each with its
+    `mass_per_length`; an empty `state`; `first_order`, equilibrium of the undeformed structure.
+    A kind makes the `_tables` of its kernels as it takes its place.
+    """
+
+    _old: Any
+    _tables: Any
+
+    def __init__(
+        self, nodes: ArrayLike, bars: Sequence[Any], state: Any, first_order: bool
+    ) -> None:
+        super().__init__(nodes, state)
+        self._own, self.first_order = list(bars), first_order
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure from the assembly."""
+        super().place(bars._replace(first_order=self.first_order, relative=True))
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        return (self._tables,)
+
+    def masses(self) -> tuple[Array, Array]:
+        """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
+        mass = np.array([bar.mass_per_length for bar in self._own]) * self.lengths
+        return mass, np.zeros_like(mass)
 
     @property
     @abstractmethod

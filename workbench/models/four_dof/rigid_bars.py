@@ -18,17 +18,17 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, SolverError
-from workbench.fields import Choice, Declared, Flag, Number, checked
+from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.impact.pace import Pace
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.models.domain import bounce_findings, buckling_findings, count_finding, step_finding
 from workbench.models.elastic_springs import Springs, thesis_springs
 from workbench.models.four_dof import dynamics, march, panels, statics
 from workbench.models.four_dof.kinematics import U1, U2, V
 from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
 from workbench.responses import Finding, Response, build_response, open_share
-from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, Scenario
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario
 
 HINGES = {"base": (0, 1), "hit-below": (0, 2), "hit-above": (1, 2), "head": (1, 1)}  # bar, hinge
 _BARS, _PLACES = np.array(list(HINGES.values())).T
@@ -48,7 +48,7 @@ _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded b
 
 
 @dataclass(frozen=True)
-class RigidBars(Declared, table="option"):
+class RigidBars(Answering):
     """What all columns of two rigid bars and four hinges have; models say how hinges yield.
 
     The options that they share are explained with each.
@@ -108,10 +108,6 @@ class RigidBars(Declared, table="option"):
             if step is not None:
                 findings += count_finding(scenario.duration, step, _MOST_STEPS)
         return findings
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
 
     def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
         if isinstance(scenario, ColumnPushover):

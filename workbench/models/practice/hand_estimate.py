@@ -9,8 +9,8 @@ brings the masses to rest after t = (m + m_e) v1 / R = m v0 / R.
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.fields import Declared, checked
-from workbench.models.base import respond
+from workbench.fields import checked
+from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
 from workbench.models.hit_mass import elastic_energy
@@ -21,17 +21,16 @@ from workbench.models.practice.strength import (
     mechanism_load,
     slope_sum,
 )
-from workbench.models.resistance import axial_flexibility
-from workbench.models.resistance.limits import SEGMENTS, out_of_reach, reach
+from workbench.models.resistance import axial_flexibility, limits
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ColumnImpact, Scenario
+from workbench.scenarios import ColumnImpact
 
 _MUCH = 0.1  # share of the energy that may be left out without a warning
 _MEND = ("energy-estimate",)  # its resistance knows it
 
 
 @dataclass(frozen=True)
-class HandEstimate(Declared, table="option"):
+class HandEstimate(Answering):
     """Momentum, then energy against the plastic mechanism load.
 
     Options: `axial`, how the axial load lowers the plastic moment: none, linear (M_p (1 - n)) or
@@ -84,16 +83,12 @@ class HandEstimate(Declared, table="option"):
             findings.append(Finding("elastic", text, number=elastic, instead=_MEND))
         return findings
 
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column impact: displacement, which stays, and the time it takes."""
-        return respond(self, scenario, self._solve)
-
     def _solve(self, scenario: ColumnImpact) -> Response:
         column, striker = scenario.column, scenario.striker
         force = mechanism_load(column, self.axial)
         displacement = energy_to_absorb(scenario) / force
-        if displacement >= reach(column):
-            raise out_of_reach(column, reach(column))
+        if displacement >= limits.reach(column):
+            raise limits.out_of_reach(column, limits.reach(column))
         time = striker.mass * striker.velocity / force
         values = {
             "peak_displacement": displacement,
@@ -101,4 +96,4 @@ class HandEstimate(Declared, table="option"):
             "time_of_peak": time if striker.restitution == 0.0 else None,
             "input_energy": scenario.input_energy,
         }
-        return build_response(values, segments=SEGMENTS)
+        return build_response(values, segments=limits.SEGMENTS)

@@ -14,30 +14,21 @@ from typing import Any, ClassVar
 
 from scipy.optimize import brentq
 
-from workbench.fields import Choice, Declared, Number, checked
-from workbench.models.base import respond
+from workbench.fields import Choice, Number, checked
+from workbench.models.base import Answering
 from workbench.models.practice.strength import SECTION, mechanism_load
-from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve
-from workbench.models.resistance.limits import (
-    SEGMENTS,
-    analytic_companion,
-    collapsed,
-    curve_findings,
-    limit_of,
-    reached_findings,
-    shear_utilisation,
-)
+from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact.model import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ColumnImpact, Pulse, Scenario
+from workbench.scenarios import ColumnImpact, Pulse
 
 DYNAMIC, STATIC = "dynamic", "static"
 _RIGID = 0.1  # way of the structure over the crush of the striker, up to which it counts as rigid
 
 
 @dataclass(frozen=True)
-class HardImpact(Declared, table="option"):
+class HardImpact(Answering):
     """EN 1991-1-7, Annex C.
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, Annex C); `application`
@@ -72,7 +63,7 @@ class HardImpact(Declared, table="option"):
 
     def domain(self, scenario: ColumnImpact) -> list[Finding]:
         """Findings of all models on a resistance curve, and the check of soft impact."""
-        findings = curve_findings(scenario, self.resistance)
+        findings = limits.curve_findings(scenario, self.resistance)
         capacity, needed = self.deformation_capacity, self._soft_deformation(scenario)
         if capacity is not None and needed > capacity:
             text = (
@@ -81,10 +72,6 @@ class HardImpact(Declared, table="option"):
             )
             findings.append(Finding("soft-impact", text, number=needed / capacity))
         return findings
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column impact."""
-        return respond(self, scenario, self._solve)
 
     def _soft_deformation(self, scenario: ColumnImpact) -> float:
         """Deformation (m) that soft impact takes, m v^2 / (2 F_0)."""
@@ -103,12 +90,10 @@ class HardImpact(Declared, table="option"):
             top = self._static(curve, scenario, self.amplification * pulse.peak)
             values["peak_displacement"] = top
             values["residual_displacement"] = curve.residual(top)
-        companion = analytic_companion(curve)
         values["peak_force"] = pulse.peak
         values["impulse"] = scenario.striker.mass * scenario.striker.velocity
-        values["shear_utilisation"] = shear_utilisation(companion, column, top)
+        values["shear_utilisation"], warnings = limits.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
-        warnings = reached_findings(curve, companion, top)
         if top <= _RIGID * crush:
             text = (
                 f"the striker crushes by {crush:.3g} m and takes the energy, the column moves "
@@ -125,7 +110,7 @@ class HardImpact(Declared, table="option"):
             )
             first = ("soft-impact",)  # has both springs
             warnings.append(Finding("hard-impact", text, number=top / crush, instead=first))
-        response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         said = {
             "rule.force": (pulse.peak, "N", "force of hard impact"),
             "rule.duration": (pulse.length, "s", "duration of hard impact"),
@@ -145,9 +130,9 @@ class HardImpact(Declared, table="option"):
     def _static(self, curve: ResistanceCurve, scenario: ColumnImpact, force: float) -> float:
         """Displacement (m) at which the static resistance first reaches a force (N)."""
         column = scenario.column
-        limit = limit_of(curve, column)
+        limit = limits.limit_of(curve, column)
         ends = [0.0, *(float(v) for v in curve.starts[1:] if v < limit), limit]
         for low, high in pairwise(ends):
             if float(curve.force(high)) >= force:
                 return float(brentq(lambda v: float(curve.force(v)) - force, low, high))
-        raise collapsed(curve, column, limit)
+        raise limits.collapsed(curve, column, limit)

@@ -72,8 +72,23 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     return findings
 
 
+def reached(
+    curve: ResistanceCurve, column: Column, displacement: float
+) -> tuple[Array | None, list[Finding]]:
+    """Shear of a column that has come to a displacement (m) on its curve, and warnings of that.
+
+    Largest V / V_pl of the segments below and above, (2,), from the hinge moments of the analytic
+    curve: simplified ones have none of their own. None where that does not hold.
+    """
+    companion, shear = _analytic_companion(curve), None
+    if companion is not None:
+        largest = companion.largest_shear(displacement)
+        shear = np.asarray(largest / column.properties.shear_resistance)
+    return shear, _reached_findings(curve, companion, displacement)
+
+
 @lru_cache(maxsize=256)
-def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
+def _analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
     """The analytic curve of the same mechanism (None where its derivation does not hold).
 
     The curve of panels simplifies no other one.
@@ -86,7 +101,7 @@ def analytic_companion(curve: ResistanceCurve) -> ResistanceCurve | None:
         return None
 
 
-def reached_findings(
+def _reached_findings(
     curve: ResistanceCurve, companion: ResistanceCurve | None, displacement: float
 ) -> list[Finding]:
     """Warnings that depend on the largest displacement (m) that was reached.
@@ -118,15 +133,3 @@ def reached_findings(
                 )
             findings.append(Finding("simplification", text))
     return findings
-
-
-def shear_utilisation(
-    companion: ResistanceCurve | None, column: Column, displacement: float
-) -> Array | None:
-    """Largest V / V_pl of the segments below and above, (2,), met up to a displacement (m).
-
-    From the hinge moments of the analytic curve: the simplified ones have none of their own.
-    """
-    if companion is None:
-        return None
-    return np.asarray(companion.largest_shear(displacement) / column.properties.shear_resistance)

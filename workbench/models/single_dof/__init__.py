@@ -1,5 +1,3 @@
 """Single-degree-of-freedom column (Heng 2017, section 5.2; Paper II of the thesis)."""
 
-from workbench.models.single_dof.model import SingleDof
-
-__all__ = ["SingleDof"]
+from workbench.models.single_dof.model import SingleDof as SingleDof

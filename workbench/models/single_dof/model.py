@@ -18,22 +18,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from workbench.errors import CollapseError, OutOfDomainError, SolverError
-from workbench.fields import Choice, Declared, Number, checked
+from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
 from workbench.impact.pace import Pace
-from workbench.models.base import respond
+from workbench.models.base import Answering
 from workbench.models.domain import bounce_findings, step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
-from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
-from workbench.models.resistance.limits import (
-    SEGMENTS,
-    analytic_companion,
-    collapsed,
-    curve_findings,
-    limit_of,
-    reach,
-    reached_findings,
-    shear_utilisation,
+from workbench.models.resistance import (
+    INTERACTIONS,
+    SECTION,
+    SHAPES,
+    ResistanceCurve,
+    column_curve,
+    limits,
 )
 from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof import kernels, march
@@ -52,7 +49,6 @@ from workbench.scenarios import (
     ColumnPushover,
     ColumnScenario,
     MemberPulse,
-    Scenario,
 )
 from workbench.scenarios.pulse import UNIFORM
 
@@ -82,7 +78,7 @@ class _Run(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SingleDof(Declared, table="option"):
+class SingleDof(Answering):
     """Single-degree-of-freedom column.
 
     Options: `resistance`: envelope of the spring, analytic, cubic, linear (in the axial force)
@@ -144,7 +140,7 @@ class SingleDof(Declared, table="option"):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Findings of all member models, and those of the rigid-bar mechanism and the scheme."""
-        findings = curve_findings(scenario, self.resistance)
+        findings = limits.curve_findings(scenario, self.resistance)
         if isinstance(scenario, ColumnImpact):
             findings += bounce_findings(scenario) + elastic_mass_findings(scenario, self.hit_mass)
             if self.time_step is not None:
@@ -164,10 +160,6 @@ class SingleDof(Declared, table="option"):
             with suppress(OutOfDomainError):  # told by the solution itself
                 findings += step_finding(step, self.period(scenario.column) / pi)
         return findings
-
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column pushover or a column impact."""
-        return respond(self, scenario, self._solve)
 
     def simulate_many(self, scenarios: Sequence[ColumnImpact]) -> pd.DataFrame:
         """Scalars of many impacts, the same numbers as `simulate` gives, without histories.
@@ -211,7 +203,7 @@ class SingleDof(Declared, table="option"):
         if status == kernels.COLLAPSE:
             now = records[last]
             since = (float(now["displacement"]) - limit) / float(now["velocity"])
-            raise collapsed(curve, column, limit, time - since)
+            raise limits.collapsed(curve, column, limit, time - since)
         if status != kernels.OK:
             tried = f"Newton with bisection, shorter steps, at most {pace.most} of them"
             raise SolverError(f"time {time:.4g} s", residual, tried)
@@ -219,7 +211,7 @@ class SingleDof(Declared, table="option"):
 
     def period(self, column: Column) -> float:
         """Shortest period (s) of the impact mass on the resistance. Raises `OutOfDomainError`."""
-        steepest = self.curve(column).unloading_stiffness(reach(column))
+        steepest = self.curve(column).unloading_stiffness(limits.reach(column))
         return 2.0 * pi * sqrt(column.properties.impact_mass / steepest)
 
     def pace(self, column: Column, duration: float, bounces: bool) -> Pace:
@@ -242,18 +234,17 @@ class SingleDof(Declared, table="option"):
         solved = perf_counter() - started
         records, curve = run.records, run.curve
         top = float(records["displacement"].max())
-        companion = analytic_companion(curve)
+        shear, warnings = limits.reached(curve, scenario.column, top)
         spent = (records[name] for name in kernels.HISTORIES[-4:])  # energies
         values: dict[str, Any] = {
             **{name: records[name] for name in kernels.HISTORIES},
             "balance_error": reduce(np.subtract, spent, scenario.input_energy),
             "input_energy": scenario.input_energy,
-            "shear_utilisation": shear_utilisation(companion, scenario.column, top),
+            "shear_utilisation": shear,
             **_scalars(scenario, run),
         }
-        warnings = reached_findings(curve, companion, top)
         time = records["time"]
-        response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
+        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
 
@@ -261,17 +252,16 @@ class SingleDof(Declared, table="option"):
         column, top = scenario.column, scenario.displacement
         curve = self.curve(column)
         if curve.shape == PANEL and curve.lost_at <= top:  # its points end there
-            raise collapsed(curve, column, curve.lost_at)
+            raise limits.collapsed(curve, column, curve.lost_at)
         # the breakpoints are load steps, so that the quadrature of the force is exact
         inner = curve.starts[1:][curve.starts[1:] < top]
         path = np.union1d(np.linspace(0.0, top, _PUSH_STEPS + 1), inner)
-        companion = analytic_companion(curve)
-        warnings = reached_findings(curve, companion, top)
+        shear, warnings = limits.reached(curve, column, top)
         force = curve.force(path)
         values: dict[str, Any] = {
             "displacement": path,
             "force": force,
-            "shear_utilisation": shear_utilisation(companion, column, top),
+            "shear_utilisation": shear,
         }
         if curve.lost_at <= top:
             text = (
@@ -291,7 +281,7 @@ class SingleDof(Declared, table="option"):
             values["moment"] = sign * curve.moments(path)
             values["plastic_rotation"] = sign * curve.plastic_rotations(path)
         return build_response(
-            values, steps=len(path), hinges=hinges, segments=SEGMENTS, warnings=warnings
+            values, steps=len(path), hinges=hinges, segments=limits.SEGMENTS, warnings=warnings
         )
 
 
@@ -301,7 +291,7 @@ def _prepared(
 ) -> tuple[ResistanceCurve, float, Pace]:
     """Curve, limit of the displacement (m) and pace of a column, for the next strike."""
     curve = model.curve(column)
-    return curve, limit_of(curve, column), model.pace(column, duration, bounces)
+    return curve, limits.limit_of(curve, column), model.pace(column, duration, bounces)
 
 
 def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:

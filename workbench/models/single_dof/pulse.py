@@ -1,32 +1,21 @@
 """A column on its resistance curve under a force over time: steps, histories, response."""
 
-import csv
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.datafiles import data_directory
 from workbench.errors import CollapseError, SolverError
+from workbench.models.descriptors import measured_rows
 from workbench.models.practice.deflected_shape import beam_of
-from workbench.models.resistance import ResistanceCurve
-from workbench.models.resistance.limits import (
-    SEGMENTS,
-    analytic_companion,
-    collapsed,
-    limit_of,
-    reach,
-    reached_findings,
-    shear_utilisation,
-)
+from workbench.models.resistance import ResistanceCurve, limits
 from workbench.models.single_dof import kernels
 from workbench.models.single_dof.pulse_kernels import follow
-from workbench.models.validity import BEYOND, RISK, SUBJECT
+from workbench.models.validity import chance_of, how_often, measured_finding
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
@@ -79,7 +68,7 @@ def push(
     """
     curve = pushed.curve
     lightest = min(mass for _, mass, _ in pushed.stages)
-    stiffest = curve.unloading_stiffness(reach(column))
+    stiffest = curve.unloading_stiffness(limits.reach(column))
     period = 2.0 * np.pi * np.sqrt(lightest / stiffest)
     longest = min(period / _STEPS_PER_PERIOD, duration / _FEWEST_STEPS)
     steps = min(int(np.ceil(duration / longest)), _MOST_STEPS)
@@ -91,7 +80,7 @@ def push(
         np.array(pushed.stages),
         pushed.share * pulse.means(time),
         curve.elastic_limit,
-        limit_of(curve, column),
+        limits.limit_of(curve, column),
         curve.pieces,
         records,
     )
@@ -99,7 +88,7 @@ def push(
         where = f"time {last * step:.4g} s (step of {step:.3g} s)"
         raise SolverError(where, residual, "Newton with bisection")
     if status == kernels.COLLAPSE:
-        raise collapsed(curve, column, float(records["displacement"][last]), last * step)
+        raise limits.collapsed(curve, column, float(records["displacement"][last]), last * step)
     values: dict[str, Any] = {name: records[name] for name in ("displacement", "velocity", "force")}
     if pushed.at_hit:
         values |= {name: records[name] for name in ("kinetic", "elastic", "dissipated")}
@@ -125,15 +114,15 @@ def pulse_response(
     time, values = push(pushed, scenario.column, scenario.pulse, scenario.duration)
     solved = perf_counter() - started
     curve, top = pushed.curve, float(values["displacement"].max())
-    companion = analytic_companion(curve)
-    warnings = reached_findings(curve, companion, top) + pulse_findings(scenario, pushed, top)
+    shear, warnings = limits.reached(curve, scenario.column, top)
+    warnings += pulse_findings(scenario, pushed, top)
     warnings += pulse_risks(model, scenario.load, ductility_of(curve, top))
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
-        values["shear_utilisation"] = shear_utilisation(companion, scenario.column, top)
+        values["shear_utilisation"] = shear
     if further is not None:
         values |= further(values)
-    response = build_response(values, time=time, segments=SEGMENTS, warnings=warnings)
+    response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
     return response
 
@@ -145,29 +134,14 @@ def ductility_of(curve: ResistanceCurve, top: float) -> float:
 
 def pulse_risks(model: str, load: str, ductility: float) -> list[Finding]:
     """Warning of a model, by its name, where members of the study `drawn_pulses` were often off."""
-    path = data_directory() / "validation" / "pulses.csv"
-    for row in _drawn(path):
-        here = float(row["least"]) <= ductility < float(row["most"])
-        count, low, high = (int(row[name]) for name in ("count", "low", "high"))
-        off = low + high
-        chance = (off + 1.0) / (count + 2.0)  # mean of its posterior
-        if (row["model"], row["load"]) != (model, load) or not here or chance <= _TOLERATED:
-            continue
-        text = (
-            f"in {off} of {count} drawn members under such a load, "
-            f"{'yielding' if float(row['least']) else 'elastic'} as this one, the peak was more "
-            f"than {100.0 * BEYOND:g} % off, {low} too small and {high} too large; 90 % lay "
-            f"between {row['p5']} and {row['p95']} of the reference"
-        )
-        subject = RISK if 2 * off <= count else SUBJECT
-        return [Finding(subject, text, number=off / count, instead=())]
+    for row in measured_rows("pulses"):
+        here = row["least"] <= ductility < row["most"]
+        if (row["model"], row["load"]) == (model, load) and here and chance_of(row) > _TOLERATED:
+            state = "yielding" if row["least"] else "elastic"
+            text = how_often(row, f"drawn members under such a load, {state} as this one,")
+            text += f"; 90 % lay between {row['p5']:.4g} and {row['p95']:.4g} of the reference"
+            return [measured_finding(row, text)]
     return []
-
-
-@lru_cache(maxsize=1)
-def _drawn(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8") as stream:
-        return list(csv.DictReader(stream))
 
 
 def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Finding]:

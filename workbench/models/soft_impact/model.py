@@ -10,27 +10,24 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.errors import SolverError
-from workbench.fields import Choice, Declared, Number, checked
-from workbench.models.base import respond
+from workbench.fields import Choice, Number, checked
+from workbench.models.base import Answering
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
-from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, ResistanceCurve, column_curve
-from workbench.models.resistance.limits import (
-    SEGMENTS,
-    analytic_companion,
-    collapsed,
-    curve_findings,
-    limit_of,
-    reach,
-    reached_findings,
-    shear_utilisation,
+from workbench.models.resistance import (
+    INTERACTIONS,
+    SECTION,
+    SHAPES,
+    ResistanceCurve,
+    column_curve,
+    limits,
 )
 from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof.kernels import COLLAPSE, HISTORIES, RECORD
 from workbench.models.soft_impact import kernels
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.responses.histories import NO_PEAK, still_grows
-from workbench.scenarios import ColumnImpact, Scenario
+from workbench.scenarios import ColumnImpact
 
 VEHICLE_STIFFNESS = 3.0e5  # N/m, cars, EN 1991-1-7, Annex C
 _STEPS_PER_PERIOD = 100  # of the highest frequency of both springs
@@ -39,7 +36,7 @@ _BALANCE = 1e-3  # of the input energy, which the ledger may be open
 
 
 @dataclass(frozen=True)
-class SoftImpact(Declared, table="option"):
+class SoftImpact(Answering):
     """Two masses on two springs: what of the vehicle crushes, and the column.
 
     Options: `striker_stiffness` in N/m of what crushes (300 kN/m: cars, EN 1991-1-7, Annex C);
@@ -79,7 +76,9 @@ class SoftImpact(Declared, table="option"):
 
         A perfect one is that of an elastic spring. Shear is that of the run, not of a mechanism.
         """
-        findings = [f for f in curve_findings(scenario, self.resistance) if f.subject != "shear"]
+        findings = [
+            f for f in limits.curve_findings(scenario, self.resistance) if f.subject != "shear"
+        ]
         if self.striker_stiffness == VEHICLE_STIFFNESS:
             text = (
                 f"what strikes is taken for a spring of {VEHICLE_STIFFNESS / 1e3:g} kN/m, that of "
@@ -95,16 +94,12 @@ class SoftImpact(Declared, table="option"):
             findings.append(Finding("restitution", text, remedy="a crush_force loses energy"))
         return findings
 
-    def simulate(self, scenario: Scenario) -> Response:
-        """Answer a column impact."""
-        return respond(self, scenario, self._solve)
-
     def _solve(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
         scenario = with_hit_mass(scenario, self.hit_mass)
         column, curve = scenario.column, self.curve(scenario)
         mass, striker = column.properties.impact_mass, scenario.striker
-        stiffest = curve.unloading_stiffness(reach(column)) + self.striker_stiffness
+        stiffest = curve.unloading_stiffness(limits.reach(column)) + self.striker_stiffness
         frequency = float(np.sqrt(stiffest / mass + self.striker_stiffness / striker.mass))
         steps = scenario.duration * frequency * _STEPS_PER_PERIOD / (2.0 * np.pi)
         count = int(np.clip(np.ceil(steps), _FEWEST_STEPS, _MOST_STEPS))
@@ -118,25 +113,27 @@ class SoftImpact(Declared, table="option"):
             mass, striker.mass, striker.velocity, self.striker_stiffness, force
         )
         status, last, spring, _ = kernels.impact(
-            step, meeting, curve.elastic_limit, limit_of(curve, column), curve.pieces, records
+            step,
+            meeting,
+            curve.elastic_limit,
+            limits.limit_of(curve, column),
+            curve.pieces,
+            records,
         )
         if status == COLLAPSE:
-            raise collapsed(curve, column, float(records["displacement"][last]), last * step)
+            raise limits.collapsed(curve, column, float(records["displacement"][last]), last * step)
         solved = perf_counter() - started
         top = float(records["displacement"].max())
-        companion = analytic_companion(curve)
+        shear, warnings = limits.reached(curve, column, top)
         values: dict[str, Any] = {
             **{name: records[name] for name in HISTORIES},
             "input_energy": scenario.input_energy,
-            "shear_utilisation": shear_utilisation(companion, column, top),
+            "shear_utilisation": shear,
         }
         plastic = spring.v - spring.force / spring.stiffness if spring.yielded else 0.0
         values["residual_displacement"] = plastic
-        warnings = reached_findings(curve, companion, top)
-        if values["shear_utilisation"] is not None and self.resistance != PANEL:
-            warnings += shear_warnings(
-                column, dict(zip(SEGMENTS, values["shear_utilisation"], strict=True))
-            )
+        if shear is not None and self.resistance != PANEL:
+            warnings += shear_warnings(column, dict(zip(limits.SEGMENTS, shear, strict=True)))
         if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
             if not still_grows(records["displacement"]):
@@ -147,7 +144,7 @@ class SoftImpact(Declared, table="option"):
         response = build_response(
             values,
             time=np.linspace(0.0, scenario.duration, count + 1),
-            segments=SEGMENTS,
+            segments=limits.SEGMENTS,
             warnings=warnings,
         )
         error = energy_error(response)

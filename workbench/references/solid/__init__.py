@@ -1,5 +1,3 @@
 """Reference beyond beam theory: the column as a plane-stress continuum, on scikit-fem."""
 
-from workbench.references.solid.model import SolidPlaneStress
-
-__all__ = ["SolidPlaneStress"]
+from workbench.references.solid.model import SolidPlaneStress as SolidPlaneStress

@@ -131,11 +131,6 @@ class FiberBars(BarElements):
             self._sections,
         )
 
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
-
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step, those of the fibers."""
         return MemberElements.account(self, weight)

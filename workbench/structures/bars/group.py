@@ -136,30 +136,17 @@ class BarTables(NamedTuple):
 class BarElements(HingedElements):
     """Two-node bars that are elastic but for what is plastic at their ends.
 
-    Arguments: `nodes` (elements, 2), node numbers; the `bars` (elements,); an empty `state` whose
-    first two entries are those of `BarState`; `first_order`, equilibrium of the undeformed
-    structure. The plastic deformation of a bar is what its forces do not explain elastically.
+    Arguments: as for `HingedElements`, the first two entries of the `state` those of `BarState`.
+    The plastic deformation of a bar is what its forces do not explain elastically.
     """
 
     kernels: ClassVar[Any] = kernels
-    _old: Any
-
-    def __init__(
-        self, nodes: ArrayLike, bars: Sequence[Bar], state: Any, first_order: bool = False
-    ) -> None:
-        self._own, self.first_order = list(bars), first_order
-        super().__init__(nodes, state)
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
-        super().place(bars._replace(first_order=self.first_order, relative=True))
+        super().place(bars)
         rows = [bar.row(length) for bar, length in zip(self._own, self.lengths, strict=True)]
         self._rows: Any = np.array(rows, dtype=BAR)
-
-    def masses(self) -> tuple[Array, Array]:
-        """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
-        mass = np.array([bar.mass_per_length for bar in self._own]) * self.lengths
-        return mass, np.zeros_like(mass)
 
     def elastic(self, state: Any) -> tuple[Array, float]:
         """Elastic deformations (elements, 3) under the forces of a state, and their energy in J."""
@@ -251,11 +238,6 @@ class HingedBars(BarElements):
             share[:, None, None] * reach,
             np.array(curves) if gradual else np.tile(at_once, (len(ends), 2, 1, 1)),
         )
-
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
 
 
 def first_order(row: Any) -> Array:

@@ -62,11 +62,6 @@ class RefinedBars(BarElements):
         state = RefinedState(*(np.zeros((count, *width)) for width in widths))
         super().__init__(nodes, bars, state, first_order)
 
-    @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
-
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars)

@@ -81,15 +81,15 @@ class Superelements(HingedElements):
         regularisation: float = REGULARISATION,
         first_order: bool = False,
     ) -> None:
-        self._own = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
-        self.regularisation, self.first_order = regularisation, first_order
-        count = len(self._own)
+        own = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
         widths = ((5,), (3,), (3,), (3,), ())
-        super().__init__(nodes, SuperelementState(*(np.zeros((count, *w)) for w in widths)))
+        state = SuperelementState(*(np.zeros((len(own), *width)) for width in widths))
+        super().__init__(nodes, own, state, first_order)
+        self.regularisation = regularisation
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
-        super().place(bars._replace(first_order=self.first_order, relative=True))
+        super().place(bars)
         own = list(zip(self._own, self.lengths, strict=True))
         bending = np.stack([section.flexibility(length) for section, length in own])
         slides = np.array([section.shear_flexibility(length) for section, length in own])
@@ -104,7 +104,7 @@ class Superelements(HingedElements):
         pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
         exponents = np.stack([section.exponents() for section in self._own])
         self._powers: Array = np.moveaxis(exponents, -1, 0)[:, None].copy()
-        self._hinges = HingeTables(
+        self._tables = HingeTables(
             bending,
             flexibility,
             _inverse(flexibility, pinned),
@@ -124,11 +124,6 @@ class Superelements(HingedElements):
         return np.array(inertia) * self.lengths
 
     @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states: the hinges."""
-        return (self._hinges,)
-
-    @property
     def states(self) -> tuple[SuperelementState, SuperelementState]:
         """The committed state and the one assembled last."""
         return self._old, self._new
@@ -136,11 +131,6 @@ class Superelements(HingedElements):
     def show(self, state: SuperelementState) -> None:
         """Take a state that was reached elsewhere, or several (..., e, 3), to be looked at."""
         self._old = state
-
-    def masses(self) -> tuple[Array, Array]:
-        """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
-        mass = np.array([section.mass_per_length for section in self._own]) * self.lengths
-        return mass, np.zeros_like(mass)
 
     def mass_matrices(self) -> Array:
         """Constant rotary inertia (elements, 6, 6) of the initial chords, where it is linear."""
@@ -153,7 +143,7 @@ class Superelements(HingedElements):
 
     def kinetic_energy(self) -> float:
         """Committed kinetic energy of the nonlinear rotary inertia, in J."""
-        return 0.5 * float(self._hinges.rotary @ self._old.rate**2)
+        return 0.5 * float(self._tables.rotary @ self._old.rate**2)
 
     def turn_with(self, displacement: Array, velocity: Array) -> None:
         """Give the chords the angular velocities that the nodes have (dofs,), in m and m/s."""
@@ -205,11 +195,11 @@ class Superelements(HingedElements):
         used = np.zeros((*rows.shape[:2], 2))
         if not self.slide.all():
             shares = np.empty((2, *used.shape))
-            kernels.use_bounds(self._hinges.bounds, rows, shares)
+            kernels.use_bounds(self._tables.bounds, rows, shares)
             shares **= self._powers
             used = shares[0] + shares[1]
         if self.slide.any():
-            kernels.use_webs(self._hinges, rows, used)
+            kernels.use_webs(self._tables, rows, used)
         return used.reshape(*carried.shape[:-1], 2)
 
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
