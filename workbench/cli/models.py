@@ -47,7 +47,10 @@ def _entry(offer: Offer) -> dict[str, Any]:
         sources = kind().sources  # published series have theirs from the data
     except Exception:
         sources = kind.sources
-    text = inspect.cleandoc(kind.__doc__ or "")
+    names = {field.name for field in dataclasses.fields(kind)}
+    families = (base for base in kind.__mro__[1:] if "name" not in vars(base))
+    told = [kind, *(base for base in families if names & vars(base).keys())]  # of options
+    text = "\n\n".join(inspect.cleandoc(base.__doc__ or "") for base in told)
     return {
         "name": offer.name,
         "title": text.partition("\n")[0],

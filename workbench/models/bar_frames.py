@@ -34,7 +34,17 @@ Cut = tuple[Array, list[tuple[int, int]], list[Piece]]  # see `cut_members`
 
 @dataclass(frozen=True)
 class BarFrames(FrameModel):
-    """What all these models do alike; each explains the options."""
+    """Frames of a few bars per member.
+
+    Shared options: `elements` per member (None: one, of loaded members more, see `struck_parts`);
+    `integrator`; `time_step` in s (None: 1/150 of the expected time to the peak, four times as long
+    after six such times, at most the time of a wave along an element and back, half of that with
+    restitution); `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a
+    section depth of the heaviest bar there): without it the rotation of a joint at which all
+    hinges yield is indeterminate; `regularisation`, share of the elastic stiffness beside the
+    perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the undeformed
+    frame: first-order theory, for comparison).
+    """
 
     elements: int | None = checked(Number(1, 100, integer=True), optional=True)
     integrator: str = checked(Choice(INTEGRATORS), MIDPOINT)

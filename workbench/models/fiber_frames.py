@@ -29,7 +29,11 @@ COMMON = (
 
 @dataclass(frozen=True)
 class ForceBased(BarHinges):
-    """What both do alike; each explains the options."""
+    """Force-based elements.
+
+    Shared options: `layers` over the depth; `hardening_ratio`, kinematic hardening over the elastic
+    modulus; `regularisation` is not used here.
+    """
 
     layers: int = checked(Number(4, 1000, integer=True), 20)
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)
@@ -66,15 +70,7 @@ class ForceBased(BarHinges):
 
 @dataclass(frozen=True)
 class ForceBasedBeam(ForceBased):
-    """Force-based fiber element with Gauss-Lobatto points.
-
-    Options: `points` along an element; `layers` over the depth; `hardening_ratio`, kinematic
-    hardening over the elastic modulus; `shear_flexible`, elastic shear strain; `elements` per
-    member (None: one, of struck members more, see `struck_parts`); `integrator`; `time_step` in s
-    (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
-    of half a section depth of the heaviest bar there); `regularisation`, not used here;
-    `geometry`, co-rotational or linear.
-    """
+    """Force-based fiber element with Gauss-Lobatto points; option: `points` along an element."""
 
     points: int = checked(Number(3, 20, integer=True), 5)
 
@@ -96,12 +92,7 @@ class ForceBasedBeam(ForceBased):
 class FiberHinge(ForceBased):
     """Fibers at both ends of an element that is elastic between.
 
-    Options: `hinge_length` over the depth of the section; `layers` over the depth;
-    `hardening_ratio`, kinematic hardening over the elastic modulus; `shear_flexible`, elastic
-    shear strain; `elements` per member (None: one, of struck members more, see `struck_parts`);
-    `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary inertia of
-    every node in kg m2 (None: that of half a section depth of the heaviest bar there);
-    `regularisation`, not used here; `geometry`, co-rotational or linear.
+    Options: `hinge_length` over the depth of the section.
     """
 
     hinge_length: float = checked(Number(0.01, 10.0), 1.0)

@@ -53,7 +53,7 @@ AXIAL_SHARE = 0.15  # of the squash load; EN 1993-1-1, 6.2.9.1: an I section the
 
 @dataclass(frozen=True)
 class BarHinges(BarFrames):
-    """What models of beam-columns with plastic ends do alike."""
+    """Beam-columns with plastic ends; shared option: `shear_flexible`, elastic shear strain."""
 
     shear_flexible: bool = checked(Flag(), True)
 
@@ -147,12 +147,7 @@ class BarHinges(BarFrames):
 class Giberson(BarHinges):
     """Giberson's one-component beam: two rotational springs on an elastic beam.
 
-    Options: `ratio` f of the stiffness of a flowing spring over 4 EI/L (0: perfectly plastic);
-    `shear_flexible`, elastic shear strain; `elements` per member (None: one, of struck members
-    more, see `struck_parts`); `integrator`; `time_step` in s
-    (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
-    of half a section depth of the heaviest bar there); `regularisation`, share of the elastic
-    stiffness beside the hinges; `geometry`, co-rotational or linear.
+    Options: `ratio` f of the stiffness of a flowing spring over 4 EI/L (0: perfectly plastic).
     """
 
     ratio: float = checked(Number(0.0, 10.0), 0.0)
@@ -187,13 +182,8 @@ class Giberson(BarHinges):
 class PlasticHinge(BarHinges):
     """Plastic hinges on a yield surface: elastic and geometric less plastic reduction matrix.
 
-    Options: `surface`, the rule of N-M interaction; `shear_flexible`, elastic shear strain;
-    `elements` per member (None: one, of struck members more, see `struck_parts`, and more where
-    the squash load nears the Euler load of a pin-ended element);
-    `integrator`; `time_step` in s (None: as of superelements); `node_inertia`, rotary inertia of
-    every node in kg m2 (None: that of half a section depth of the heaviest bar there);
-    `regularisation`, share of the elastic stiffness beside the hinges; `geometry`, co-rotational or
-    linear.
+    Options: `surface`, the rule of N-M interaction; `elements` are more where the squash load nears
+    the Euler load of a pin-ended element.
     """
 
     surface: str = checked(Choice(RULES), "exact")
@@ -254,11 +244,7 @@ class RefinedPlasticHinge(BarHinges):
     """Refined plastic hinges: stability functions, tangent modulus, stiffness lost by degrees.
 
     Options: `imperfect`, E taken 0.877 times, so that the tangent modulus is that of the AISC
-    column curve with its initial crookedness; `shear_flexible`, elastic shear strain; `elements`
-    per member (None: one, of struck members more, see `struck_parts`); `integrator`; `time_step` in
-    s (None: as of superelements); `node_inertia`, rotary inertia of every node in kg m2 (None: that
-    of half a section depth of the heaviest bar there); `regularisation`, share of the elastic
-    stiffness beside the elements; `geometry`, co-rotational or linear.
+    column curve with its initial crookedness.
     """
 
     imperfect: bool = checked(Flag(), False)

@@ -80,7 +80,15 @@ COMMON = (
 
 @dataclass(frozen=True)
 class _HingedBars(BarFrames):
-    """What both superelements do alike; each says what its bars are and explains the options."""
+    """Superelements; a model says what its bars are.
+
+    Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
+    fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
+    yield and slide, none: members are rigid in shear; `accuracy` that steps by error aim at, as a
+    share of the peak; `time_step` None: of the midpoint scheme by the error, of frames that peak
+    after several rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off
+    mostly 1 %, a few 7 %.
+    """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
     beta: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -249,25 +257,10 @@ def _web_of(section: Section, steel: Steel) -> ShearSurface | None:
 class RigidSuperelement(_HingedBars):
     """Rigid bars between generalized hinges (Heng 2017, paper IV).
 
-    Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
-    fitted to the exact N-M envelope of the section and stated to one decimal);
-    `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member that ends
-    in a pin gets half of it at the other end; None: 6 of one element, several are exact
-    together); `axial_stiffness`, c of c EA/L (2: exact);
-    `elements` per member (None: one, of loaded members more, see `struck_parts`);
-    `accuracy` that steps by error aim at, as a share of the peak;
-    `inertia` of the turning bar, nonlinear, linear (of the initial
-    position) or none; `integrator`; `time_step` in s (None: by the error, of
-    frames that peak after several rebounds up to 0.6 % off the peak, of columns whose light striker
-    is thrown off mostly 1 %, a few 7 %; of the other integrators 1/150 of the expected time to the
-    peak, four times as long after six such times, at most the time of a wave along an element and
-    back, half of that with restitution);
-    `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
-    the heaviest bar there): without it the rotation of a joint at which all hinges yield is
-    indeterminate; `regularisation`, share of the elastic stiffness
-    beside the perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the
-    undeformed frame: first-order theory, for comparison); `shear`, panel: webs yield and slide,
-    none: members are rigid in shear.
+    Options: `rotational_stiffness`, c of the hinge stiffness c EI/L (6: exact in sway; a member
+    that ends in a pin gets half of it at the other end; None: 6 of one element, several are exact
+    together); `axial_stiffness`, c of c EA/L (2: exact); `inertia` of the turning bar, nonlinear,
+    linear (of the initial position) or none.
     """
 
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
@@ -313,16 +306,8 @@ class RigidSuperelement(_HingedBars):
 class FlexibleSuperelement(_HingedBars):
     """Elastic beams between generalized hinges (Heng 2017, paper III).
 
-    Options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
-    fitted to the exact N-M envelope of the section and stated to one decimal); `hinge_stiffness`,
-    n of the hinges' n 2EA/L and n 6EI/L (100 and more: rigid-plastic hinges); `elements` per
-    member; `accuracy` that steps by error aim at, as a share of the peak; `integrator`;
-    `time_step` in s (None: by the error, as for `rigid-superelement`);
-    `node_inertia`, rotary inertia of every node in kg m2 (None: that of half a section depth of
-    the heaviest bar there); `regularisation`, share of the elastic stiffness beside the
-    perfectly plastic hinges; `geometry`, co-rotational or linear (equilibrium of the undeformed
-    frame: first-order theory, for comparison); `shear`, panel: webs yield and
-    slide, none: members are rigid in shear.
+    Options: `hinge_stiffness`, n of the hinges' n 2EA/L and n 6EI/L (100 and more: rigid-plastic
+    hinges).
     """
 
     hinge_stiffness: float = checked(Number(0.1, 1e9), 10.0)

@@ -50,7 +50,20 @@ SAME = 0.01  # relative difference of an override from what the fibers give that
 
 @dataclass(frozen=True)
 class FiberReference(FrameModel):
-    """The options of every fiber reference; each explains them and adds its own."""
+    """Fiber references; each adds its own options.
+
+    Shared options: `smallest_element` in m, at both ends of every member, and `largest_element`
+    (None: by rule); `layers` over the depth of the section; `time_step` in s (None: 1/20 of the
+    time of an axial wave along the longest member, 1/10 in a single one, and at first at most 1/130
+    of the expected time to the peak; a bound and the interval of records if explicit);
+    `refinement`, how often all these elements and steps are halved (negative: doubled);
+    `step_refinement`, how often the steps alone are halved further; `levels`, meshes behind an
+    answer, each with twice the elements and steps of the next finer one (1: that of `refinement`
+    alone, the numerical uncertainty is then unknown); `integrator`, implicit with energy-exact
+    steps or explicit central differences with lumped mass; `weight` of the end stresses in an
+    implicit step (1/2 conserves energy, more damps waves); `hardening_ratio`, the regularising
+    hardening over the elastic modulus.
+    """
 
     smallest_element: float | None = checked(Number(1e-4, 10.0, "m"), optional=True)
     largest_element: float | None = checked(Number(1e-4, 100.0, "m"), optional=True)

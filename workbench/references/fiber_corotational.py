@@ -48,24 +48,14 @@ SAMPLED = {INTERPOLATED: 0.5 - 0.5 / sqrt(3.0), BALANCED: 0.0, LOBATTO: 0.32}
 class FiberCorotational(FiberReference):
     """Co-rotational fiber beam.
 
-    Its options: `element`, interpolated (the classical element with two Gauss points and linear
-    axial displacement) or balanced (one axial force per element, plasticity sampled at the end
-    that is nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the
-    member only) or lobatto (the classical element with four Gauss-Lobatto points, as in programs
-    of practice); `smallest_element` in m, at both ends of every member (None:
-    1/32 of the shorter one that is hit, 1/16 in statics, 1/12 for balanced elements, but not below
-    0.1, 0.2 and 0.3 of the depth);
-    `largest_element` in m (None: 1/40 of the longest member in dynamics, 1/8 in statics);
-    `layers` over the depth of the section; `weight` of the end stresses in a time step (1/2
-    conserves energy, more damps waves); `hardening_ratio`, the
-    regularising hardening over the elastic modulus; `time_step` in s (None: 1/20 of the time of
-    an axial wave along the longest member, 1/10 in a single one, and at first at most 1/130 of
-    the expected time to the peak); `refinement`, how often all these elements and steps are
-    halved (-1: doubled); `step_refinement`, how often the steps alone are halved further;
-    `levels`, meshes behind an answer, each with twice the elements and steps of the next finer one
-    (1: that of `refinement` alone, the numerical uncertainty is then unknown); `shear_flexible`:
-    elastic shear strain (False: Bernoulli's beam without any); `integrator`, implicit with
-    energy-exact steps or explicit central differences with lumped mass.
+    Options: `element`, interpolated (the classical element with two Gauss points and linear axial
+    displacement) or balanced (one axial force per element, plasticity sampled at the end that is
+    nearer to a potential hinge: hardly depends on the mesh, but stretches hinges along the member
+    only) or lobatto (the classical element with four Gauss-Lobatto points, as in programs of
+    practice); `smallest_element` None: 1/32 of the shorter member that is hit, 1/16 in statics,
+    1/12 for balanced elements, but not below 0.1, 0.2 and 0.3 of the depth; `largest_element` None:
+    1/40 of the longest member in dynamics, 1/8 in statics; `shear_flexible`: elastic shear strain
+    (False: Bernoulli's beam without any).
     """
 
     hardening_ratio: float = checked(Number(1e-9, 0.1), 1e-6)

@@ -40,7 +40,13 @@ LAWS = ("linear", "menegotto-pinto")
 
 @dataclass(frozen=True)
 class ExactBeams(FiberReference):
-    """Geometrically exact beams: one point per element, residual stress, crooked columns."""
+    """Geometrically exact beams: one point per element, residual stress, crooked columns.
+
+    Shared options: `largest_element` None: 1/40 of the longest member, in dynamics at most half the
+    depth; `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the
+    yield stress (None: 0.5 for profiles up to 1.2 times as high as wide, else 0.3);
+    `out_of_straightness`, amplitude of a half sine of a column along the strike over its length.
+    """
 
     residual_stress: str = checked(Choice(PATTERNS), "none")
     residual_ratio: float | None = checked(Number(0.0, 1.0), optional=True)
@@ -114,27 +120,13 @@ class ExactBeams(FiberReference):
 class FiberReissner(ExactBeams):
     """Geometrically exact fiber beam.
 
-    Mesh and steps: `smallest_element` in m, at both ends of every member (None: 1/256 of the
-    shorter one that is hit, but not below 1/100 of the depth); `largest_element` in m (None: 1/40
-    of the longest member, in dynamics at most half the depth); `layers` over the depth of the
-    section; `time_step` in s (None: 1/30 of the time of an axial wave along the longest member,
-    1/10 in a single one, and at first at most 1/130 of the expected time to the peak; a bound and
-    the interval of records if explicit); `refinement`, how often all elements and steps are
-    halved (negative: doubled); `step_refinement`, how often the steps alone are halved further;
-    `levels`, meshes behind an answer, each with twice the elements and steps of the next finer
-    one (1: that of `refinement` alone, the numerical uncertainty is then unknown).
-    Solution: `integrator`, implicit with energy-exact steps or explicit central differences with
-    lumped mass; `weight` of the end stresses in an implicit step (1/2 conserves energy, more damps
-    waves).
-    Steel: `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic hardening
-    modulus (or slope of the hardening line) over the elastic one, by default regularisation only:
-    perfect plasticity has no limit of the mesh at large rotations, as a hinge has no length;
-    `isotropic_ratio`, isotropic hardening modulus over the elastic one; `rate_sensitive`: yield
-    stress after Cowper and Symonds with `rate_reference` in 1/s and `rate_exponent`;
-    `residual_stress`, pattern in an I section, with `residual_ratio` of its peak to the yield
-    stress (None: 0.5 for profiles up to 1.2 times as high as wide, else 0.3);
-    `out_of_straightness`, amplitude of a half sine of a column along the strike over its
-    length.
+    Options: `smallest_element` None: 1/256 of the shorter member that is hit, but not below 1/100
+    of the depth; `steel_law`, linear hardening or Menegotto-Pinto; `hardening_ratio`, kinematic
+    hardening modulus (or slope of the hardening line) over the elastic one, by default
+    regularisation only: perfect plasticity has no limit of the mesh at large rotations, as a hinge
+    has no length; `isotropic_ratio`, isotropic hardening modulus over the elastic one;
+    `rate_sensitive`: yield stress after Cowper and Symonds with `rate_reference` in 1/s and
+    `rate_exponent`.
     """
 
     levels: int = checked(LEVELS, 4)

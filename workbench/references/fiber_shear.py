@@ -20,12 +20,8 @@ from workbench.structures.uniaxial import ShearYielding
 class FiberShear(ExactBeams):
     """Geometrically exact fiber beam with shear yielding.
 
-    Its options are those of `FiberReissner`, without the choice of steel laws:
-    `smallest_element` (None: 1/64 of the shorter member that is hit, but not below 1/20 of the
-    depth) and `largest_element` in m, `layers` over the depth, `time_step` in s, `refinement`,
-    `step_refinement` (of the steps alone), `levels`, meshes behind an answer, `integrator`,
-    `weight` of the end stresses, `hardening_ratio` that only regularises, `residual_stress` with
-    `residual_ratio`, `out_of_straightness`.
+    Options: `smallest_element` None: 1/64 of the shorter member that is hit, but not below 1/20 of
+    the depth; time steps are twice as long.
     """
 
     name: ClassVar[str] = "fiber-shear"

@@ -30,13 +30,7 @@ class FourDof(RigidBars):
 
     Options: `alpha`, `beta`: exponents of the yield surface (None: fitted to the exact N-M
     envelope of the section and stated to one decimal, as the thesis does);
-    `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6; None: springs that make
-    the bars the elastic column under a force at the hit point); `integrator`;
-    `time_step` in s (None: controlled by the error, some 0.1 % of the peak, until the energy
-    balance closes to 1e-6; moreau: a fifth of the inverse of the highest axial frequency);
-    `small_rotations`: the kinematics of the SDOF model; `spring_shares_load`: the restraint
-    spring is there before the axial load comes on; `hit_mass`: a third of the column (thesis), or
-    what of it shares the velocity of the striker at once (waves).
+    `small_rotations`: the kinematics of the SDOF model.
     """
 
     alpha: float | None = checked(Number(1.0, 20.0), optional=True)
@@ -82,9 +76,7 @@ class FourDofShear(RigidBars):
 
     Options: `kinematics`: sliding stretches a bar (chord, as in a solid) or does not (section, as
     in `fiber-shear`); `web_depth`, what of the webs carries shear: between the centre lines of the
-    flanges, as in a solid, or clear, as in `fiber-shear`; `rotational_stiffness`, `integrator` and
-    `spring_shares_load` as in `four-dof`; `hit_mass` as there, but waves by default; `time_step`
-    as there.
+    flanges, as in a solid, or clear, as in `fiber-shear`; `hit_mass`, waves by default.
     """
 
     kinematics: str = checked(Choice(tuple(_KINEMATICS)), "chord")

@@ -49,9 +49,15 @@ _FEWEST, _RECORDS = 50, 2000  # steps; parts of the duration that are recorded b
 
 @dataclass(frozen=True)
 class RigidBars(Answering):
-    """What all columns of two rigid bars and four hinges have; models say how hinges yield.
+    """Columns of two rigid bars and four hinges; models say how hinges yield.
 
-    The options that they share are explained with each.
+    Shared options: `rotational_stiffness`: factor c of c EI / l of a hinge (the thesis: 6; None:
+    springs that make the bars the elastic column under a force at the hit point); `integrator`;
+    `time_step` in s (None: controlled by the error, some 0.1 % of the peak, until the energy
+    balance closes to 1e-6; moreau: a fifth of the inverse of the highest axial frequency);
+    `spring_shares_load`: the restraint spring is there before the axial load comes on; `hit_mass`:
+    a third of the column (thesis), or what of it shares the velocity of the striker at once
+    (waves).
     """
 
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
