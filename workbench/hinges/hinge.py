@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.hinges import kernels
 from workbench.hinges.surface import YieldSurface
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
 from workbench.materials import Steel
 from workbench.sections import Section
@@ -46,7 +47,7 @@ class YieldSurface(Declared, table="yield_surface"):
         """Plastic moment for positive and for negative moment, in N m."""
         return self.plastic_moment, self.plastic_moment_negative or self.plastic_moment
 
-    def utilisation(self, axial_force: ArrayLike, moment: ArrayLike) -> NDArray[np.float64]:
+    def utilisation(self, axial_force: ArrayLike, moment: ArrayLike) -> Array:
         """Left side of the yield condition: below 1 elastic, 1 on the surface (arrays, N, N m)."""
         force, bending = np.asarray(axial_force, float), np.asarray(moment, float)
         n = np.where(force >= 0.0, force / self.axial_bounds[0], -force / self.axial_bounds[1])

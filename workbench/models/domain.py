@@ -45,8 +45,7 @@ def shear_demand(scenario: ColumnScenario) -> dict[str, float]:
 def mechanism_demand(column: Column, *, uniform: bool = False) -> Mapping[str, float]:
     """The same of a column under a `uniform` load, or a force at the hit point."""
     properties = column.properties
-    below = (2.0 if column.base == "clamped" else 1.0) / column.length_below
-    above = (1.0 if column.head == "pinned" else 2.0) / column.length_above
+    below, above = ((2.0 if clamped else 1.0) / length for length, clamped in column.bars.values())
     ratio = properties.plastic_moment / properties.shear_resistance
     if uniform:
         line = 2.0 * (below + above) / column.length  # q over M, by virtual work

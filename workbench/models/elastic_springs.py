@@ -59,8 +59,8 @@ def thesis_springs(column: Column, factor: float) -> Springs:
     bending = factor * column.steel.elastic_modulus * column.properties.second_moment
     inf = float("inf")
     turned = [
-        (inf if pinned else length / bending, (2.0 if pinned else 1.0) * length / bending)
-        for length, pinned in _bars(column)
+        (length / bending if clamped else inf, (1.0 if clamped else 2.0) * length / bending)
+        for length, clamped in column.bars.values()
     ]
     return Springs(turned[0][0], turned[0][1], turned[1][1], turned[1][0])
 
@@ -90,10 +90,11 @@ def _secants(
     And under a force at the hit point or a `line` load, v = 1 there either way.
     """
     bending = column.steel.elastic_modulus * column.properties.second_moment
-    lengths = [length for length, _ in _bars(column)]
+    bars = column.bars.values()
+    lengths = [length for length, _ in bars]
     A = np.zeros((4, 4))  # M_base, M_hit, M_head, slope at the hit point; over the rotations
     turned = np.zeros((4, 2))  # by v = 1, and by a line load of 1 N/m
-    for bar, (length, pinned) in enumerate(_bars(column)):
+    for bar, (length, clamped) in enumerate(bars):
         own, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
         one, two = bar_functions(load * length**2 / bending)
         shear = 1.0 / (shear_stiffness * length)
@@ -104,7 +105,7 @@ def _secants(
         turned[rows, 0] = 1.0 / length
         sagged = line_function(load * length**2 / bending) * length**3 / bending
         turned[rows, 1] = sagged, -sagged
-        if pinned:
+        if not clamped:
             A[rows[0]] = 0.0
             A[rows[0], own[0]] = 1.0
             turned[rows[0]] = 0.0
@@ -119,15 +120,8 @@ def _secants(
         for bar, end in enumerate((base, head)):
             chords[bar] -= (end + hit) / (shear_stiffness * lengths[bar])
     ends = [
-        float("inf") if pinned else chord / moment if moment != 0.0 else -1.0
-        for chord, moment, (_, pinned) in zip(chords, (base, head), _bars(column), strict=True)
+        float("inf") if not clamped else chord / moment if moment != 0.0 else -1.0
+        for chord, moment, (_, clamped) in zip(chords, (base, head), bars, strict=True)
     ]
     middle = sum(chords) / hit / column.length
     return Springs(ends[0], middle * lengths[0], middle * lengths[1], ends[1])
-
-
-def _bars(column: Column) -> tuple[tuple[float, bool], tuple[float, bool]]:
-    return (
-        (column.length_below, column.base == "pinned"),
-        (column.length_above, column.head == "pinned"),
-    )

@@ -61,7 +61,7 @@ def wave_mass(scenario: ColumnImpact) -> float:
     sliding = max(0.0, 1.0 - front_velocity(scenario) / scenario.striker.velocity)
     plastic = 1.0 - elastic_energy(column) * (1.0 + ratio) / scenario.input_energy
     shared = 0.0
-    for bar, (length, clamped) in bars_of(column).items():
+    for bar, (length, clamped) in column.bars.items():
         left = max(0.0, 1.0 - demand[bar])  # of V_pl, to bring the bar to speed
         lost = left * (1.0 + ratio) / (left + ratio)
         share = 1.0 - sliding * (1.0 - lost)
@@ -70,14 +70,6 @@ def wave_mass(scenario: ColumnImpact) -> float:
         shared += max(0.0, share) * length / column.length
     piece = properties.mass_per_length * column.section.height
     return min(max(shared * lumped, piece), lumped)
-
-
-def bars_of(column: Column) -> dict[str, tuple[float, bool]]:
-    """Length (m) of both bars, by their place, and whether the far end of each is clamped."""
-    return {
-        "below": (column.length_below, column.base != "pinned"),
-        "above": (column.length_above, column.head != "pinned"),
-    }
 
 
 def front_velocity(scenario: ColumnImpact) -> float:
@@ -114,7 +106,7 @@ def elastic_energy(column: Column) -> float:
     bending = column.steel.elastic_modulus * properties.second_moment
     stiffness = resistance = 0.0
     demand = mechanism_demand(column)
-    for bar, (length, clamped) in bars_of(column).items():
+    for bar, (length, clamped) in column.bars.items():
         flexible = length**3 / ((12.0 if clamped else 3.0) * bending)
         stiffness += 1.0 / (flexible + length / shear_rigidity(column))
         resistance += min(demand[bar], 1.0) * properties.shear_resistance
@@ -127,7 +119,7 @@ def elastic_mass(column: Column) -> float:
     rho A times the integral of phi^2, phi the deflection, 1 at the hit point: 0.37 of a clamped
     column hit in the middle, more than all of it if hit at a sixth: the longer bar moves most.
     """
-    bars = tuple(bars_of(column).values())
+    bars = tuple(column.bars.values())
     below, above = ((4.0 if clamped else 3.0) / length for length, clamped in bars)
     turning = ((6.0 if clamped else 3.0) / length**2 for length, clamped in bars)
     slope = (next(turning) - next(turning)) / (below + above)  # at the hit point

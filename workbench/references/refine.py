@@ -13,7 +13,7 @@ from typing import Any
 
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.models.base import options_of
+from workbench.models.base import on_one_mesh, options_of
 from workbench.references.localisation import by_run, drift_text, localisation_of, told
 from workbench.references.quantities import check_quantities, default_quantities, read
 from workbench.responses import (
@@ -101,7 +101,7 @@ def refine(
         raise InputError("levels", levels, f"must be from 2 to {MOST_LEVELS}")
     asked = None if quantities is None else check_quantities(quantities)
     started = time.perf_counter()
-    response: Response = _alone(model).simulate(scenario)
+    response: Response = on_one_mesh(model).simulate(scenario)
     if outcome_of(response) is Outcome.OK:
         _Refinement(model, scenario, response, levels, asked).attach(localisation)
         response.attrs["options"] = json.dumps(options_of(model), sort_keys=True)
@@ -165,7 +165,7 @@ class _Refinement:
 
     def _run(self) -> tuple[Direction, ...]:
         """Answer on coarser meshes as far as they can be relied on; the directions they make."""
-        model, names = _alone(self.model), level_names(self.levels)
+        model, names = on_one_mesh(self.model), level_names(self.levels)
         together = SPACE_AND_STEPS
         if self.scenario.STATIC:
             together = getattr(model, "refines_in_statics", together)
@@ -193,7 +193,7 @@ class _Refinement:
 
     def _meshes(self) -> list[Any]:
         """The model on each mesh, from coarse to fine, alone."""
-        model = _alone(self.model)
+        model = on_one_mesh(self.model)
         return [
             replace(model, refinement=model.refinement - k) for k in reversed(range(self.levels))
         ]
@@ -217,11 +217,6 @@ class _Refinement:
             return False
         self.runs[name] = run
         return True
-
-
-def _alone(model: Any) -> Any:
-    """The model without coarser meshes behind it."""
-    return replace(model, levels=1) if hasattr(model, "levels") else model
 
 
 def _coarser(run: Response, finer: Response) -> bool:

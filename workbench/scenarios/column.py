@@ -81,9 +81,15 @@ class Column(Declared, table="column"):
         """Section values with the overrides of this column applied."""
         return member_properties(self, self.steel, self.length, self.fillets)
 
+    @property
+    def bars(self) -> dict[str, tuple[float, bool]]:
+        """Length (m) of the segment below and above, and whether its far end is clamped."""
+        below = self.length_below, self.base == "clamped"
+        return {"below": below, "above": (self.length_above, self.head != "pinned")}
+
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
-        clamps = (self.base == "clamped") + (self.head != "pinned")
+        clamps = sum(clamped for _, clamped in self.bars.values())
         return {2: 0.5, 1: 0.699156, 0: 1.0}[clamps]
 
 

@@ -25,10 +25,7 @@ def plastic_moment(column: Column, axial: str) -> float:
 
 def turning(column: Column) -> float:
     """Rotations of all hinges of the mechanism per displacement of the hit point, per m."""
-    below, above = 1.0 / column.length_below, 1.0 / column.length_above
-    return (2 if column.base == "clamped" else 1) * below + (
-        1 if column.head == "pinned" else 2
-    ) * above
+    return sum((2.0 if clamped else 1.0) / length for length, clamped in column.bars.values())
 
 
 def mechanism_load(column: Column, axial: str) -> float:

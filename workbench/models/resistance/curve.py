@@ -5,13 +5,13 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.models.resistance import kernels
 from workbench.models.resistance.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 Pieces: TypeAlias = Any  # array of kernels.PIECE
 START, YIELDS, LOAD, LAST, NO_AXIAL_FORCE, TENSION, CATENARY, CORNER = range(8)  # events
 _NAMES = (

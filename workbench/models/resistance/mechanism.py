@@ -4,14 +4,13 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
 from workbench.frames.shear import shear_stiffness
 from workbench.models.elastic_springs import beam_springs, thesis_springs
 from workbench.scenarios import Column
 
-Array = NDArray[np.float64]
 INTERACTIONS = LINEAR, SECTION = ("linear", "section")  # yield surfaces of N and M
 
 Groups = tuple[Array, Array, Array, float, float, float, float, float, float]

@@ -15,8 +15,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from workbench.arrays import Array
 from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
@@ -52,7 +52,6 @@ from workbench.scenarios import (
 )
 from workbench.scenarios.pulse import UNIFORM
 
-Array = NDArray[np.float64]
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
 _FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
 _FIRST, _FEWEST_STEPS = 4.0, 50  # steps after an impact, in such ones; steps of a record
