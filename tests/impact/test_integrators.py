@@ -25,10 +25,12 @@ from workbench.impact.schemes import (
 )
 from workbench.impact.schemes.energy_midpoint import energy_midpoint
 from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
-from workbench.impact.schemes.generalized_alpha import generalized_alpha
-from workbench.impact.schemes.hht_alpha import hht_alpha
+from workbench.impact.schemes.generalized_alpha import (
+    generalized_alpha,
+    hht_alpha,
+    mean_energy_factor,
+)
 from workbench.impact.schemes.moreau_jean import moreau_jean
-from workbench.impact.schemes.newmark import mean_energy_factor
 from workbench.impact.system import springs
 from workbench.report.drawing.style import house_style
 

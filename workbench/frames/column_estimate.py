@@ -14,10 +14,9 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
-from workbench.frames.column_line import ColumnLine, column_line
+from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
 from workbench.frames.elastic import ElasticFrame
 from workbench.frames.findings import dead_load_state
-from workbench.frames.head_mass import HEAD_MASSES, mass_of_head
 from workbench.responses import Finding
 from workbench.scenarios import (
     Column,

@@ -3,11 +3,8 @@
 The compiled impact models share `restitution`; the laboratory's parts say what they rest on.
 """
 
-from workbench.impact.complementarity import Impulses as Impulses
-from workbench.impact.complementarity import solve_contacts as solve_contacts
 from workbench.impact.laws import Penalty as Penalty
 from workbench.impact.laws import Restitution as Restitution
-from workbench.impact.restitution import Collision as Collision
 from workbench.impact.restitution import collide as collide
 from workbench.impact.restitution import contact_loss as contact_loss
 from workbench.impact.restitution import explicit_percussion as explicit_percussion

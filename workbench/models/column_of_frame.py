@@ -21,8 +21,8 @@ from workbench.frames.column_estimate import (
     ColumnEstimate,
     estimate_column,
 )
+from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.findings import frame_findings
-from workbench.frames.head_mass import HEAD_MASSES
 from workbench.models.base import Answering
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear

@@ -29,8 +29,8 @@ LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule
 
 
-class Moving(Protocol):
-    """What explicit steps ask of a structure, as `PlanarAssembly` has it."""
+class _Moving(Protocol):
+    """What explicit steps ask of a structure: see `PlanarAssembly`."""
 
     size: int
     displacement: Array
@@ -39,35 +39,18 @@ class Moving(Protocol):
     stored: float
 
     @property
-    def held(self) -> Indices:
-        """The dofs that are held."""
-
-    def mass_times(self, x: Array) -> Array:
-        """Product of the mass matrix with x (dofs,)."""
-
-    def assemble(self, end: Array, weight: float | None) -> Array:
-        """Internal forces (dofs,) of equilibrium at `end`; prepares the tangent."""
-
-    def tangent_times(self, x: Array) -> Array:
-        """Product of that tangent with x (dofs,)."""
-
-    def begin_step(self, duration: float) -> None:
-        """Learn how long the next step is, in s."""
-
-    def resist(self, end: Array) -> Array:
-        """Internal forces (dofs,) at `end`; the trial state is kept."""
-
-    def account(self, end: Array, weight: float) -> StepEnergies:
-        """Energies of the step to the trial state at `end`."""
-
-    def commit(self, end: Array) -> None:
-        """Make the trial state the committed one."""
-
-    def kinetic_energy(self) -> float:
-        """Kinetic energy of the committed velocities, in J."""
+    def held(self) -> Indices: ...
+    def mass_times(self, x: Array) -> Array: ...
+    def assemble(self, end: Array, weight: float | None) -> Array: ...  # prepares the tangent
+    def tangent_times(self, x: Array) -> Array: ...
+    def begin_step(self, duration: float) -> None: ...
+    def resist(self, end: Array) -> Array: ...
+    def account(self, end: Array, weight: float) -> StepEnergies: ...
+    def commit(self, end: Array) -> None: ...
+    def kinetic_energy(self) -> float: ...
 
 
-def lumped_mass(assembly: Moving) -> Array:
+def lumped_mass(assembly: _Moving) -> Array:
     """Mass of every dof (dofs,) of an assembly with lumped mass; held dofs get infinite mass.
 
     Raises ValueError if the mass matrix is not diagonal or a free dof has no mass.
@@ -83,7 +66,7 @@ def lumped_mass(assembly: Moving) -> Array:
     return mass
 
 
-def stable_step(assembly: Moving) -> float:
+def stable_step(assembly: _Moving) -> float:
     """Largest stable time step 2 / omega_max of the committed state, in s."""
     assembly.assemble(assembly.displacement, None)
     root = 1.0 / np.sqrt(lumped_mass(assembly))  # 0 at held dofs
@@ -98,7 +81,7 @@ def stable_step(assembly: Moving) -> float:
 
 
 def explicit_impact(
-    assembly: Moving,
+    assembly: _Moving,
     dof: int,
     striker: PointMass,
     spans: Sequence[tuple[float, float]],

@@ -1,4 +1,4 @@
-"""Time integrators of impact, one file each, and what each of them declares."""
+"""Time integrators of impact, a family a file, and what each of them declares."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,11 +12,9 @@ from workbench.impact.schemes.central_differences import central_differences
 from workbench.impact.schemes.energy_midpoint import energy_midpoint
 from workbench.impact.schemes.event_driven import event_driven
 from workbench.impact.schemes.gear_gupta_leimkuhler import gear_gupta_leimkuhler
-from workbench.impact.schemes.generalized_alpha import generalized_alpha
-from workbench.impact.schemes.hht_alpha import hht_alpha
+from workbench.impact.schemes.generalized_alpha import generalized_alpha, hht_alpha, newmark
 from workbench.impact.schemes.moreau_jean import moreau_jean
 from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
-from workbench.impact.schemes.newmark import newmark
 from workbench.impact.stepping import Stepper
 
 MOMENTUM, ENERGY, LINEAR_ENERGY = "momentum", "energy", "energy of linear systems"

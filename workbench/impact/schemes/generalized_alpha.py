@@ -1,4 +1,4 @@
-"""Generalized-alpha (Chung and Hulbert 1993), with the classical contact and with impulses.
+"""Generalized-alpha (Chung and Hulbert 1993), its relatives Newmark and HHT-alpha, and contact.
 
     q1 = q0 + h v0 + h^2 ((1/2 - beta) a0 + beta a1),   v1 = v0 + h ((1 - gamma) a0 + gamma a1),
     (1 - am) M a1 + am M a0 + (1 - af) f1 + af f0 = W ((1 - af) l1 + af l0).
@@ -25,6 +25,39 @@ def generalized_alpha(radius: float = 0.8, impulses: bool = False) -> Stepper:
     radius = Number(0.0, 1.0).check("generalized-alpha.radius", radius)
     am, af = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     return alpha_step(am, af, 0.25 * (1.0 - am + af) ** 2, 0.5 - am + af, impulses)
+
+
+def hht_alpha(alpha: float = 0.1) -> Stepper:
+    """The step of Hilber, Hughes and Taylor (1977), contact at the end; `alpha` 0 to 1/3.
+
+    Forces are taken at t1 - alpha h, with gamma = 1/2 + alpha and beta = (1 + alpha)^2 / 4: second
+    order, and the highest frequencies damped by (1 - alpha) / (1 + alpha) a step. Damping limits
+    what Newmark's contact puts into the grid, but the velocity after an impact is the grid's still.
+    """
+    alpha = Number(0.0, 1.0 / 3.0).check("hht-alpha.alpha", alpha)
+    return alpha_step(0.0, alpha, 0.25 * (1.0 + alpha) ** 2, 0.5 + alpha, False)
+
+
+def newmark() -> Stepper:
+    """The step of Newmark's average acceleration (1959), contact at the end.
+
+    beta = 1/4, gamma = 1/2 make q1 = q0 + h (v0 + v1) / 2. Where a free body at velocity -V meets a
+    rigid wall a share s of a step ahead, g1 = 0 asks for v1 = (1 - 2 s) V, whatever restitution,
+    with an acceleration 4 (1 - s) V / h that pushes on in the next step. For s < 2/3 the body
+    leaves at v = (3 - 4 s) V, else, after a second step of contact, at (8 s - 5) V. Repeated
+    impacts blow up, see `mean_energy_factor`. In lasting contact the same rule leaves the sign of
+    the velocity open: contact forces alternate (chatter).
+    """
+    return alpha_step(0.0, 0.0, 0.25, 0.5, False)
+
+
+def mean_energy_factor() -> float:
+    """By how much one impact of `newmark` multiplies the energy, in the mean over the share s.
+
+    A number between 0 and 9 that the grid draws: the integral of (3 - 4 s)^2 up to s = 2/3 and of
+    (8 s - 5)^2 from there to 1.
+    """
+    return 91.0 / 27.0
 
 
 def alpha_step(am: float, af: float, beta: float, gamma: float, impulses: bool) -> Stepper:

@@ -1,9 +1,7 @@
 """Resistance of the column at its hit point: analytic, two simplifications, panels."""
 
-from workbench.models.resistance.curve import Event as Event
 from workbench.models.resistance.curve import ResistanceCurve as ResistanceCurve
 from workbench.models.resistance.mechanism import INTERACTIONS as INTERACTIONS
-from workbench.models.resistance.mechanism import LINEAR as LINEAR
 from workbench.models.resistance.mechanism import SECTION as SECTION
 from workbench.models.resistance.mechanism import Mechanism as Mechanism
 from workbench.models.resistance.mechanism import axial_flexibility as axial_flexibility

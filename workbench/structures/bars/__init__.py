@@ -7,7 +7,6 @@ from workbench.structures.bars.fiber_bars import lobatto_rule as lobatto_rule
 from workbench.structures.bars.group import NO_INTERACTION as NO_INTERACTION
 from workbench.structures.bars.group import Bar as Bar
 from workbench.structures.bars.group import BarElements as BarElements
-from workbench.structures.bars.group import BarState as BarState
 from workbench.structures.bars.group import HingedBars as HingedBars
 from workbench.structures.bars.group import PlasticEnd as PlasticEnd
 from workbench.structures.bars.refined_bars import RefinedBars as RefinedBars
