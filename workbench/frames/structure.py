@@ -262,12 +262,7 @@ def stand_frame(
             assembly.hold([assembly.dof(number, COMPONENT[node.locked])])
     assembly.assemble(assembly.displacement, None)
     assembly.stored = assembly.account(assembly.displacement, 0.5).stored
-    return FrameStructure(
-        frame,
-        assembly,
-        members,
-        assembly.displacement.copy(),
-    )
+    return FrameStructure(frame, assembly, members, assembly.displacement.copy())
 
 
 def free_to_spin(frame: Frame) -> list[int]:

@@ -15,12 +15,7 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, checked
-from workbench.frames.column_estimate import (
-    HEADS,
-    ON_FRAME,
-    ColumnEstimate,
-    estimate_column,
-)
+from workbench.frames.column_estimate import HEADS, ON_FRAME, ColumnEstimate, estimate_column
 from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.findings import frame_findings
 from workbench.models.base import Answering

@@ -235,23 +235,16 @@ class FrameModel(ABC, Declared, table="option"):
         dof, sign = structure.dof(striker.node, striker.direction)
         mass = PointMass(striker.mass, striker.velocity, striker.restitution)
         weight, integrator = self.scheme
-        if weight is not None:
-            halvings = self.collision_halvings
-            return impact(
-                assembly,
-                dof,
-                mass,
-                spans,
-                weight,
-                sign=sign,
-                integrator=integrator,
-                halvings=halvings,
-            )
-        try:
-            lumped_mass(assembly)
-        except ValueError as error:
-            raise OutOfDomainError(f"{error}: take implicit steps") from error
-        return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
+        if weight is None:
+            try:
+                lumped_mass(assembly)
+            except ValueError as error:
+                raise OutOfDomainError(f"{error}: take implicit steps") from error
+            return explicit_impact(assembly, dof, mass, spans, spans[0][1], sign=sign)
+        halvings = self.collision_halvings
+        return impact(
+            assembly, dof, mass, spans, weight, sign=sign, integrator=integrator, halvings=halvings
+        )
 
     def _shake(self, scenario: FrameGroundMotion, structure: FrameStructure) -> Iterator[TimeStep]:
         """Time steps of a motion of the ground.

@@ -1,33 +1,17 @@
 """How much of a column's mass shares the velocity of its striker at once.
 
-A lumped column of two straight bars meets its striker with a third of the mass of each bar. In an
-inelastic hit that costs ½ m v0² / (1 + mu), m the lumped mass and mu its ratio to the striker's:
-rule "thesis" (Heng 2017, section 5.2).
+Rule "thesis" (Heng 2017, section 5.2): m, a third of the mass of two straight bars; an inelastic
+hit costs ½ m v0² / (1 + mu), mu its ratio to the mass of the striker. Rule "waves": each bar, of
+the share l_i / L of the column, gives
 
-Webs pass on V_pl at most. A bar whose mechanism needs the shear force r V_pl of them is brought
-to speed by the rest, while the hit point slides across it. With G the mass of the striker,
+  [1 - (1 - v_s / v0) (1 - f) - (1 - E_el (1 + mu) / E) g] m l_i / L,   g at most 1,
 
-  G v' = -V_pl,   m w' = (1 - r) V_pl,   v - w = v0 at first:
-  slip s = ½ v0² / (V_pl / G + (1 - r) V_pl / m).
-
-Friction takes V_pl s, of which r V_pl s is work that the mechanism would have done over the same
-way of the hit point. Only (1 - r) V_pl s is lost, of the loss of the thesis the share
-
-  f = (1 - r) (1 + mu) / (1 - r + mu):
-
-none where the bar slides anyway (r = 1), all of it if the striker is heavy and r < 1. The front of
-an elastic shear wave passes on v0 (rho A G A_w)^½: up to the velocity v_s at which that reaches
-V_pl nothing slides and f = 1, beyond it the part 1 - v_s / v0 of the approach does.
-
-Supports feel the hit late, by about a quarter of the period of the bar's first mode (hinged where
-it is hit, clamped behind), t = pi / (2 omega). Until then the far hinge, of moment M, does no work,
-which lumped models count at once: v0 t M / l, of the loss of the thesis the share 2 t M / (m l v0).
-That is of the work of hinges only, so that of a hit which takes the column through its elastic
-energy E_el the part 1 - E_el (1 + mu) / E counts.
-
-Rule "waves" gives each bar what both leave of m, but the column never less than a piece as long as
-its section is high. See docs/theory/hit-mass.md, with what it does to bias and scatter, and where
-the argument is weak.
+f = (1 - r) (1 + mu) / (1 - r + mu) what is lost of that where webs slide from the velocity v_s on,
+r V_pl the shear force of the mechanism; g = 2 t M / (m l v0) the work that the far hinge, of moment
+M, does not do before it feels the hit, after t = pi / (2 omega) of the first mode of the bar,
+hinged where it is hit and clamped behind; E_el the elastic energy at the mechanism. The column
+gives never less than a piece as long as its section is high. Derivation, what the rule does to bias
+and scatter, and where the argument is weak: docs/theory/hit-mass.md.
 """
 
 from dataclasses import replace

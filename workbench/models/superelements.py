@@ -8,14 +8,7 @@ q = (elongation, end rotations), and forces Q = (N, M1, M4) obey
 
 with the elastic flexibility F of hinges and bar. A rigid bar (paper IV) puts all elasticity into
 the hinges, k_u = 2 EA/L and k_theta = 6 EI/L; a flexible one (paper III) has its own, and hinges
-ten times as stiff. Backward Euler in both hinges is the closest-point projection of the elastic
-trial forces onto both surfaces in the metric of F: forces are the unknowns, so that the case of
-both hinges at their pure axial force, singular in the primal condensation of the papers, is none.
-
-Mass is distributed (linear interpolation of the translations). The rigid bar also has rotary
-inertia rho I L of its turning chord, the only inertia that depends on the configuration; the
-flexible one has none. Time steps are energy-exact (midpoint of the forces, exact gradients), and
-hinges return to the surface at the midpoint of a step.
+ten times as stiff. Projection, inertia and time steps: docs/theory/superelements.md.
 """
 
 from abc import abstractmethod

@@ -18,22 +18,8 @@ from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
 from workbench.references.refine import COARSEST, REFINEMENT, refined
-from workbench.responses import (
-    Finding,
-    Outcome,
-    Response,
-    findings_of,
-    outcome_of,
-    set_findings,
-)
-from workbench.scenarios import (
-    ColumnScenario,
-    Frame,
-    FrameScenario,
-    FrameStatic,
-    Member,
-    Scenario,
-)
+from workbench.responses import Finding, Outcome, Response, findings_of, outcome_of, set_findings
+from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
 from workbench.structures.fiber_beams import FiberBeams, lobatto_points, radau_rule
 from workbench.structures.fibers import BeamSection
 

@@ -16,9 +16,8 @@ from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic, Joint
 from workbench.structures.meshing import graded_lengths, halved
 
-LARGEST_SHARE_IN_DYNAMICS = (
-    1.0 / 40.0
-)  # of the longest member; travelling hinges pass through inner elements
+# of the longest member; travelling hinges pass through inner elements
+LARGEST_SHARE_IN_DYNAMICS = 1.0 / 40.0
 WARNED_IN_DYNAMICS = 0.06  # of the longest member
 MIDDLE = 0.5 + 1e-9  # of a member, seen from its start
 LARGEST_EXCESS = 0.025  # of the resistance, by sampling plasticity inside the member

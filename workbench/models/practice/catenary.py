@@ -2,19 +2,12 @@
 
 kappa = 1/L_a + 1/L_b, N_p and M_p the strengths, S = sum(s) the turning of all hinges of the
 mechanism per displacement, c the axial flexibility, N_0 the axial force before. All three end in
-the rope F = kappa N_p v.
+the rope F = kappa N_p v. Derived from the assumptions that Heng 2017, chapter 4, tells of the
+papers, which were not at hand: docs/theory/practice.md.
 
-* Tri-linear: elastic line to F_0 = S M_p (1 - |N_0|/N_p), plateau until the chords stretch more
-  than the hinges, straight to the rope where the axial force has reached N_p.
-* Yin and Wang (2005): the deflection keeps the profile phi of the elastic beam, so that its chord
-  lengthens by Lambda v^2, Lambda = 1/2 integral phi'^2 dx, and N = N_0 + Lambda v^2 / c without a
-  thought of the moment; the moment is elastic or what the interaction leaves beside N,
-  F = min(k_e v, S M_p (1 - |N|/N_p)) + kappa N v.
-* Izzuddin (2005): hinges turn as those of a rigid-plastic mechanism, kappa v, and stretch by the
-  flow rule of the linear interaction, so that c dN = (kappa v - sign(N) r S) dv once the mechanism
-  stands: N = 0 until v = r S / kappa (plastic bending), a cubic (transient catenary), the rope.
-
-The papers were not at hand: derived from the assumptions that Heng 2017, chapter 4, tells of them.
+* Tri-linear: elastic line to F_0 = S M_p (1 - |N_0|/N_p), plateau, straight line to the rope.
+* Yin and Wang (2005): F = min(k_e v, S M_p (1 - |N|/N_p)) + kappa N v, N = N_0 + Lambda v^2 / c.
+* Izzuddin (2005): c dN = (kappa v - sign(N) r S) dv once the mechanism stands.
 """
 
 from dataclasses import dataclass

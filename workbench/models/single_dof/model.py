@@ -43,13 +43,7 @@ from workbench.responses import (
     peak_contact_force,
     peak_of,
 )
-from workbench.scenarios import (
-    Column,
-    ColumnImpact,
-    ColumnPushover,
-    ColumnScenario,
-    MemberPulse,
-)
+from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
 _SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
@@ -257,11 +251,7 @@ class SingleDof(Answering):
         path = np.union1d(np.linspace(0.0, top, _PUSH_STEPS + 1), inner)
         shear, warnings = limits.reached(curve, column, top)
         force = curve.force(path)
-        values: dict[str, Any] = {
-            "displacement": path,
-            "force": force,
-            "shear_utilisation": shear,
-        }
+        values: dict[str, Any] = {"displacement": path, "force": force, "shear_utilisation": shear}
         if curve.lost_at <= top:
             text = (
                 f"the resistance is lost at {curve.lost_at:.4g} m; beyond, the column must be "

@@ -20,13 +20,7 @@ from workbench.structures.superelements.march_kernels import (
     TOO_MANY,
     advance,
 )
-from workbench.structures.superelements.reading_kernels import (
-    Lost,
-    Pictures,
-    Places,
-    Reading,
-    Rows,
-)
+from workbench.structures.superelements.reading_kernels import Lost, Pictures, Places, Reading, Rows
 from workbench.structures.superelements.step_kernels import Body, Motion, Work
 from workbench.structures.time_steps import PointMass, TimeStep
 
