@@ -5,7 +5,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
@@ -23,6 +23,8 @@ from workbench.responses import (
     set_findings,
 )
 from workbench.scenarios import Scenario, canonical
+
+M = TypeVar("M")
 
 
 @runtime_checkable
@@ -139,7 +141,7 @@ def options_of(model: Model) -> dict[str, Any]:
     return {f.name: getattr(model, f.name) for f in dataclasses.fields(model)}  # type: ignore[arg-type]
 
 
-def on_one_mesh(model: Model) -> Model:
+def on_one_mesh(model: M) -> M:
     """The model without the coarser meshes of a reference: the same numbers, without an error."""
     if not hasattr(model, "levels"):
         return model

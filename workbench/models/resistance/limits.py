@@ -4,11 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, OutOfDomainError
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
 from workbench.models.domain import RESTITUTION, member_findings
 from workbench.models.four_dof import FourDofShear
-from workbench.models.resistance.curve import Array, ResistanceCurve
+from workbench.models.resistance.curve import ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
 from workbench.responses import Finding
