@@ -25,7 +25,7 @@ from workbench.studs.answers import (
     StudSeries,
     StudStrength,
 )
-from workbench.studs.answers.typed import content_of
+from workbench.studs.answers.common import content_of
 from workbench.studs.fit_protocol import judge, plain
 from workbench.studs.interaction import combined_tests
 from workbench.studs.reading import from_frame

@@ -80,8 +80,8 @@ def factor_coverage(runs: int) -> dict[str, float]:
             modulus_measured=np.zeros(n, bool),
             density=nothing,
             ultimate_strength=generator.uniform(420e6, 520e6, n),
-            shear=nothing,
-            slip_at_max=nothing,
+            **dict.fromkeys(("head_diameter", "embedment", "free_width"), nothing),
+            **dict.fromkeys(("shear", "tension", "slip_at_max"), nothing),
         )
         given = problem(
             np.log(model.of(tests)) + error, groups, prediction(tests, model, tuple(truth)),

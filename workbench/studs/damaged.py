@@ -122,8 +122,8 @@ def reference_findings(table: pd.DataFrame, rows: pd.DataFrame, quantity: str) -
     if share:
         text = (
             f"the references of {known} of {len(rows)} tests scatter: what is left is uncertain by "
-            f"{100 * share:.2g} %, alike in all tests of a campaign; this is in design values and "
-            "bands (with three campaigns or more as a part of tau)"
+            f"{100 * share:.2g} %, alike in all tests of a campaign; this is in bands and "
+            "fractiles of new tests (with three campaigns or more as a part of tau)"
         )
         yield Finding("tests", text, number=share)
     if unknown := len(rows) - known:

@@ -173,8 +173,9 @@ def method(result: Content) -> Iterator[Block]:
             yield Paragraph(
                 "Damage D, share left R: of the test over its undamaged reference. Relations are "
                 "averaged by how well they predict campaigns (with one campaign specimens) that "
-                "are left out; the band is that of a new test of a new campaign. Shares for design "
-                f"follow EN 1990 D.8. {_MIXED} Sources: {sources}."
+                "are left out; the band is that of a new test of a new campaign, whose fractiles of 5 "
+                "and 0.1 % (those of EN 1990 D.8) are the characteristic and the design share. "
+                f"{_MIXED} Sources: {sources}."
             )
         case "interaction":
             sources = " ".join(map(cited, ("aisc360-22", "aci318-19")))

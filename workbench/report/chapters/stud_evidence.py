@@ -11,7 +11,7 @@ from workbench.report.chapters import stud_tables as tables
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
 from workbench.scenarios import StudTests
-from workbench.studs.answers.typed import content_of
+from workbench.studs.answers.common import content_of
 from workbench.study.definition import Study
 
 _VERY_FEW, _FEW = 3, 10  # tests that are named one by one; curves that hardly tell laws apart

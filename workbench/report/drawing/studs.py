@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import INK, MUTED, Look, Style, entry, numbered
-from workbench.studs.answers.typed import content_of
+from workbench.studs.answers.common import content_of
 from workbench.study.definition import Case
 
 KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm

@@ -3,11 +3,13 @@
 import hashlib
 import json
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
 import pandas as pd
+import xarray as xr
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
@@ -17,7 +19,6 @@ from workbench.responses import Finding, Response, build_response
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
 from workbench.scenarios.stud import CSV, StudTests
-from workbench.studs.answers.typed import with_content
 from workbench.studs.fit_protocol import Judged, plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
@@ -147,3 +148,91 @@ class StudModel(Declared, table="option"):
             ends = {name: each.ends for name, each in told.items() if each.ends is not None}
             response.attrs[SAMPLED] = json.dumps(plain(ends), sort_keys=True)
         return with_content(response, found.content, found.units)
+
+
+# -- the content of an answer as typed variables of its response ---------------------------------
+# A number, flag or word is a variable of no dimension, a list one along ``....item``, and the
+# columns of a table lie along ``....row``; names are paths, ``answer.fit.sigma.value``. NaN: not
+# known, or not reported. Any netCDF reader gets numbers and units.
+
+ROOT, ROW, ITEM = "answer", "row", "item"
+UNITS = {
+    **dict.fromkeys(("load", "collar", "friction", "P_Rk", "P_Rd", "r_m", "r_k", "r_d"), "N"),
+    **dict.fromkeys(("r_nominal", "strength_test", "strength_model"), "N"),
+    **dict.fromkeys(("steel_term", "concrete_term", "other_concrete_term", "resistance"), "N"),
+    **dict.fromkeys(("slip", "slip_at_max", "slip_capacity", "slip_test", "slip_model"), "m"),
+    **dict.fromkeys(("diameter", "height", "peak_slip", "yield_slip"), "m"),
+    **dict.fromkeys(("concrete_strength", "concrete_modulus", "ultimate_strength"), "Pa"),
+    **dict.fromkeys(("chord_stiffness", "stiffness_test", "stiffness_model"), "N/m"),
+    "rate": "1/m",
+}
+
+
+def with_content(
+    response: Response, content: Mapping[str, Any], units: Mapping[str, str]
+) -> Response:
+    """The response with the content of an answer; `units` of columns where they are not usual."""
+    held: Response = response.assign(dict(_variables(ROOT, plain(content), {**UNITS, **units})))
+    return held
+
+
+def _variables(
+    path: str, value: Any, units: Mapping[str, str], along: str = ""
+) -> Iterator[tuple[str, xr.Variable]]:
+    """Every leaf of a nesting by its path; lists of one mapping, alike in length, lie `along`."""
+    if isinstance(value, dict):
+        lengths = {len(each) for each in value.values() if isinstance(each, list)}
+        shared = f"{path}.{ITEM}" if len(lengths) == 1 else ""
+        for key, each in value.items():
+            yield from _variables(f"{path}.{key}", each, units, shared)
+    elif not isinstance(value, list):
+        yield path, _variable(path, [value], units)[0]
+    elif not value or not isinstance(value[0], dict):
+        yield path, _variable(path, value, units, along or f"{path}.{ITEM}")
+    elif any(isinstance(cell, (dict, list)) for row in value for cell in row.values()):
+        for place, each in enumerate(value):
+            yield from _variables(f"{path}.{place}", each, units)
+    else:
+        for key, column in pd.DataFrame(value).items():
+            name = f"{path}.{key}"
+            yield name, _variable(name, column.tolist(), units, f"{path}.{ROW}")
+
+
+def _variable(
+    path: str, values: list[Any], units: Mapping[str, str], along: str = ITEM
+) -> xr.Variable:
+    if any(isinstance(each, str) for each in values):
+        array = np.array([str(each or "") for each in values])
+    elif values and all(isinstance(each, (bool, int)) for each in values):
+        array = np.array(values)
+    else:
+        array = np.array([np.nan if each is None else each for each in values], float)
+    unit = units.get(path.rpartition(".")[2], "1")
+    attributes = {"units": unit, "long_name": path[len(ROOT) + 1 :].replace(".", " ")}
+    return xr.Variable(along, array, attributes)
+
+
+def content_of(response: Response) -> dict[str, Any]:
+    """The content that a model of studs has put into a response; empty for other responses."""
+    tree: dict[str, Any] = {}
+    for path, variable in response.variables.items():
+        root, *keys = str(path).split(".")
+        if root == ROOT:
+            branch = tree
+            for key in keys[:-1]:
+                branch = branch.setdefault(key, {})
+            branch[keys[-1]] = plain(variable.values)
+    content: dict[str, Any] = _nested(tree, ROOT, response.sizes)
+    return content
+
+
+def _nested(value: Any, path: str, sizes: Mapping[Any, int]) -> Any:
+    """Columns become the rows of their table, mappings whose keys are places lists again."""
+    if not isinstance(value, dict):
+        return value
+    if f"{path}.{ROW}" in sizes:
+        return plain(pd.DataFrame(value))
+    inner = {key: _nested(each, f"{path}.{key}", sizes) for key, each in value.items()}
+    if inner and all(key.isdigit() for key in inner):
+        return [inner[key] for key in sorted(inner, key=int)]
+    return inner
