@@ -6,11 +6,10 @@ tables and prints or writes what the verb finds.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -22,6 +21,7 @@ from workbench.cli.fit_options import (
     ResidualOptions,
     StrengthOptions,
     priors_of,
+    signature_of,
     variations_of,
 )
 from workbench.cli.output import Answer, verb, writable
@@ -47,28 +47,19 @@ def _verb(name: str, kind: type[Common]) -> Callable[[Callable[..., Found]], Non
     """Make a verb of a function of its options, a `kind`, and of the rows to fit and to judge."""
 
     def made(find: Callable[..., Found]) -> None:
-        hints = get_type_hints(kind)
-
         def command(**given: Any) -> Answer:
-            from workbench.report.chapters.stud_answer import shown
+            from workbench.report.chapters.fit_answer import shown
 
             options = kind(**given)
             Number(0.5, 0.999).check("--confidence", options.confidence)
-            targets = _report_files(
-                options.report or [], [options.file, getattr(options, "points", None)]
-            )
+            inputs = (options.file, getattr(options, "points", None))
+            targets = _report_files(options.report or [], inputs)
             *rows, head = _tables(options, name)
             content, *rows = find(options, *rows)
-            found = Answer({**head, **content}, shown({**head, **content}), rows=rows)
-            return _reported(found, targets) if targets else found
+            content = {**head, **content}
+            return _reported(Answer(content, shown(content), rows=rows), targets)
 
-        only = inspect.Parameter.KEYWORD_ONLY
-        parameters = []
-        for declared in fields(kind):
-            own, hint = declared.name, Annotated[hints[declared.name], declared.metadata[""]]
-            default = declared.default
-            parameters.append(inspect.Parameter(own, only, default=default, annotation=hint))
-        command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        command.__signature__ = signature_of(kind)  # type: ignore[attr-defined]
         command.__doc__ = find.__doc__
         app.command(name)(verb(command))
 
@@ -224,6 +215,8 @@ def _report_files(names: list[str], inputs: Sequence[str | None]) -> dict[str, P
 
 def _reported(found: Answer, targets: dict[str, Path]) -> Answer:
     """The answer with reports written, which it names."""
+    if not targets:
+        return found
     from workbench.content.tree import Paragraph
     from workbench.report.fit_report import write
 
@@ -265,10 +258,9 @@ def _tables(options: Common, fit: str) -> tuple[pd.DataFrame, pd.DataFrame, Cont
 
 def _given(options: Common) -> Content:
     """The options that are not as by default."""
-    told = {each.name: getattr(options, each.name) for each in fields(options)}
-    defaults = {each.name: each.default for each in fields(options)}
+    told = {each.name: (getattr(options, each.name), each.default) for each in fields(options)}
     hidden = ("file", "report", "points")
-    return {k: v for k, v in told.items() if k not in hidden and v != defaults[k]}
+    return {k: v for k, (v, default) in told.items() if k not in hidden and v != default}
 
 
 def _judged(fit: Fit, held: pd.DataFrame, confidence: float) -> Content:

@@ -1,7 +1,9 @@
 """The options of `workbench fit`: the fields of a class are the options of its verb."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from inspect import Parameter, Signature
+from typing import Annotated, Any
 
 import typer
 
@@ -107,35 +109,50 @@ class FewOptions(Common):
     known_variation: float | None = _option("V_r that earlier tests have shown; needed.", None, "V")
 
 
+def signature_of(kind: type[Common]) -> Signature:
+    """The options of a verb as the parameters of its command."""
+    return Signature(
+        Parameter(
+            each.name,
+            Parameter.KEYWORD_ONLY,
+            default=each.default,
+            annotation=Annotated[each.type, each.metadata[""]],
+        )
+        for each in fields(kind)
+    )
+
+
 def priors_of(texts: Names) -> dict[str, tuple[float, float]]:
     """Values and spreads by name from texts like ``tau=0.06:0.5``. Raises `InputError`."""
-    result = {}
-    for text in texts or ():
-        name, _, rest = text.partition("=")
-        try:
-            value, spread = map(float, rest.split(":"))
-        except ValueError:
-            raise InputError("--prior", text, "must look like tau=0.06:0.5") from None
-        rule = Number(0.0, 1000.0, low_included=False)
-        found = (rule.check(f"--prior {name}", each) for each in (value, spread))
-        result[name] = tuple(map(float, found))
-    return {name: (value, spread) for name, (value, spread) in result.items()}
+    rule, priors = Number(0.0, 1000.0, low_included=False), {}
+    for name, numbers in _numbers("--prior", texts, "tau=0.06:0.5"):
+        value, spread = (float(rule.check(f"--prior {name}", each)) for each in numbers)
+        priors[name] = value, spread
+    return priors
 
 
-def variations_of(texts: Names) -> dict[str, float] | None:
+def variations_of(texts: Names) -> dict[str, float]:
     """Coefficients of variation from texts like ``diameter=0.02``. Raises `InputError`."""
     from workbench.studs.strength_fit import VARIATIONS
 
-    if not texts:
-        return None
-    result = dict(VARIATIONS)
-    for text in texts:
-        name, _, value = text.partition("=")
-        if name not in VARIATIONS:
-            raise InputError("--variation", text, "must name one of " + ", ".join(VARIATIONS))
+    rule = Number(0.0, 1.0)
+    given = _numbers("--variation", texts, "concrete_strength=0.15", tuple(VARIATIONS))
+    own = {name: float(rule.check(f"--variation {name}", value)) for name, (value,) in given}
+    return VARIATIONS | own
+
+
+def _numbers(
+    flag: str, texts: Names, example: str, known: tuple[str, ...] = ()
+) -> Iterator[tuple[str, list[float]]]:
+    """Names, `known` ones if any are, and their numbers, as many as the example has."""
+    for text in texts or ():
+        name, _, rest = text.partition("=")
+        if known and name not in known:
+            raise InputError(flag, text, "must name one of " + ", ".join(known))
         try:
-            number = float(value)
+            numbers = [float(part) for part in rest.split(":")]
         except ValueError:
-            raise InputError("--variation", text, "must look like concrete_strength=0.15") from None
-        result[name] = float(Number(0.0, 1.0).check(f"--variation {name}", number))
-    return result
+            numbers = []
+        if len(numbers) != 1 + example.count(":"):
+            raise InputError(flag, text, f"must look like {example}")
+        yield name, numbers

@@ -15,7 +15,7 @@ from workbench.content.html import render_html
 from workbench.content.tree import Block, Bullets, Callout, Definitions, Document, Picture, Section
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
-from workbench.report.chapters import fit_answer, fit_rows, stud_answer
+from workbench.report.chapters import fit_answer, fit_rows
 from workbench.report.chapters.stud_tables import Content
 from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
@@ -57,7 +57,7 @@ def write(
     input gives equal bytes: no time, no path. Raises `InputError` for what cannot be written.
     """
     tables = [Path(name).name for name in result["tables"]]
-    content = stud_answer.labelled({**result, "tables": tables})
+    content = fit_answer.labelled({**result, "tables": tables})
     figures = list(_figures(content, *rows))
     written: dict[str, Path] = {}
     numbers = {key: drawing.data for key, _, _, drawing in figures if drawing.canvas is not None}
@@ -80,7 +80,7 @@ def document(
     result: Content, rows: Sequence[pd.DataFrame], figures: Sequence[Drawn], folder: str
 ) -> Document:
     """The content tree of a fit; `folder`, where the numbers of its figures are."""
-    warnings = stud_answer.warnings_of(result)
+    warnings = fit_answer.warnings_of(result)
     answer = [*fit_answer.grade(result), *fit_answer.answer(result)]
     if warnings:
         answer.insert(1, Callout("doubt", f"Decisive: {warnings[0]}"))
@@ -94,7 +94,7 @@ def document(
         Section("basis", "What it rests on", tuple(_basis(result))),
         Section("warnings", "Warnings, the decisive ones first", tuple(_warnings(result))),
         Section("figures", "Figures", pictures),
-        Section("numbers", "Numbers", tuple(stud_answer.tables_of(result))),
+        Section("numbers", "Numbers", tuple(fit_answer.tables_of(result))),
         Section("method", "Formulas and method", tuple(fit_answer.method(result))),
         Section("tests", "The tests", tuple(rows_of)),
         Section("software", "Software", (_software(),)),
@@ -102,7 +102,7 @@ def document(
     sections = tuple(part for part in parts if part.blocks)
     record = provenance()
     made = [f"{name} {record[name]}" for name in ("workbench", "commit") if name in record]
-    facts = (fit_answer.size(result), f"table: {stud_answer.sources_of(result)}", ", ".join(made))
+    facts = (fit_answer.size(result), f"table: {fit_answer.sources_of(result)}", ", ".join(made))
     return Document(_TITLES[result["fit"]], "Evaluation of tests", facts, sections)
 
 
@@ -113,8 +113,8 @@ def _picture(key: str, title: str, caption: str, drawing: Drawing, folder: str) 
 
 def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Iterator[Drawn]:
     """Predictions, residuals or curves of a fit, and how every test moves it."""
-    named = stud_answer.named_of(result)
-    contents = stud_answer.contents_of(result)
+    named = fit_answer.named_of(result)
+    contents = fit_answer.contents_of(result)
     titles = list(named)
     match result["fit"]:
         case "stud-strength":
@@ -157,7 +157,7 @@ def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Itera
 
 
 def _basis(result: Content) -> Iterator[Block]:
-    campaigns = {name for c in stud_answer.contents_of(result) for name in c["fit"]["campaigns"]}
+    campaigns = {name for c in fit_answer.contents_of(result) for name in c["fit"]["campaigns"]}
     given = {k: v if isinstance(v, list) else [v] for k, v in result["options"].items()}
     options = ", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in given.items())
     pairs = [
@@ -165,21 +165,21 @@ def _basis(result: Content) -> Iterator[Block]:
         *([("campaigns", ", ".join(sorted(campaigns)))] if campaigns else []),
         ("held out to judge the fit", ", ".join(result["validate"]) or "none"),
         ("the grade holds", fit_answer.holds(result)),
-        ("table", stud_answer.sources_of(result)),
+        ("table", fit_answer.sources_of(result)),
         ("SHA-256 of the table", f"`{result['digest']}`" if result["digest"] else "shipped"),
         ("confidence of intervals", f"{100 * result['confidence']:g} %"),
         ("options", options or "none"),
     ]
     yield Definitions(tuple(pairs))
-    if out := list(stud_answer.left_out(result)):
+    if out := list(fit_answer.left_out(result)):
         yield Bullets(tuple(out))
 
 
 def _warnings(result: Content) -> Iterator[Block]:
-    warnings = stud_answer.warnings_of(result)
+    warnings = fit_answer.warnings_of(result)
     if warnings:
         yield Bullets(tuple(map(str, warnings)))
-    elif stud_answer.contents_of(result):
+    elif fit_answer.contents_of(result):
         yield Callout("good", "None of the checks found anything to warn of.")
 
 

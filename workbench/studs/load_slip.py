@@ -1,8 +1,9 @@
 """Load-slip laws of a stud under first loading, their fit to one measured curve, stiffness.
 
 A law gives the load over its largest value, q = Q / Q_max, as a function of the slip (`ratio`), and
-the slip of its ascending branch at a load (`slip_at`). Stiffness is that of the chord from 10 to
-40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). Units: SI.
+the slip of its ascending branch at a load (`slip_at`); with it stand its `formula` as it is fitted,
+the `keys` of its sources and the `bounds` of its parameters. Stiffness is that of the chord from
+10 to 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). In SI.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,6 +16,9 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.studs.quantities import Array
+
+# of every parameter that is fitted, as a logarithm: lower and upper bound, start
+Bounds = Mapping[str, tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,9 @@ class OllgaardLaw(Declared, table="law"):
     rate: float = checked(Number(1.0, 1e6, "1/m"), 18.0 / 0.0254)
     exponent: float = checked(Number(0.01, 20.0), 0.4)
     name: ClassVar[str] = "ollgaard"
+    formula: ClassVar[str] = "q = (1 − exp(−rate s))^exponent"
+    keys: ClassVar[tuple[str, ...]] = ("ollgaard1971",)
+    bounds: ClassVar[Bounds] = {"rate": (10.0, 1e5, 1000.0), "exponent": (0.05, 10.0, 0.6)}
 
     def ratio(self, slip: ArrayLike) -> Array:
         """Load over the largest load at slips (m)."""
@@ -50,6 +57,9 @@ class BilinearLaw(Declared, table="law"):
     yield_slip: float = checked(Number(0.0, 0.1, "m", low_included=False), 0.5e-3)
     slip_capacity: float = checked(Number(0.0, 0.5, "m", low_included=False), 6.0e-3)
     name: ClassVar[str] = "bilinear"
+    formula: ClassVar[str] = "q = s / yield slip, at most 1"
+    keys: ClassVar[tuple[str, ...]] = ("roik1989",)
+    bounds: ClassVar[Bounds] = {"yield_slip": (1e-5, 0.02, 5e-4)}
 
     def check(self) -> None:
         """Refuse what the fields cannot be together."""
@@ -79,6 +89,15 @@ class RationalLaw(Declared, table="law"):
     stiffness_ratio: float = checked(Number(1.0, 1e3), 5.0)
     softening: float = checked(Number(0.0, 1.0), 0.5)
     name: ClassVar[str] = "rational"
+    formula: ClassVar[str] = (
+        "q = (k x − x²) / (1 + (k − 2) x), x = s / peak slip, k the stiffness ratio"
+    )
+    keys: ClassVar[tuple[str, ...]] = ("sargin1971",)
+    bounds: ClassVar[Bounds] = {
+        "peak_slip": (1e-4, 0.05, 6e-3),
+        "stiffness_ratio": (1.01, 500.0, 6.0),
+        "softening": (1e-4, 1.0, 0.5),
+    }
 
     def ratio(self, slip: ArrayLike) -> Array:
         """Load over the largest load at slips (m), not below zero."""
@@ -123,16 +142,6 @@ def _below_one(ratio: float) -> float:
     return ratio
 
 
-# parameters of each law: name, lower and upper bound, start; all fitted as logarithms
-_BOUNDS: dict[str, tuple[tuple[str, float, float, float], ...]] = {
-    "ollgaard": (("rate", 10.0, 1e5, 1000.0), ("exponent", 0.05, 10.0, 0.6)),
-    "bilinear": (("yield_slip", 1e-5, 0.02, 5e-4),),
-    "rational": (
-        ("peak_slip", 1e-4, 0.05, 6e-3),
-        ("stiffness_ratio", 1.01, 500.0, 6.0),
-        ("softening", 1e-4, 1.0, 0.5),
-    ),
-}
 LOSSES = ("linear", "huber", "soft_l1")
 LOSS_SCALE = 0.03  # of the largest load: deviations beyond it count less in a robust loss
 SCANNED = {0: 1, 1: 200, 2: 20, 3: 12}  # values of each of so many parameters, to find the valleys
@@ -158,8 +167,7 @@ class CurveFit:
 
 def parameter_names(law: str) -> tuple[str, ...]:
     """Names of the parameters of a law that are fitted. Raises `InputError`."""
-    law_kind(law)
-    return tuple(name for name, *_ in _BOUNDS[law])
+    return tuple(law_kind(law).bounds)
 
 
 def make_law(law: str, parameters: dict[str, float], slip_capacity: float | None = None) -> Law:
@@ -198,8 +206,8 @@ def fit_curve(
     fixed = dict(held or {})
     for name in fixed:
         Choice(parameter_names(law)).check("held", name)
-    bounds = [bound for bound in _BOUNDS[law_kind(law).name] if bound[0] not in fixed]
-    names = [name for name, *_ in bounds]
+    bounds = {name: each for name, each in law_kind(law).bounds.items() if name not in fixed}
+    names = list(bounds)
     s, q = np.maximum(np.asarray(slip, float), 0.0), np.asarray(load, float)
     least = max(len(bounds), 2)
     if s.shape != q.shape or s.ndim != 1 or len(s) < least:
@@ -209,7 +217,7 @@ def fit_curve(
         raise InputError("curve", top, "must hold a positive load")
     y = q / top
     capacity = float(np.max(s)) if law == "bilinear" else None
-    low, high, start = (np.log([bound[k] for bound in bounds]) for k in (1, 2, 3))
+    low, high, start = np.log(list(bounds.values())).reshape(-1, 3).T
 
     def at(theta: Array) -> Law:
         # exponentials of the bounds may leave them by round-off

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike
 from workbench.errors import InputError
 from workbench.studs.quantities import Array
 
+SOURCES = ("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018")  # bibliography keys
+
 
 @dataclass(frozen=True)
 class Relation:

@@ -1,31 +1,163 @@
-"""The answer of a fit in words: its grade, what a designer takes from it, formulas and method."""
+"""What a fit to tests on studs says, from the content of its JSON object.
+
+The terminal shows its tables and warnings (`shown`); a report begins with its grade and its answer
+in words, and tells formulas and method.
+"""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
 
 from workbench.content.bibliography import cited
 from workbench.content.formatting import count, number, percent
-from workbench.content.tree import Block, Bullets, Callout, Definitions, Paragraph
+from workbench.content.tree import Block, Bullets, Callout, Definitions, Paragraph, Section
 from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
-from workbench.report.chapters.stud_answer import contents_of, named_of
-from workbench.report.chapters.stud_evidence import judged, reference_stud
 from workbench.report.chapters.stud_tables import LEAST_IN_SERIES, Content
-from workbench.studs.answers.fits import SOURCES, STATISTICS, StudResidual
+from workbench.responses import Finding
 from workbench.studs.formulas import FORMULAS
-from workbench.studs.relations import ANCHORED, RELATIONS
+from workbench.studs.load_slip import LAWS
+from workbench.studs.relations import ANCHORED, RELATIONS, SOURCES
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
+from workbench.studs.trust import ranked
 
 CODE, CODE_FACTOR = "en1994", 1.25  # whose partial factor designers know
 _MOST_SERIES = 4  # that the answer names
-_LAWS = {
-    "ollgaard": "q = (1 − exp(−rate s))^exponent",
-    "bilinear": "q = s / yield slip, at most 1",
-    "rational": "q = k x / (1 + (k − 2) x + x²), x = s / peak slip, k the stiffness ratio",
-}
 _MIXED = (
     "Campaigns have a random effect each: restricted maximum likelihood, with profile intervals "
     "of the parameters [@pinheiro-bates2000]."
 )
+# where the contents of a fit are, and what names each of them
+_PLACES = {
+    "stud-strength": ("models", "model"),
+    "load-slip": ("laws", "law"),
+    "residual": ("quantities", "quantity"),
+    "interaction": ("laws", "law"),
+    "few-tests": ("", ""),
+}
+
+
+def labelled(result: Content) -> Content:
+    """The content with formulas under the names of their sources; `key` keeps their own."""
+    place, name = _PLACES[result["fit"]]
+    labels = {n: each.label for n, each in FORMULAS.items()} if name == "model" else {}
+    contents = []
+    for each in contents_of(result):
+        key = each["fit"][name]
+        contents.append({**each, "fit": {**each["fit"], name: labels.get(key, key), "key": key}})
+    return {**result, place: contents} if place else result
+
+
+def contents_of(result: Content) -> list[Content]:
+    """The contents of all that was fitted; none where nothing is."""
+    return list(result.get(_PLACES[result["fit"]][0], ()))
+
+
+def named_of(result: Content) -> Mapping[str, Content]:
+    """The contents by the names of formulas, laws or quantities."""
+    _, name = _PLACES[result["fit"]]
+    return {content["fit"][name]: content for content in contents_of(result)}
+
+
+def warnings_of(result: Content) -> list[Finding]:
+    """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
+    owners: dict[Finding, list[str]] = {}
+    contents, (_, name) = contents_of(result), _PLACES[result["fit"]]
+    for content in contents:
+        for each in dict.fromkeys(map(Finding.from_dict, content["findings"])):
+            owners.setdefault(each, []).append(content["fit"][name])
+    common = ranked(each for each, names in owners.items() if len(names) == len(contents))
+    single = ranked(each for each in owners if each not in common)
+    words = (", ".join(dict.fromkeys(owners[each])) for each in single)
+    return common + [replace(e, text=f"{w}: {e.text}") for e, w in zip(single, words, strict=True)]
+
+
+def sources_of(result: Content) -> str:
+    """The tables in words."""
+    return " and ".join("shipped tables" if t == "shipped" else t for t in result["tables"])
+
+
+def left_out(result: Content) -> Iterator[str]:
+    """Rows, curves and formulas that were left out, and why."""
+    skipped = (text for each in contents_of(result)[:1] for text in each["fit"].get("skipped", ()))
+    for text in (*result["rows_left_out"], *skipped):
+        yield f"left out: {text}"
+    for name, why in result.get("not_fitted", {}).items():
+        yield f"not fitted: {name}: {why}"
+
+
+def shown(result: Content) -> Iterator[Block]:
+    """What was fitted and what was left out, the answer, every warning once."""
+    yield Paragraph(f"{_subject(result)} ({sources_of(result)})")
+    yield from map(Paragraph, left_out(result))
+    if result["fit"] == "residual":
+        yield Callout("bad", f"GRADE: {result['grade']}")
+        yield Paragraph(f"The grade holds {holds(result)}")
+    yield from _answer_tables(result)
+    yield from tables_of(result)
+    callouts = tuple(Callout("doubt", f"warning: {each}") for each in warnings_of(result))
+    if callouts:
+        yield Section("warnings", "", callouts)
+
+
+def _subject(result: Content) -> str:
+    fits = [content["fit"] for content in contents_of(result)]
+    campaigns = ", ".join(fits[0]["campaigns"]) if fits else ""
+    match result["fit"]:
+        case "stud-strength":
+            return f"{fits[0]['tests']} tests of {campaigns}"
+        case "load-slip":
+            return f"{fits[0]['curves']} curves of {campaigns}"
+        case "interaction":
+            return f"{fits[0]['tests']} combined tests of {campaigns}: {fits[0]['grade']}"
+        case "residual":
+            return f"{max(fit['tests'] for fit in fits)} tests after pre-damage"
+    return f"V_r = {number(result['known_variation'], 3)} is known from earlier tests"
+
+
+def _answer_tables(result: Content) -> Iterator[Block]:
+    """The tables that are the answer, on a terminal and in a report."""
+    match result["fit"]:
+        case "load-slip":
+            yield from tables.load_slip(named_of(result))
+        case "residual":
+            yield from tables.residual(contents_of(result))
+        case "interaction":
+            yield from stud_design.interaction(contents_of(result)[0])
+        case "few-tests":
+            yield from stud_design.few(result["groups"])
+
+
+def tables_of(result: Content) -> Iterator[Block]:
+    """All tables of a fit, but those that are its answer in a report."""
+    named, contents = named_of(result), contents_of(result)
+    kinds, caption = {"judgement": "as fitted"}, "Unseen tests, test over prediction:"
+    match result["fit"]:
+        case "stud-strength":
+            kinds = {"judgement": "as it is", "corrected": "as fitted"}
+            caption = f"Unseen tests of {', '.join(result['validate'])}, test over prediction:"
+            yield from tables.fitted(named)
+            yield Paragraph(tables.least_scatter(result))
+            yield from tables.exponents(named)
+            yield from stud_design.posterior(contents, "model")
+            yield from tables.unseen(named, kinds, caption)
+            yield from tables.design_values(named)
+            yield from tables.left_out(named)
+            yield from tables.series(result["series"])
+        case "load-slip":
+            names = (f"median_{kind}_of_published_ollgaard" for kind in ("rms", "bias"))
+            rms, bias = (number(contents[0]["fit"][name], 3) for name in names)
+            published = f"misfit {rms}, bias {bias} of the load."
+            yield Paragraph(f"Ollgaard's published law on these curves: {published}")
+            yield from tables.band_coverage(named, result["confidence"])
+            yield from tables.unseen_curves(named)
+        case "residual":
+            yield from tables.relations(contents)
+            yield from stud_design.residual_design(contents)
+            yield from stud_design.posterior(contents, "relation")
+            yield from tables.unseen(named, kinds, caption)
+        case "interaction":
+            yield from tables.unseen(named, kinds, caption)
 
 
 def size(result: Content) -> str:
@@ -77,26 +209,18 @@ def grade(result: Content) -> Iterator[Block]:
 
 def answer(result: Content) -> Iterator[Block]:
     """What the tests say, the first thing that a reader wants to know."""
-    match result["fit"]:
-        case "stud-strength":
-            yield Bullets(tuple(_strength(result)))
-        case "load-slip":
-            yield from tables.load_slip(named_of(result))
-        case "residual":
-            yield from tables.residual(contents_of(result))
-            if items := tuple(_left(result)):
-                yield Bullets(items)
-        case "interaction":
-            yield from stud_design.interaction(contents_of(result)[0])
-        case "few-tests":
-            yield from stud_design.few(result["groups"])
-    told = [
-        f"{name}: {judged(content['judgement'])}."
+    yield from _answer_tables(result)
+    texts = []
+    if result["fit"] == "stud-strength":
+        texts = list(_strength(result))
+    elif result["fit"] == "residual":
+        texts = list(_left(result))
+    unseen = [
+        f"{name}: {stud_design.judged(content['judgement'])}."
         for name, content in named_of(result).items()
         if content["judgement"]
     ]
-    if told:
-        yield Bullets(tuple(told))
+    yield from (Bullets(tuple(items)) for items in (texts, unseen) if items)
 
 
 def _left(result: Content) -> Iterator[str]:
@@ -149,7 +273,7 @@ def method(result: Content) -> Iterator[Block]:
     named = named_of(result)
     match result["fit"]:
         case "stud-strength":
-            yield _formulas(named, {key: model.formula for key, model in FORMULAS.items()})
+            yield _formulas(named, FORMULAS)
             yield Paragraph(
                 "Shank d, height h after welding, area A_s = π d²/4, tensile strength f_u, mean "
                 "cylinder strength f_c and modulus E_c of the concrete, per stud and with the "
@@ -158,9 +282,9 @@ def method(result: Content) -> Iterator[Block]:
             )
             content = next(iter(named.values()))
             if content["fit"]["d8"]["count"] >= LEAST_FOR_DESIGN:
-                yield reference_stud(content["fit"]["reference"])
+                yield stud_design.reference_stud(content["fit"]["reference"])
         case "load-slip":
-            yield _formulas(named, _LAWS)
+            yield _formulas(named, LAWS)
             yield Paragraph(
                 "Slip s, load over its largest value q. Every curve gives its own parameters, "
                 "whose logarithms are regressed on a constant: a curve of many points counts once. "
@@ -169,12 +293,12 @@ def method(result: Content) -> Iterator[Block]:
         case "residual":
             relations = [(name, each.formula) for name, each in (RELATIONS | ANCHORED).items()]
             yield Definitions(tuple(relations))
-            sources = " ".join(map(cited, (*StudResidual.sources, *STATISTICS[:1])))
+            sources = " ".join(map(cited, (*SOURCES, "en1990")))
             yield Paragraph(
                 "Damage D, share left R: of the test over its undamaged reference. Relations are "
                 "averaged by how well they predict campaigns (with one campaign specimens) that "
-                "are left out; the band is that of a new test of a new campaign, whose fractiles of 5 "
-                "and 0.1 % (those of EN 1990 D.8) are the characteristic and the design share. "
+                "are left out; the band is that of a new test of a new campaign, its "
+                "fractiles of 5 and 0.1 %, as in EN 1990 D.8, are characteristic and design share. "
                 f"{_MIXED} Sources: {sources}."
             )
         case "interaction":
@@ -193,8 +317,7 @@ def method(result: Content) -> Iterator[Block]:
             )
 
 
-def _formulas(named: tables.Named, words: Mapping[str, str]) -> Definitions:
-    """Formulas with their sources; `words`, by their own keys."""
-    keys = {name: content["fit"]["key"] for name, content in named.items()}
-    pairs = ((n, f"{words[key]} {' '.join(map(cited, SOURCES[key]))}") for n, key in keys.items())
-    return Definitions(tuple(pairs))
+def _formulas(named: tables.Named, known: Mapping[str, Any]) -> Definitions:
+    """Formulas or laws with their sources; `known`, by their own keys."""
+    fitted = ((name, known[content["fit"]["key"]]) for name, content in named.items())
+    return Definitions(tuple((n, f"{e.formula} {' '.join(map(cited, e.keys))}") for n, e in fitted))

@@ -7,7 +7,7 @@ import pandas as pd
 
 from workbench.content.formatting import brief, valued
 from workbench.content.tree import ABSENT, Block, Cell, Column, Definitions, Paragraph, Table
-from workbench.report.chapters.stud_answer import contents_of
+from workbench.report.chapters.fit_answer import contents_of
 from workbench.report.chapters.stud_tables import KILO, MILLI, Content, Finder, value_of
 from workbench.studs.schema import NO_PREDAMAGE, TESTS
 

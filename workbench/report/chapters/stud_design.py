@@ -1,15 +1,16 @@
-"""Tables from fit to design: fractiles of shares left, posteriors, few tests, interaction."""
+"""From fit to design: fractiles of what is left, posteriors, few, combined and unseen tests."""
 
 from collections.abc import Iterable, Iterator
 
-from workbench.content.formatting import percent, share, valued
-from workbench.content.tree import Block, Cell, Column, Table
+from workbench.content.formatting import count, number, percent, share, valued
+from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 from workbench.report.chapters.stud_tables import KILO, Content, span, span_of, table, value_of
 
 NO_VALUE = (
     "no characteristic value: fewer than three campaigns do not tell how much campaigns differ, "
     "and no prior does (--prior tau=MEDIAN:SPREAD)"
 )
+_VERY_FEW = 3  # tests that are named one by one
 _NONE = Cell("none: fewer than three campaigns, and no prior of tau", tone="doubt")
 
 
@@ -106,3 +107,50 @@ def interaction(content: Content) -> Iterator[Block]:
     )
     caption = "Laws of the codes on the same tests, test over law (below 1: unsafe):"
     yield Table.of("interaction-laws", caption, columns, fit["laws"])
+
+
+def judged(judgement: Content, rows: list[Content] | None = None) -> str:
+    """How a fit meets what it has not seen, in words; of very few tests the `rows` one by one."""
+    return _curves(judgement) if "curves" in judgement else _tests(judgement, rows or [])
+
+
+def _tests(judgement: Content, rows: list[Content]) -> str:
+    ratio, interval = number(judgement["test_over_prediction"], 3), judgement["interval"]
+    bracket = ""
+    if interval and None not in (interval["low"], interval["high"]):
+        bracket = f"{percent(interval['confidence'], signed=False, rough=True)} interval "
+        bracket = f" ({bracket.replace('.0', '')}{span(interval)})"
+    least = judgement["least_test_over_prediction"]
+    tests = f"{count(judgement['tests'], 'unseen test')} of {', '.join(judgement['campaigns'])}"
+    if 1 < len(rows) <= _VERY_FEW:
+        each = " and ".join(number(row["ratio"], 3) for row in rows)
+        return (
+            f"{tests} bore {each} of the prediction; so few cannot tell how good it is: median "
+            f"{ratio}{bracket}"
+        )
+    text = f"{tests} bore {ratio}{bracket} of the prediction in the median"
+    return text + (f", {judgement['worst']} only {number(least, 2)}" if least < 1.0 else "")
+
+
+def _curves(judgement: Content) -> str:
+    text = f"on {count(judgement['curves'], 'unseen curve')}"
+    if judgement["coverage"] is not None:
+        text += f" its 90 % band holds {percent(judgement['coverage'], signed=False)} of the points"
+    if judgement["stiffness"]:
+        ratio = number(judgement["stiffness"]["test_over_prediction"], 3)
+        text += f", stiffness is {ratio} times the predicted one"
+    return text
+
+
+def reference_stud(reference: Content) -> Paragraph:
+    """The stud that EN 1990 D.8 was evaluated for, and what was assumed of structures to come."""
+    return Paragraph(
+        "EN 1990 D.8 [@en1990] for the stud in the middle of the tests: "
+        f"d = {number(1e3 * reference['diameter'], 3)} mm, "
+        f"h = {number(1e3 * reference['height'], 3)} mm, "
+        f"f_cm = {number(reference['concrete_strength'] / 1e6, 3)} MPa, "
+        f"f_u = {number((reference['ultimate_strength'] or 0.0) / 1e6, 3)} MPa. The coefficients "
+        "of variation of structures to come are assumptions: diameter 1 %, concrete strength 15 %, "
+        "its modulus 10 %, stud strength 5 %. γ_M* is the nominal value of the code, without "
+        "partial factor, over the design value found here; EN 1994-1-1 has 1.25."
+    )

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from workbench.content.formatting import count, number, percent
-from workbench.content.tree import Block, Bullets, Callout, Paragraph, Section
+from workbench.content.formatting import count, number
+from workbench.content.tree import Block, Bullets, Callout, Section
+from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.stored import Stored
 from workbench.responses import Finding, findings_of
@@ -14,7 +15,7 @@ from workbench.scenarios import StudTests
 from workbench.studs.answers.common import content_of
 from workbench.study.definition import Study
 
-_VERY_FEW, _FEW = 3, 10  # tests that are named one by one; curves that hardly tell laws apart
+_FEW = 10  # curves that hardly tell laws apart
 _NEAR = 1e-3  # m, in diameter: such a stud
 MEASURES = {  # of damage, what its level is over what
     "displacement ratio": "uplift reached before, over that at which an undamaged stud fails",
@@ -239,43 +240,10 @@ def _strength(found: list[Answered]) -> Iterator[Block]:
 def _judged(study: Study, found: list[Answered]) -> Iterator[str]:
     """One sentence for every label that a gate judges by unseen tests."""
     for label in dict.fromkeys(gate.model for gate in study.gates):
-        own = (each for each in found if each.label == label and each.content.get("judgement"))
-        parts = [judged(each.content["judgement"], each.content["judged"]) for each in own]
+        own = (e.content for e in found if e.label == label and e.content.get("judgement"))
+        parts = [stud_design.judged(each["judgement"], each["judged"]) for each in own]
         if parts:
             yield f"{label}: {'; '.join(parts)}."
-
-
-def judged(judgement: dict[str, Any], rows: list[dict[str, Any]] | None = None) -> str:
-    """How a fit meets what it has not seen, in words; of very few tests the `rows` one by one."""
-    return _curves(judgement) if "curves" in judgement else _tests(judgement, rows or [])
-
-
-def _tests(judgement: dict[str, Any], rows: list[dict[str, Any]]) -> str:
-    ratio, interval = number(judgement["test_over_prediction"], 3), judgement["interval"]
-    bracket = ""
-    if interval and None not in (interval["low"], interval["high"]):
-        bracket = f"{percent(interval['confidence'], signed=False, rough=True)} interval "
-        bracket = f" ({bracket.replace('.0', '')}{tables.span(interval)})"
-    least = judgement["least_test_over_prediction"]
-    tests = f"{count(judgement['tests'], 'unseen test')} of {', '.join(judgement['campaigns'])}"
-    if 1 < len(rows) <= _VERY_FEW:
-        each = " and ".join(number(row["ratio"], 3) for row in rows)
-        return (
-            f"{tests} bore {each} of the prediction; so few cannot tell how good it is: median "
-            f"{ratio}{bracket}"
-        )
-    text = f"{tests} bore {ratio}{bracket} of the prediction in the median"
-    return text + (f", {judgement['worst']} only {number(least, 2)}" if least < 1.0 else "")
-
-
-def _curves(judgement: dict[str, Any]) -> str:
-    text = f"on {count(judgement['curves'], 'unseen curve')}"
-    if judgement["coverage"] is not None:
-        text += f" its 90 % band holds {percent(judgement['coverage'], signed=False)} of the points"
-    if judgement["stiffness"]:
-        ratio = number(judgement["stiffness"]["test_over_prediction"], 3)
-        text += f", stiffness is {ratio} times the predicted one"
-    return text
 
 
 def _factors(found: list[Answered]) -> Iterator[str]:
@@ -311,7 +279,7 @@ def _blocks(found: list[Answered]) -> Iterator[Block]:
     formulas = _largest([each for each in found if "d8" in each.fit], "tests")
     several = [each for each in formulas if len(each.fit["campaigns"]) > 1] or formulas
     if several:
-        yield reference_stud(several[0].fit["reference"])
+        yield stud_design.reference_stud(several[0].fit["reference"])
         noted = {f"{a.label}\n({a.case}, {a.fit['tests']} tests)": a.content for a in several}
         yield from tables.design_values(noted)
         yield from tables.left_out({a.label: a.content for a in several})
@@ -331,17 +299,3 @@ def _largest(found: list[Answered], size: str) -> list[Answered]:
         if each.label not in best or each.fit[size] > best[each.label].fit[size]:
             best[each.label] = each
     return list(best.values())
-
-
-def reference_stud(reference: dict[str, Any]) -> Paragraph:
-    """The stud that EN 1990 D.8 was evaluated for, and what was assumed of structures to come."""
-    return Paragraph(
-        "EN 1990 D.8 [@en1990] for the stud in the middle of the tests: "
-        f"d = {number(1e3 * reference['diameter'], 3)} mm, "
-        f"h = {number(1e3 * reference['height'], 3)} mm, "
-        f"f_cm = {number(reference['concrete_strength'] / 1e6, 3)} MPa, "
-        f"f_u = {number((reference['ultimate_strength'] or 0.0) / 1e6, 3)} MPa. The coefficients "
-        "of variation of structures to come are assumptions: diameter 1 %, concrete strength 15 %, "
-        "its modulus 10 %, stud strength 5 %. γ_M* is the nominal value of the code, without "
-        "partial factor, over the design value found here; EN 1994-1-1 has 1.25."
-    )

@@ -25,7 +25,7 @@ from workbench.studs.mechanical import MechanicalFit, residual_curve
 from workbench.studs.mechanical.calibration import USUAL, TableStud, studs_of
 from workbench.studs.mechanical.parameters import LENGTH, STRESS
 from workbench.studs.mechanical.residual import MEASURES
-from workbench.studs.relations import MechanicalCurve
+from workbench.studs.relations import SOURCES, MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit, fit_residual
 from workbench.studs.schema import TESTS
 from workbench.studs.statistics.mixed import LOSSES
@@ -33,11 +33,6 @@ from workbench.studs.statistics.mixture import NOTHING, Priors
 from workbench.studs.strength_fit import fit_strength
 from workbench.studs.tables import own_rows
 
-SOURCES = {
-    **{name: each.keys for name, each in FORMULAS.items()},
-    "bilinear": ("roik1989",),
-    "rational": ("sargin1971",),
-}
 STATISTICS = ("en1990", "pinheiro-bates2000")
 
 
@@ -66,7 +61,7 @@ class StudStrength(StudModel):
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the formula and of the statistics."""
-        return (*SOURCES[self.formula], *STATISTICS)
+        return (*FORMULAS[self.formula].keys, *STATISTICS)
 
     def find(self, scenario: StudTests, split: Split) -> Found:
         """The fit, and how the prediction meets the validating tests."""
@@ -109,7 +104,7 @@ class StudLoadSlip(StudModel):
     @property
     def sources(self) -> tuple[str, ...]:
         """Bibliography keys of the law and of the statistics."""
-        return SOURCES[self.law] + (() if self.published else ("pinheiro-bates2000",))
+        return LAWS[self.law].keys + (() if self.published else ("pinheiro-bates2000",))
 
     def find(self, scenario: StudTests, split: Split) -> Found:
         """The fitted law with its band, and how it meets the validating curves."""
@@ -150,9 +145,7 @@ class StudResidual(StudModel):
     ultimate_strength: float | None = checked(STRESS, optional=True)
 
     name: ClassVar[str] = "stud-residual"
-    sources: ClassVar[tuple[str, ...]] = (
-        *("oehlers1990", "hanswille2007", "oehlers-foley1985", "yao2018"),
-    )
+    sources: ClassVar[tuple[str, ...]] = SOURCES
     asks: ClassVar[tuple[str, ...]] = tuple(RESIDUAL)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Damage is a share: 0 none, 1 the load, displacement or life at which an undamaged stud "
