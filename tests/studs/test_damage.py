@@ -11,10 +11,14 @@ import pytest
 from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import TESTS, fit_residual
-from workbench.studs.damage import damage_of, fatigue_life
-from workbench.studs.damaged import damaged_rows, predicted_references
+from workbench.studs.damaged import (
+    Grade,
+    damage_of,
+    damaged_rows,
+    fatigue_life,
+    predicted_references,
+)
 from workbench.studs.reading import examine, from_frame
-from workbench.studs.residual_grade import Grade
 
 Capture = pytest.CaptureFixture[str]
 

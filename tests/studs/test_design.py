@@ -15,12 +15,12 @@ from scipy import stats
 from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import fit_residual, fit_strength
-from workbench.studs.few import evaluate_few
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.interaction import fit_interaction, log_reach
 from workbench.studs.quantities import specimens
 from workbench.studs.reading import from_frame
 from workbench.studs.schema import TESTS
+from workbench.studs.series import evaluate_few
 from workbench.studs.statistics.annex_d import few_tests_factor
 from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.mixture import mixture_of, posterior_intervals, predictive_quantile

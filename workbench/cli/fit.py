@@ -190,8 +190,8 @@ def few_tests(options: FewOptions, fitted: pd.DataFrame, held: pd.DataFrame) -> 
     Strength of undamaged studs, and share of strength and stiffness left after damage, for a
     scatter that earlier tests with the same resistance have shown (--known-variation).
     """
-    from workbench.studs.few import evaluate_few
     from workbench.studs.fit_protocol import plain
+    from workbench.studs.series import evaluate_few
 
     known = options.known_variation
     if known is None:

@@ -3,6 +3,7 @@
 The mechanical model is in `workbench.studs.mechanical`, which needs the compiled kernels.
 """
 
+from workbench.studs.damaged import Grade as Grade
 from workbench.studs.factors_fit import fit_factors as fit_factors
 from workbench.studs.formulas import SHEAR_MODELS as SHEAR_MODELS
 from workbench.studs.formulas import strength_formula as strength_formula
@@ -18,7 +19,6 @@ from workbench.studs.relations import RELATIONS as RELATIONS
 from workbench.studs.relations import MechanicalCurve as MechanicalCurve
 from workbench.studs.residual_fit import ResidualFit as ResidualFit
 from workbench.studs.residual_fit import fit_residual as fit_residual
-from workbench.studs.residual_grade import Grade as Grade
 from workbench.studs.schema import POINTS as POINTS
 from workbench.studs.schema import TESTS as TESTS
 from workbench.studs.series import evaluate_groups as evaluate_groups

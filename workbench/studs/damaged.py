@@ -1,18 +1,95 @@
-"""Tests after pre-damage: what is left of a stud over that of an undamaged one."""
+"""Tests after pre-damage: level of the damage, what is left of a stud, grade of the evidence.
 
-from collections.abc import Iterator
+A level is given, or it is the share of the fatigue life: of that of equal studs, or of that by the
+S-N line of EN 1994-1-1, 6.8.3 (recalled), tau^m N = 90^m 2e6 with m = 8 and tau in MPa, the range
+of the load over the area of the shank. That line is characteristic and no mean, so that shares by
+it are a measure of their own, which no fit mixes with shares of measured lives.
+"""
+
+from collections.abc import Callable, Iterator
+from enum import StrEnum
 from math import sqrt
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.damage import damage_of
+from workbench.studs.fit_protocol import Fitted, prior_findings
 from workbench.studs.formulas import strength_formula
-from workbench.studs.quantities import equal_studs, specimens
-from workbench.studs.schema import HEADED, LARGEST_GAIN, LARGEST_LEVEL, NO_PREDAMAGE, PREDICTED
+from workbench.studs.quantities import Array, equal_studs, shank_area, specimens
+from workbench.studs.schema import (
+    FATIGUE,
+    HEADED,
+    LARGEST_GAIN,
+    LARGEST_LEVEL,
+    LIFE,
+    NO_PREDAMAGE,
+    PREDICTED,
+    SN_LIFE,
+)
+from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, TAU, Priors
+
+EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
+LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve
+NORMAL_PEAK = 0.75  # of the strength, to which EN 1994-1-1, 6.8.1 (recalled) keeps peak loads
+
+
+def fatigue_life(load_range: ArrayLike, diameter: ArrayLike) -> Array:
+    """Characteristic cycles to failure (n,) for ranges of the load (kN) and shanks (mm)."""
+    area = 1e6 * shank_area(1e-3 * np.asarray(diameter, float))
+    return np.asarray(CYCLES * (STRESS * area / (1e3 * np.asarray(load_range, float))) ** EXPONENT)
+
+
+def damage_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Level and measure of the damage of every row of a table (schema `TESTS`)."""
+    level, measure = table["predamage_level"].astype(float), table["predamage_measure"]
+    cycles, life = (table[f"predamage_{n}"].astype(float) for n in ("cycles", "life_cycles"))
+    characteristic = fatigue_life(table["predamage_range_kN"], table["diameter_mm"])
+    by_line = pd.Series(cycles / characteristic, index=table.index)
+    open_ = level.isna() & (table["predamage"] == FATIGUE)
+    told = open_ & (cycles / life).notna()
+    line = open_ & ~told & by_line.notna()
+    level = level.mask(told, cycles / life).mask(line, by_line)
+    measure = measure.mask(told, LIFE).mask(line, SN_LIFE)
+    return pd.DataFrame({"level": level, "measure": measure})
+
+
+def peaks_of(rows: pd.DataFrame) -> pd.Series:
+    """Peak of the load cycles over the undamaged strength (n,), of rows with a `ratio` of it."""
+    return rows["predamage_peak_kN"].astype(float) * rows["ratio"] / rows["shear_kN"].astype(float)
+
+
+def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
+    """What the way in which damage was measured says against it, for the rows of a fit."""
+    if (rows["predamage_measure"] == SN_LIFE).any():
+        text = (
+            "damage is the share of the characteristic life of EN 1994-1-1, 6.8.3, which is no "
+            "mean: a range 10 % higher halves the life"
+        )
+        remedy = "give predamage_life_cycles of equal studs"
+        yield Finding("evidence", text, remedy=remedy)
+    peak = peaks_of(rows)
+    if quantity != "strength":
+        peak = rows["predamage_peak_kN"].astype(float) / rows["undamaged_shear_kN"].astype(float)
+    elif set(rows["predamage_measure"]) == {LIFE} and (unknown := int(peak.isna().sum())):
+        text = f"{unknown} of {len(rows)} tests do not tell the peak of their cycles: no relation"
+        text += " that ends a fatigue life at R(1) = P_max/P_u is a candidate"
+        yield Finding("fatigue", text, remedy="give predamage_peak_kN")
+    elif set(rows["predamage_measure"]) == {LIFE} and np.ptp(peak) > LIKE_PEAK:
+        text = f"P_max/P_u of the tests is {peak.min():.2f} to {peak.max():.2f}: curves are for"
+        yield Finding("fatigue", f"{text} {peak.mean():.2f}", number=float(peak.mean()))
+    high = int((peak > NORMAL_PEAK).sum())
+    if high:
+        text = (
+            f"{high} of {len(rows)} tests were cycled above {NORMAL_PEAK:g} of their undamaged "
+            f"strength (up to {peak.max():.2f}): such peaks damage by themselves, which a "
+            "share of the fatigue life does not tell"
+        )
+        yield Finding("evidence", text, number=float(peak.max()))
+
 
 QUANTITIES = {
     "strength": ("shear_kN", "undamaged_shear_kN"),
@@ -155,3 +232,63 @@ def studs_in_words(rows: pd.DataFrame) -> str:
     size = " x ".join(filter(None, (span(f"{name}_mm", "{}") for name in ("diameter", "height"))))
     strengths = (span("fcm_MPa", "f_c {} MPa"), span("fu_MPa", "f_u {} MPa"))
     return ", ".join(filter(None, (f"{size} mm" if size else "", *strengths)))
+
+
+ONSET_OF_FATIGUE_LOSS = 0.15  # share of life; Hanswille, Porsch and Ustundag 2007, abstract
+
+
+class Grade(StrEnum):
+    """How well a residual capacity is supported, from weakest to strongest."""
+
+    MECHANICAL = "mechanical prediction, not validated by tests after pre-damage"
+    SYNTHETIC = "exercise on synthetic rows: shows the method, is no evidence"
+    NARROW = "fitted to tests whose damage hardly varies: supports no relation"
+    ONE_CAMPAIGN = "fitted to tests after pre-damage of one campaign, not validated on others"
+    PREDICTED = "fitted to tests after pre-damage over predicted, not measured, undamaged strengths"
+    TWO_CAMPAIGNS = "fitted to tests after pre-damage of two campaigns, too few to validate it"
+    CROSS_VALIDATED = "fitted to tests after pre-damage, cross-validated over campaigns"
+
+
+LEAST_RANGE = 0.25  # of damage, over which a relation may be called validated
+
+
+def grade_of(rows: pd.DataFrame, quantity: str) -> Grade:
+    """The grade of tests after pre-damage (with `level`)."""
+    if (rows["origin"] == "synthetic").any():
+        return Grade.SYNTHETIC
+    campaigns, levels = rows["campaign"].nunique(), rows["level"]
+    if levels.max() < LEAST_RANGE or levels.nunique() < 2:
+        return Grade.NARROW
+    if quantity == "strength" and (rows["undamaged_basis"] == PREDICTED).any():
+        return Grade.PREDICTED
+    few = {1: Grade.ONE_CAMPAIGN, 2: Grade.TWO_CAMPAIGNS}
+    return few.get(campaigns, Grade.CROSS_VALIDATED)
+
+
+def residual_findings(
+    rows: pd.DataFrame, found: Fitted, relation: Callable[..., Array], priors: Priors
+) -> Iterator[Finding]:
+    """What is to be said of a fit to tests after pre-damage."""
+    synthetic = int((rows["origin"] == "synthetic").sum())
+    if synthetic:
+        yield Finding("evidence", f"{synthetic} of {len(rows)} rows are synthetic")
+    campaigns = rows["campaign"].nunique()
+    yield from prior_findings(priors)
+    if campaigns < LEAST_CAMPAIGNS and TAU in priors:
+        text = "bands rest on the prior of the scatter between campaigns"
+        yield Finding("campaigns", f"{campaigns} of {LEAST_CAMPAIGNS} campaigns: {text}")
+    elif campaigns < LEAST_CAMPAIGNS:
+        text = (
+            f"{campaigns} of {LEAST_CAMPAIGNS} campaigns do not tell how much campaigns differ: no "
+            "characteristic or design value and no band for a new one; intervals lack that scatter"
+        )
+        if campaigns == 1:
+            text += "; candidates were weighed by leaving out specimens, not campaigns"
+        remedy = "give that scatter: --prior tau=MEDIAN:SPREAD, in shares; SPREAD of its logarithm"
+        yield Finding("campaigns", text, remedy=remedy)
+    if found.at_bound:
+        yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
+    left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))
+    if rows["predamage"].iloc[0] == "fatigue" and left >= 1.0:
+        text = "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag"
+        yield Finding("fatigue", f"{text} (2007)")

@@ -15,14 +15,17 @@ from workbench.arrays import Flags
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.candidates import Candidate, average, candidates, fit_candidates, quantiles
-from workbench.studs.damage import damage_findings, peaks_of
 from workbench.studs.damaged import (
     QUANTITIES,
     REFERENCE,
+    Grade,
+    damage_findings,
     damaged_rows,
+    grade_of,
+    peaks_of,
     reference_findings,
     reference_share,
+    residual_findings,
     studs_in_words,
 )
 from workbench.studs.fit_protocol import (
@@ -35,8 +38,17 @@ from workbench.studs.fit_protocol import (
     outlier_findings,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.relations import ANCHORED, RELATIONS, MechanicalCurve, Relation
-from workbench.studs.residual_grade import Grade, grade_of, residual_findings
+from workbench.studs.relations import (
+    ANCHORED,
+    RELATIONS,
+    Candidate,
+    MechanicalCurve,
+    Relation,
+    average,
+    candidates,
+    fit_candidates,
+    quantiles,
+)
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.influence import without_each

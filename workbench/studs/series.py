@@ -1,6 +1,9 @@
-"""EN 1994-1-1 Annex B.2: evaluation of series of nominally equal push tests, also of a table.
+"""Nominally equal tests, also of a table: EN 1994-1-1 Annex B.2, and EN 1990 D.8.4 for a few.
 
-Source: EN 1994-1-1:2004, B.2.4 and B.2.5 (recalled, not read again).
+Three push tests or more are evaluated by B.2.4 and B.2.5 of EN 1994-1-1:2004 (recalled, not read
+again). One to three tests have a characteristic value by D.8.4 from a scatter known beforehand:
+the shear of undamaged studs, or the share of the undamaged strength or stiffness that one level
+of damage leaves.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,7 +15,10 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
+from workbench.studs.damaged import QUANTITIES, damage_of, damaged_rows
 from workbench.studs.quantities import LIKE_CONCRETE, Array, undamaged_headed_studs
+from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.statistics.annex_d import FEW_DEVIATION, MOST_FEW, few_tests_factor
 
 LARGEST_DEVIATION = 0.10  # of any test from the mean of the series
 REDUCTION = 0.9
@@ -192,3 +198,66 @@ def _curves(points: pd.DataFrame) -> dict[Any, tuple[Array, Array]]:
         name: (1e-3 * own["slip_mm"].to_numpy(float), 1e3 * own["load_kN"].to_numpy(float))
         for name, own in read.groupby(["campaign", "specimen"], sort=False)
     }
+
+
+class Few(NamedTuple):
+    """A group of one to three tests: `mean` (N, or a share) and `characteristic` value.
+
+    `kind`, ``shear`` or the share that is left; `factor` eta_k; `deviation`, of the farthest from
+    the mean; `refusal`, why there is no value.
+    """
+
+    name: str
+    kind: str
+    tests: int
+    mean: float
+    deviation: float
+    factor: float | None
+    characteristic: float | None
+    refusal: str
+
+
+def evaluate_few(table: pd.DataFrame, variation: float) -> list[Few]:
+    """Every group of nominally equal tests of a table, evaluated or refused with the reason.
+
+    Arguments: `table` (schema `TESTS`); `variation`, V_r known from earlier tests. Raises
+    `InputError` for a table without a test that a fit may use.
+    """
+    found = [_few(*each, variation) for each in _groups(table)]
+    if not found:
+        undamaged_headed_studs(table)  # says why none is left
+    return found
+
+
+def _groups(table: pd.DataFrame) -> Iterator[tuple[str, str, Array]]:
+    """Name, kind and values of every group."""
+    try:
+        undamaged = undamaged_headed_studs(table, "any")
+    except InputError:
+        undamaged = table.iloc[:0]
+    for group in equal_tests(undamaged):
+        yield title_of(group), "shear", 1e3 * group["shear_kN"].to_numpy(float)
+    damaged = table.assign(predamage_measure=damage_of(table)["measure"])
+    damaged = damaged[damaged["predamage"] != NO_PREDAMAGE]
+    kinds = damaged[["predamage", "predamage_measure"]].drop_duplicates()
+    for quantity in QUANTITIES:
+        for kind in kinds.itertuples(index=False):
+            rows = damaged_rows(table, quantity, *kind)
+            for level, own in rows.groupby("level", sort=True):
+                for group in equal_tests(own):
+                    name = f"{title_of(group)}, {' '.join(kind)} {level:.3g}"
+                    yield name, f"{quantity} left", group["ratio"].to_numpy(float)
+
+
+def _few(name: str, kind: str, values: Array, variation: float) -> Few:
+    count, mean = len(values), float(np.mean(values))
+    deviation = float(np.max(np.abs(values / mean - 1.0)))
+    factor, refusal = None, ""
+    if count > MOST_FEW:
+        refusal = f"more than {MOST_FEW} tests tell their own scatter: D.8.2, by the other fits"
+    elif deviation > FEW_DEVIATION:
+        refusal = f"{100 * deviation:.0f} % off the mean: two or three tests must lie within 10 %"
+    else:
+        factor = few_tests_factor(count, variation)
+    characteristic = None if factor is None else factor * mean
+    return Few(name, kind, count, mean, deviation, factor, characteristic, refusal)

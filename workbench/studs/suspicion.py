@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.responses import Finding
-from workbench.studs.damage import damage_of
-from workbench.studs.damaged import QUANTITIES, ratios
+from workbench.studs.damaged import QUANTITIES, damage_of, ratios
 from workbench.studs.fit_protocol import outlier_findings
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.quantities import named, specimens
