@@ -30,8 +30,8 @@ from workbench.studs.load_slip import (
     make_law,
     parameter_names,
 )
-from workbench.studs.load_slip_curves import curves_of, first_loading
 from workbench.studs.load_slip_fit import HELD
+from workbench.studs.tables import curves_of, first_loading
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
 BOUNDS = {  # of the parameters that are fitted

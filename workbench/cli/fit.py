@@ -82,7 +82,7 @@ def stud_strength(options: StrengthOptions, fitted: pd.DataFrame, held: pd.DataF
         strength_formula,
     )
     from workbench.studs.fit_protocol import plain
-    from workbench.studs.statistics.scatter import rank_scatters
+    from workbench.studs.statistics.intervals import rank_scatters
 
     specified = USUAL_SPECIFIED if options.specified is None else options.specified
     TESTS.column("fu_MPa").rule.check("--specified-fu", specified)
@@ -265,8 +265,7 @@ def _given(options: Common) -> Content:
 
 def _judged(fit: Fit, held: pd.DataFrame, confidence: float) -> Content:
     """Everything that is known of a fit, and how it meets what was held out."""
-    from workbench.studs.fit_protocol import plain
-    from workbench.studs.trust import ranked
+    from workbench.studs.fit_protocol import plain, ranked
 
     judged = None if held.empty else fit.judge(held, confidence)
     findings = [finding.as_dict() for finding in ranked(fit.findings)]

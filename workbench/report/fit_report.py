@@ -29,7 +29,7 @@ from workbench.report.figures import (
 )
 from workbench.report.gallery import Plate, to_csv
 from workbench.responses.provenance import provenance
-from workbench.studs.load_slip_curves import first_loading
+from workbench.studs.tables import first_loading
 from workbench.study.definition import Figure
 from workbench.study.store import own_directory, write_atomically
 

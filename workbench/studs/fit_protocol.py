@@ -6,7 +6,7 @@ Strength, factors, load-slip and residual capacity are fitted by functions of th
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -19,10 +19,9 @@ from workbench.responses import Finding
 from workbench.studs.statistics.influence import outliers
 from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
 from workbench.studs.statistics.mixed import Estimate, fit
-from workbench.studs.statistics.mixture import Priors
+from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, Priors
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
-from workbench.studs.trust import ranked
 
 Content = dict[str, Any]
 Ends = tuple[float, float]  # of an interval
@@ -52,6 +51,36 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return str(value) if isinstance(value, str) else value
+
+
+# subjects of findings: what may void an answer comes first, what hardly moves it last
+_DECISIVE = (
+    *("data", "evidence", "prior", "fatigue", "outlier", "stud", "tests", "campaigns", "shank"),
+    *("range", "bounds", "points", "modulus", "measurement"),
+)
+_PLACES = {subject: place for place, subject in enumerate(_DECISIVE)}
+
+
+def ranked(findings: Iterable[Finding]) -> list[Finding]:
+    """Findings without repetitions, the decisive ones first."""
+    others = _PLACES["bounds"]
+    return sorted(dict.fromkeys(findings), key=lambda each: _PLACES.get(each.subject, others))
+
+
+def grade_of(rows: pd.DataFrame, what: str, *, left_out: bool = False) -> str:
+    """How well a fit to `what` is supported, by the campaigns of its rows.
+
+    `left_out`: every campaign was predicted from the others.
+    """
+    if "origin" in rows and (rows["origin"] == "synthetic").any():
+        return f"exercise on synthetic {what}: shows the method, is no evidence"
+    campaigns = rows["campaign"].nunique()
+    if campaigns == 1:
+        return f"fitted to {what} of one campaign, not validated on others"
+    if campaigns < LEAST_CAMPAIGNS:
+        return f"fitted to {what} of two campaigns, too few to validate it"
+    how = "cross-validated over campaigns" if left_out else "not cross-validated"
+    return f"fitted to {what} of {campaigns} campaigns, {how}"
 
 
 class Told(NamedTuple):

@@ -19,18 +19,18 @@ from workbench.studs.fit_protocol import (
     Fitted,
     Judgement,
     fitted,
+    grade_of,
     judge,
     outlier_findings,
 )
 from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS
 from workbench.studs.statistics.problem import problem
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
-from workbench.studs.trust import grade_of, influence_of
 
 EXPONENTS = (0.3, 30.0)  # 1: linear; below it damage adds up, far above it nothing interacts
 SHARES = np.linspace(0.0, 1.0, 41)  # of the tension resistance, at which the law is given

@@ -6,9 +6,10 @@ random effect per campaign. So many points of one digitised curve count once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,25 +17,34 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.fit_protocol import Content, Fit, Fitted, fitted
+from workbench.studs.fit_protocol import (
+    Content,
+    Fit,
+    Fitted,
+    Judgement,
+    Told,
+    fitted,
+    grade_of,
+    judge,
+    ranked,
+)
 from workbench.studs.load_slip import (
     CurveFit,
     Law,
     OllgaardLaw,
     chord_stiffness,
     fit_curve,
+    law_stiffness,
     make_law,
     misfit,
     parameter_names,
 )
-from workbench.studs.load_slip_curves import CurveJudgement, curves_of, judge_curves
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
-from workbench.studs.tables import identity_of
-from workbench.studs.trust import grade_of, influence_of, ranked
+from workbench.studs.tables import curves_of, identity_of
 
 HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
 ENDLESS = 0.5  # m: beyond the slip of any test
@@ -42,6 +52,94 @@ GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are giv
 FEW_CAMPAIGNS = 5
 # middles of 20 equal shares of the standard normal distribution
 _NORMAL = np.array([NormalDist().inv_cdf((k + 0.5) / 20.0) for k in range(20)])
+
+
+Band = Callable[[Array, float], tuple[Array, Array]]  # bounds at slips (m) for a share of points
+
+
+@dataclass(frozen=True)
+class CurveJudgement:
+    """A law on curves that no fit has used.
+
+    `rows`, one per curve: campaign, specimen, points, rms and bias of the load over the largest
+    load, share of its points inside the band (`inside`, NaN without a band); `stiffness`, test over
+    prediction of the chord stiffness at the measured strength (None where no curve tells it);
+    `coverage`, mean of `inside` over the curves (None without a band).
+    """
+
+    rows: pd.DataFrame
+    stiffness: Judgement | None
+    coverage: float | None
+    confidence: float
+
+    @property
+    def coverage_half_width(self) -> float | None:
+        """Half-width of the interval of the coverage over curves; None with a single one.
+
+        At least one curve more or less.
+        """
+        from scipy.special import stdtrit
+
+        count = len(self.rows)
+        if self.coverage is None or count < 2:
+            return None
+        error = float(self.rows["inside"].std(ddof=1)) / np.sqrt(count)
+        width = float(stdtrit(count - 1.0, 0.5 + 0.5 * self.confidence) * error)
+        return max(width, 1.0 / count)
+
+    @property
+    def told(self) -> dict[str, Told]:
+        """What a model is compared by; a coverage stays between none and all."""
+        coverage, width, stiffness = Told(self.coverage), self.coverage_half_width, Told(None)
+        if self.coverage is not None and width is not None:
+            ends = max(self.coverage - width, 0.0), min(self.coverage + width, 1.0)
+            coverage = Told(self.coverage, width, ends)
+        if self.stiffness is not None:
+            stiffness = self.stiffness.told["test_over_prediction"]
+        return {"coverage": coverage, "stiffness_test_over_prediction": stiffness}
+
+    def to_dict(self) -> Content:
+        """Everything but the rows."""
+        return {
+            "curves": len(self.rows),
+            "campaigns": sorted(set(self.rows["campaign"])),
+            "median_rms": float(self.rows["rms"].median()),
+            "coverage": self.coverage,
+            "stiffness": None if self.stiffness is None else self.stiffness.to_dict(),
+        }
+
+
+def judge_curves(
+    points: pd.DataFrame, law: Law, band: Band | None = None, confidence: float = 0.9
+) -> CurveJudgement:
+    """Judge a law by the first loading of every curve of a table (schema `POINTS`).
+
+    Arguments: `law`; the `band` of the fit that it is the median of (None: a law as published,
+    without a band). Raises `InputError`.
+    """
+    rows: list[dict[str, Any]] = []
+    stiffness: list[dict[str, Any]] = []
+    for name, slip, load in curves_of(points, falling=law.name == "rational"):
+        top = float(load.max())
+        if len(slip) < 2 or top <= 0.0:
+            continue
+        ratio = load / top
+        rms, bias = misfit(law, slip, ratio)
+        inside = float("nan")
+        if band is not None:
+            low, high = band(np.maximum(slip, 0.0), confidence)
+            inside = float(np.mean((ratio >= low) & (ratio <= high)))
+        rows.append({**name, "points": len(slip), "rms": rms, "bias": bias, "inside": inside})
+        measured = chord_stiffness(slip, load)
+        if np.isfinite(measured):
+            stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
+    if not rows:
+        raise InputError("validation", 0, "holds no curve of two points or more")
+    frame, stiff, told = pd.DataFrame(rows), pd.DataFrame(stiffness), None
+    if stiffness:
+        told = judge(stiff, stiff["test"], stiff["prediction"], confidence)
+    coverage = None if band is None else float(frame["inside"].mean())
+    return CurveJudgement(frame, told, coverage, confidence)
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ from workbench.studs.relations import (
 )
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
-from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (
     LEAST_CAMPAIGNS,
@@ -64,7 +64,6 @@ from workbench.studs.statistics.mixture import (
 from workbench.studs.statistics.prediction import Score
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
-from workbench.studs.trust import influence_of
 
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one

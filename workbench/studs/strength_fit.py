@@ -21,6 +21,7 @@ from workbench.studs.fit_protocol import (
     Fitted,
     Judgement,
     fitted,
+    grade_of,
     judge,
     outlier_findings,
     prior_findings,
@@ -28,7 +29,7 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.influence import without_each
+from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.intervals import Interval
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.mixture import (
@@ -51,7 +52,6 @@ from workbench.studs.strength_findings import (
 )
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
-from workbench.studs.trust import grade_of, influence_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
 # coefficients of variation of structures to come: assumptions, to be replaced by one's own
@@ -183,7 +183,8 @@ def fit_strength(
     usable = undamaged_headed_studs(table, slab, chosen.load)
     kept, tests = _complete(usable, chosen)
     reference = {
-        name: float(np.exp(np.mean(np.log(getattr(tests, name))))) for name in {*TRENDS, *_SIZES}
+        name: float(np.exp(np.mean(np.log(getattr(tests, name)))))
+        for name in dict.fromkeys((*TRENDS, *_SIZES))
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)

@@ -1,6 +1,6 @@
 """Tables of tests in use: shipped, joined, split by campaign, not validated by their own rows."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ from workbench.errors import InputError
 from workbench.evidence import Dataset, dataset, datasets
 from workbench.evidence.catalogue import STUD_TESTS
 from workbench.fields import Choice, did_you_mean
+from workbench.studs.quantities import Array
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table
 
@@ -107,6 +108,34 @@ def joined(tables: Sequence[pd.DataFrame], *, unique: bool = True) -> pd.DataFra
         advice = "give the campaign another name, or leave one table out"
         raise InputError("tables", name, "stands in two tables", advice)
     return rows
+
+
+def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
+    """Points that belong to the first loading of single specimens, with loads and slips in SI.
+
+    Unloading readings, mean curves and doubtful points (`use_for_fit` 0) are left out, and the
+    `falling` branch unless it is wanted. Raises `InputError` if nothing is left.
+    """
+    kept = (points["single_specimen"] == 1.0) & (points["on_envelope"] == 1.0)
+    kept &= points["use_for_fit"] == 1.0
+    kept &= ~points["branch"].isin(["low-load reading", "later loading"])
+    if not falling:
+        kept &= points["branch"] != "post-peak"
+    if not kept.any():
+        raise InputError("points", len(points), "hold no point of a first loading to be fitted")
+    rows = points[kept]
+    slip, load = 1e-3 * rows["slip_mm"].astype(float), 1e3 * rows["load_kN"].astype(float)
+    return rows[["campaign", "specimen"]].assign(slip=slip, load=load)
+
+
+def curves_of(
+    points: pd.DataFrame, *, falling: bool
+) -> Iterator[tuple[dict[str, str], Array, Array]]:
+    """Names, slips (m) and loads (N) of every curve of a table (schema `POINTS`)."""
+    used = first_loading(points, falling=falling)
+    for (campaign, specimen), curve in used.groupby(["campaign", "specimen"], sort=False):
+        names = {"campaign": str(campaign), "specimen": str(specimen)}
+        yield names, curve["slip"].to_numpy(float), curve["load"].to_numpy(float)
 
 
 _CONTENT = [

@@ -15,11 +15,11 @@ from workbench.report.chapters import stud_design
 from workbench.report.chapters import stud_tables as tables
 from workbench.report.chapters.stud_tables import LEAST_IN_SERIES, Content
 from workbench.responses import Finding
+from workbench.studs.fit_protocol import ranked
 from workbench.studs.formulas import FORMULAS
 from workbench.studs.load_slip import LAWS
 from workbench.studs.relations import ANCHORED, RELATIONS, SOURCES
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
-from workbench.studs.trust import ranked
 
 CODE, CODE_FACTOR = "en1994", 1.25  # whose partial factor designers know
 _MOST_SERIES = 4  # that the answer names

@@ -12,7 +12,7 @@ from workbench.content.formatting import number, percent, share, valued
 from workbench.content.tree import Block, Callout, Cell, Column, Table
 from workbench.studs.formulas import FORMULAS
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
-from workbench.studs.statistics.scatter import LIKE
+from workbench.studs.statistics.intervals import LIKE
 
 Content = dict[str, Any]
 Named = Mapping[str, Content]  # the contents by the name of their rows

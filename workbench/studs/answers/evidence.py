@@ -15,12 +15,11 @@ from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge
 from workbench.studs.interaction import INTERACTIONS, borne, combined_tests, curve_of
-from workbench.studs.load_slip_curves import first_loading
 from workbench.studs.mechanical import MechanicalFit, Stud, calibrate, interaction_points
 from workbench.studs.mechanical.calibration import complete_rows, predicted, stud_of
 from workbench.studs.quantities import undamaged_headed_studs
 from workbench.studs.series import evaluate_groups
-from workbench.studs.tables import campaigns_of
+from workbench.studs.tables import campaigns_of, first_loading
 
 _MEANING = {
     "strength": "the strength of undamaged studs",

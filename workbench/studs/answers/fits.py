@@ -19,8 +19,7 @@ from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judgement_of
 from workbench.studs.formulas import FORMULAS, SHEAR_MODELS, usual_stud
 from workbench.studs.load_slip import LAWS, OllgaardLaw
-from workbench.studs.load_slip_curves import judge_curves
-from workbench.studs.load_slip_fit import GRID, fit_load_slip
+from workbench.studs.load_slip_fit import GRID, fit_load_slip, judge_curves
 from workbench.studs.mechanical import MechanicalFit, residual_curve
 from workbench.studs.mechanical.calibration import USUAL, TableStud, studs_of
 from workbench.studs.mechanical.parameters import LENGTH, STRESS

@@ -1,8 +1,9 @@
-"""Tests that the others do not expect: residuals of tests that are left out of the fit."""
+"""Tests that the others do not expect, and how every test moves the answer of a fit."""
 
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
@@ -79,3 +80,18 @@ def without_each(estimate: Estimate) -> Array:
         except (InputError, SolverError):
             continue
     return found
+
+
+def influence_of(
+    rows: pd.DataFrame, estimate: Estimate, answer: str, value: float, without: Array
+) -> pd.DataFrame:
+    """How every test moves an answer, one row each.
+
+    Columns: campaign, specimen; `answer`, its name; `value` with all tests and `without` (n,) this
+    one; `distance`, the deleted residual in standard deviations; `outlier`, whether that is more
+    than chance explains.
+    """
+    distance = deleted_residuals(estimate)
+    far = np.abs(distance) > usual_distance(estimate)
+    told = rows[["campaign", "specimen"]].assign(answer=answer, value=value, without=without)
+    return told.assign(distance=distance, outlier=far)
