@@ -16,10 +16,10 @@ import pandas as pd
 
 from workbench.errors import InputError
 from workbench.responses import Finding
-from workbench.studs.statistics.influence import outliers
 from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
 from workbench.studs.statistics.mixed import Estimate, fit
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, Priors
+from workbench.studs.statistics.prediction import outliers
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
 

@@ -1,7 +1,7 @@
 """Strength of headed studs in shear and in tension: formulas as ``formulas.toml`` declares them.
 
 Also a usual stud by the formula of a code, as a designer asks for it: both terms, what governs.
-Decks by `deck`. Check a code before relying on a number. Units: SI, of factors N, mm and MPa.
+Check a code before relying on a number. Units: SI, of factors N, mm and MPa.
 """
 
 from __future__ import annotations

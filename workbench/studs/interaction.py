@@ -25,9 +25,9 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
-from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS
+from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import problem
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of

@@ -40,8 +40,8 @@ from workbench.studs.load_slip import (
     parameter_names,
 )
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.mixed import fit
+from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import curves_of, identity_of

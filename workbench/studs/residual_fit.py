@@ -51,7 +51,6 @@ from workbench.studs.relations import (
 )
 from workbench.studs.schema import NO_PREDAMAGE
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
-from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (
     LEAST_CAMPAIGNS,
@@ -61,7 +60,7 @@ from workbench.studs.statistics.mixture import (
     posterior_intervals,
     tells_new_campaigns,
 )
-from workbench.studs.statistics.prediction import Score
+from workbench.studs.statistics.prediction import Score, influence_of, without_each
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 

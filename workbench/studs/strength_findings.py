@@ -6,9 +6,8 @@ import numpy as np
 import pandas as pd
 
 from workbench.responses import Finding
-from workbench.studs.deck import assumed, profiled
 from workbench.studs.formulas import Formula
-from workbench.studs.quantities import Specimens, named, undamaged_headed_studs
+from workbench.studs.quantities import Specimens, assumed, named, profiled, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 from workbench.studs.statistics.problem import Problem
 

@@ -29,7 +29,6 @@ from workbench.studs.fit_protocol import (
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.influence import influence_of, without_each
 from workbench.studs.statistics.intervals import Interval
 from workbench.studs.statistics.mixed import fit_robust
 from workbench.studs.statistics.mixture import (
@@ -41,7 +40,13 @@ from workbench.studs.statistics.mixture import (
     predictive_quantile,
     tells_new_campaigns,
 )
-from workbench.studs.statistics.prediction import LeftOut, coverage, leave_one_campaign_out
+from workbench.studs.statistics.prediction import (
+    LeftOut,
+    coverage,
+    influence_of,
+    leave_one_campaign_out,
+    without_each,
+)
 from workbench.studs.statistics.problem import Problem, problem
 from workbench.studs.strength_findings import (
     deck_findings,
