@@ -128,18 +128,6 @@ def profiled(table: pd.DataFrame) -> pd.Series:
     return named | table[["deck_depth_mm", "deck_width_mm"]].notna().any(axis=1)
 
 
-def assumed(table: pd.DataFrame) -> str:
-    """What of the decks of tests was not reported, how often, and what is taken for it."""
-    unknown = {
-        "deck_thickness_mm": (table["deck_thickness_mm"].isna(), "a sheet of up to 1 mm"),
-        "studs_per_rib": (table["studs_per_rib"].isna(), "one stud"),
-        "deck_fixing": (table["deck_fixing"] == "", "welded through"),
-        "deck_stud_position_mm": (table["deck_stud_position_mm"].isna(), "weak (AISC R_p 0.6)"),
-    }
-    told = (f"{n} of {m.sum()} tests: {words}" for n, (m, words) in unknown.items() if m.any())
-    return "; ".join(told)
-
-
 def decks_of(table: pd.DataFrame) -> Decks:
     """The decks of the tests of a table (schema `TESTS`)."""
 

@@ -7,7 +7,7 @@ import pandas as pd
 
 from workbench.responses import Finding
 from workbench.studs.formulas import Formula
-from workbench.studs.quantities import Specimens, assumed, named, profiled, undamaged_headed_studs
+from workbench.studs.quantities import Specimens, named, profiled, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 from workbench.studs.statistics.problem import Problem
 
@@ -77,8 +77,16 @@ def other_slabs(table: pd.DataFrame, slab: str, load: str) -> Iterator[Finding]:
 def deck_findings(kept: pd.DataFrame) -> Iterator[Finding]:
     """What is assumed of profiled decks that the table does not tell."""
     in_deck = kept[profiled(kept)]
-    if text := assumed(in_deck):
-        yield Finding("stud", f"decks: not told, so assumed: {text}")
+    usual = {
+        "deck_thickness_mm": "a sheet of up to 1 mm",
+        "studs_per_rib": "one stud",
+        "deck_fixing": "welded through",
+        "deck_stud_position_mm": "weak (AISC R_p 0.6)",
+    }
+    counts = {name: int((in_deck[name].isna() | (in_deck[name] == "")).sum()) for name in usual}
+    texts = [f"{name} of {n} tests: {usual[name]}" for name, n in counts.items() if n]
+    if texts:
+        yield Finding("stud", f"decks: not told, so assumed: {'; '.join(texts)}")
 
 
 def left_without_value(count: int, total: int, model: Formula) -> Iterator[Finding]:
