@@ -112,13 +112,15 @@ class FewOptions(Common):
 def signature_of(kind: type[Common]) -> Signature:
     """The options of a verb as the parameters of its command."""
     return Signature(
-        Parameter(
-            each.name,
-            Parameter.KEYWORD_ONLY,
-            default=each.default,
-            annotation=Annotated[each.type, each.metadata[""]],
-        )
-        for each in fields(kind)
+        [
+            Parameter(
+                each.name,
+                Parameter.KEYWORD_ONLY,
+                default=each.default,
+                annotation=Annotated[each.type, each.metadata[""]],
+            )
+            for each in fields(kind)
+        ]
     )
 
 

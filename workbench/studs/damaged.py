@@ -153,8 +153,8 @@ def damaged_rows(
             reason = "different kinds of damage do not share one relation"
             raise InputError(name, ", ".join(words), reason, f"choose one with {advice}")
     highest = rows["predamage_measure"].map(LARGEST_LEVEL).fillna(DRIVEN)
-    for _, row in rows[rows["level"] > highest].iterrows():
-        name, most = f"{row['campaign']} {row['specimen']}", highest[row.name]
+    for _, row in rows.assign(highest=highest)[rows["level"] > highest].iterrows():
+        name, most = f"{row['campaign']} {row['specimen']}", row["highest"]
         reason = f"damage of {row['level']:.3g} by {row['predamage_measure']}"
         advice = "predamage_range_kN is per stud; predamage_cycles are single cycles"
         raise InputError(name, reason, f"must be at most {most:g}", advice)

@@ -81,8 +81,8 @@ def _linear(estimate: Estimate, free: Indices) -> Problem:
     given, theta = estimate.problem, estimate.theta
     x, none = jacobian(given, theta, free), np.full(len(free), np.inf)
     y, names = given.y - given.predict(theta) + x @ theta[free], tuple(given.names[k] for k in free)
-    shape = {"y": y, "design": x, "predict": lambda own: x @ own, "tangent": None}
-    return replace(given, names=names, start=theta[free], lower=-none, upper=none, **shape)
+    known = replace(given, y=y, design=x, predict=lambda own: x @ own, tangent=None)
+    return replace(known, names=names, start=theta[free], lower=-none, upper=none)
 
 
 def _with_priors(flat: Mixture, priors: Priors, names: list[str], free: Indices) -> Mixture:
