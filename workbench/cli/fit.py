@@ -136,8 +136,9 @@ def residual(options: ResidualOptions, fitted: pd.DataFrame, held: pd.DataFrame)
     from workbench.studs import TESTS
     from workbench.studs.answers.evidence import CALIBRATION, calibrated
     from workbench.studs.answers.fits import answer_residual
-    from workbench.studs.damaged import QUANTITIES, damaged_rows, predicted_references
+    from workbench.studs.damaged import damaged_rows, predicted_references
     from workbench.studs.mechanical.calibration import USUAL
+    from workbench.studs.schema import QUANTITIES
 
     Choice((*QUANTITIES, "both")).check("--quantity", options.quantity)
     if options.predicted_reference:

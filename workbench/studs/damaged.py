@@ -28,6 +28,7 @@ from workbench.studs.schema import (
     LIFE,
     NO_PREDAMAGE,
     PREDICTED,
+    QUANTITIES,
     SN_LIFE,
 )
 from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, TAU, Priors
@@ -91,10 +92,6 @@ def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
         yield Finding("evidence", text, number=float(peak.max()))
 
 
-QUANTITIES = {
-    "strength": ("shear_kN", "undamaged_shear_kN"),
-    "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
-}
 REFERENCE = ("reference", "reference_tests", "uncertainty")
 FORMULA = "roik-mean"  # that predicts undamaged strengths
 LEAST_UNDAMAGED = 3

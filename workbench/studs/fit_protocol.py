@@ -136,10 +136,10 @@ class Fit(ABC):
         """The fit, its parts, and a judgement (or None), for JSON and pages."""
         return {"fit": self.to_dict(), **self.parts(confidence), **judgement_of(judged)}
 
-    def used(self) -> Content:
-        """What a fit to single tests says of the rows behind it."""
+    def used(self, what: str = "tests") -> Content:
+        """What a fit says of the rows behind it; `what`, which they are."""
         return {
-            "tests": len(self.rows),
+            what: len(self.rows),
             "campaigns": sorted(set(self.rows["campaign"])),
             "warnings": [finding.text for finding in ranked(self.findings)],
         }

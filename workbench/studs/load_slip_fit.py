@@ -26,7 +26,6 @@ from workbench.studs.fit_protocol import (
     fitted,
     grade_of,
     judge,
-    ranked,
 )
 from workbench.studs.load_slip import (
     CurveFit,
@@ -196,8 +195,7 @@ class LoadSlipFit(Fit):
         }  # fmt: skip
         return {
             "law": self.law_name,
-            "curves": len(self.rows),
-            "campaigns": sorted(set(self.rows["campaign"])),
+            **self.used("curves"),
             "held": self.held,
             "population": population,
             "coverage": self.coverage,
@@ -207,7 +205,6 @@ class LoadSlipFit(Fit):
             "skipped": self.skipped,
             "grade": grade_of(self.rows, "curves"),
             "holds": "for the shape of the curve, load over its largest value",
-            "warnings": [finding.text for finding in ranked(self.findings)],
         }
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:

@@ -130,20 +130,14 @@ def profiled(table: pd.DataFrame) -> pd.Series:
 
 def decks_of(table: pd.DataFrame) -> Decks:
     """The decks of the tests of a table (schema `TESTS`)."""
-
-    def column(name: str) -> Array:
-        return np.asarray(table[name].to_numpy(float))
-
-    per_rib, position = column("studs_per_rib"), column("deck_stud_position_mm")
+    per_rib = _si(table, "studs_per_rib", 1.0)
     return Decks(
         profiled=profiled(table).to_numpy(bool),
         parallel=table["slab"].str.contains("parallel", case=False).to_numpy(bool),
-        depth=1e-3 * column("deck_depth_mm"),
-        width=1e-3 * column("deck_width_mm"),
-        thickness=1e-3 * column("deck_thickness_mm"),
+        **{n: _si(table, f"deck_{n}_mm", 1e-3) for n in ("depth", "width", "thickness")},
         per_rib=np.where(np.isfinite(per_rib), per_rib, 1.0),
         holes=(table["deck_fixing"] == "holes").to_numpy(bool),
-        strong=1e-3 * position >= STRONG - 1e-9,
+        strong=_si(table, "deck_stud_position_mm", 1e-3) >= STRONG - 1e-9,
     )
 
 

@@ -16,7 +16,6 @@ from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.responses import Finding
 from workbench.studs.damaged import (
-    QUANTITIES,
     REFERENCE,
     Grade,
     damage_findings,
@@ -49,7 +48,7 @@ from workbench.studs.relations import (
     fit_candidates,
     quantiles,
 )
-from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
 from workbench.studs.statistics.intervals import Interval, tails_of
 from workbench.studs.statistics.mixture import (

@@ -118,6 +118,10 @@ _CYCLES = (
 )
 _MEASURED = {"push-out": ("shear_kN",), "pull-out": ("tension_kN",)}
 _LOADS = ("shear_kN", "tension_kN")  # both in a combined test
+QUANTITIES = {  # of which damage leaves a share: column, and that of the undamaged reference
+    "strength": ("shear_kN", "undamaged_shear_kN"),
+    "stiffness": ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
+}
 
 
 def _contradictions(row: Row) -> Iterator[RowFinding]:
@@ -163,10 +167,7 @@ def _plausible(row: Row) -> Iterator[RowFinding]:
             reason = f"is {share:.2g} times the tensile strength of the shank"
             advice = "loads are per stud: is this the load of the specimen?"
             yield "shear_kN", shear, reason, advice
-    for column, reference in (
-        ("shear_kN", "undamaged_shear_kN"),
-        ("stiffness_10_40_kN_per_mm", "undamaged_stiffness_kN_per_mm"),
-    ):
+    for column, reference in QUANTITIES.values():
         value, whole = known(row, column), known(row, reference)
         if value and whole and value / whole > LARGEST_GAIN:
             reason = f"is {value / whole:.3g} times {reference}"

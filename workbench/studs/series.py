@@ -15,9 +15,9 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.studs.damaged import QUANTITIES, damage_of, damaged_rows
+from workbench.studs.damaged import damage_of, damaged_rows
 from workbench.studs.quantities import LIKE_CONCRETE, Array, undamaged_headed_studs
-from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES
 from workbench.studs.statistics.annex_d import FEW_DEVIATION, MOST_FEW, few_tests_factor
 
 LARGEST_DEVIATION = 0.10  # of any test from the mean of the series

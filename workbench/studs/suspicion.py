@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 from workbench.responses import Finding
-from workbench.studs.damaged import QUANTITIES, damage_of, ratios
+from workbench.studs.damaged import damage_of, ratios
 from workbench.studs.fit_protocol import outlier_findings
 from workbench.studs.formulas import SHEAR_MODELS
 from workbench.studs.quantities import named, specimens
-from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE
+from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, QUANTITIES
 from workbench.studs.statistics.mixed import fit
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import same_contents

@@ -45,10 +45,9 @@ def answers(study: Study, stored: Stored) -> Iterator[Answered]:
             continue
         for label in study.models:
             response = stored.response(case.name, label)
-            content = {} if response is None else content_of(response)
-            if response is not None and content:
-                found = findings_of(response)
-                yield Answered(case.name, label, case.scenario.asked, content, found)
+            if response is not None and (content := content_of(response)):
+                told = case.scenario.asked, content, findings_of(response)
+                yield Answered(case.name, label, *told)
 
 
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:

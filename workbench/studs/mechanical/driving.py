@@ -190,12 +190,10 @@ def push_out(
     return shear(structure, slip, steps)
 
 
-def pull_out(
-    stud: Stud, around: Surroundings, uplift: float | None = None, *, steps: int = STEPS
-) -> PullCurve:
-    """Pull-out of an undamaged stud to `uplift` (m) or rupture (None: to the end of the cone)."""
+def pull_out(stud: Stud, around: Surroundings, *, steps: int = STEPS) -> PullCurve:
+    """Pull-out of an undamaged stud to the end of the cone or to rupture."""
     far = (1.05 * around.cone_end + 1.3 * around.rupture_strain) * stud.embedment
-    return pull(StudStructure(stud, around), far if uplift is None else uplift, steps, unload=False)
+    return pull(StudStructure(stud, around), far, steps, unload=False)
 
 
 def pull_then_push(

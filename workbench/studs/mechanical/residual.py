@@ -25,10 +25,10 @@ from workbench.studs.mechanical.driving import (
 from workbench.studs.mechanical.parameters import Stud, Surroundings
 from workbench.studs.quantities import Array
 from workbench.studs.relations import MechanicalCurve
+from workbench.studs.schema import QUANTITIES
 
 LEVELS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 MEASURES = ("displacement ratio", "load ratio")  # of damage
-QUANTITIES = ("strength", "stiffness")
 LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
 STEPS = 120
 TRIED = (40, STEPS, 2 * STEPS)  # steps at the corners of the band: 40 are within 0.01 of 120
@@ -124,8 +124,8 @@ def residual_curve(
     rising `levels` from 0; `spread`, ends of the unknown parameters; `basis`, what the parameters
     rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
     """
-    Choice(QUANTITIES).check("quantity", quantity)
-    which, at = QUANTITIES.index(quantity), np.array(levels, float)
+    Choice(tuple(QUANTITIES)).check("quantity", quantity)
+    which, at = list(QUANTITIES).index(quantity), np.array(levels, float)
     middle = residual_ratios(stud, around, levels, measure)[which]
     corners = (dict(zip(spread, ends, strict=True)) for ends in product(*spread.values()))
     every = [middle] + [
