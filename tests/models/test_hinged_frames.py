@@ -195,6 +195,12 @@ def test_struck_members_are_cut_so_that_they_keep_their_energy() -> None:
     assert parts[2:] == [2, 4]  # the far column, the beam that turns with the struck head
     assert "hit-mass" not in {f.subject for f in PlasticHinge().domain(hit)}
     assert "hit-mass" in {f.subject for f in PlasticHinge(elements=1).domain(hit)}
+    (light,) = (f for f in PlasticHinge().domain(hit) if f.subject == "light-striker")
+    assert light.number == pytest.approx(
+        200.0 / (frame.properties(frame.members[0]).mass_per_length * 4.0)
+    )
+    heavy = replace(hit, striker=replace(hit.striker, mass=400.0))
+    assert "light-striker" not in {f.subject for f in PlasticHinge().domain(heavy)}
     fine = float(PlasticHinge(elements=16).simulate(hit)["peak_displacement"])
     peak = float(PlasticHinge().simulate(hit)["peak_displacement"])
     coarse = float(PlasticHinge(elements=1).simulate(hit)["peak_displacement"])

@@ -128,24 +128,37 @@ def _parts(
 
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
-    """Warning of elements whose lumped mass takes much of the energy in the first collision."""
+    """Warnings of a striker that is light beside the members it hits, or beside their elements.
+
+    Lumped mass of elements takes energy in the first collision, which a beam keeps.
+    """
     if not isinstance(scenario, FrameImpact):
         return []
     frame, striker = scenario.frame, scenario.striker
+    struck = _struck(frame, striker.node)
+    steel = [frame.properties(m).mass_per_length * frame.length(m) for _, m in struck]
     shared = sum(
-        frame.properties(member).mass_per_length * frame.length(member) / parts[number] / 3.0
-        for number, member in _struck(frame, striker.node)
+        mass / parts[number] / 3.0 for (number, _), mass in zip(struck, steel, strict=True)
     )
     lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
+    share = striker.mass / sum(steel.values())
+    light = []
+    if share < 1.0 and len(struck) < len(frame.members):
+        text = (
+            f"the striker weighs {share:.2f} of the members that it hits: the frame swings in "
+            "modes that the few bars of members beyond do not have; on nine such frames that were "
+            "drawn peaks came out -9 to +12 % off"
+        )
+        light = [Finding("light-striker", text, number=share, instead=())]
     if lost <= _MUCH_SHARED:
-        return []
+        return light
     text = (
         f"the elements beside node {striker.node} share {shared:.3g} kg of their mass with the "
         f"striker at once: the first collision takes {100.0 * lost:.0f} % of the energy, which a "
         "beam keeps, and peaks come out too small by up to as much; more of them (option elements)"
         " share less"
     )
-    return [Finding("hit-mass", text, number=lost, instead=())]
+    return [*light, Finding("hit-mass", text, number=lost, instead=())]
 
 
 def _struck(frame: Frame, node: str) -> list[tuple[int, Member]]:

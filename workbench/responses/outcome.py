@@ -17,7 +17,7 @@ _NOT_OF_DOMAIN = frozenset(
     (
         *("mesh", "refinement", "time-step", "damping", "yield-ratio", "energy-balance", "no-peak"),
         *("section", "plates", "exponents", "no-residual"),
-        *("measured-risk", "unmeasured-risk"),
+        *("measured-risk", "unmeasured-risk", "light-striker"),
         *("estimate", "ends", "plausibility"),  # a column cut out of its frame is always one
         *("evidence", "series", "campaigns", "bounds", "grade", "measurement", SYNTHETIC),
     )
