@@ -16,13 +16,7 @@ from numpy.typing import ArrayLike
 
 from workbench.fields import Choice
 from workbench.responses import Finding
-from workbench.studs.quantities import (
-    Array,
-    Specimens,
-    concrete_modulus,
-    embedment_of,
-    shank_area,
-)
+from workbench.studs.quantities import Array, Specimens, concrete_modulus, embedment_of, shank_area
 
 LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1

@@ -215,8 +215,9 @@ def _findings(rows: pd.DataFrame, found: Fitted) -> Iterator[Finding]:
         yield Finding("tests", f"{text}: their scatter is in no interval of the exponent")
     campaigns = rows["campaign"].nunique()
     if campaigns < LEAST_CAMPAIGNS:
-        text = f"{campaigns} campaigns: intervals lack most of the scatter between campaigns"
-        yield Finding("campaigns", "one campaign" + text[11:] if campaigns == 1 else text)
+        tested = "one campaign" if campaigns == 1 else f"{campaigns} campaigns"
+        text = f"{tested}: intervals lack most of the scatter between campaigns"
+        yield Finding("campaigns", text)
     if found.at_bound:
         low, high = EXPONENTS
         text = f"the exponent rests on a bound ({low:g} to {high:g}): these tests do not tell it"

@@ -66,13 +66,13 @@ def _summary(label: str, content: studs.Content) -> tuple[str, str]:
     fit = content["fit"]
     bias = fit["parameters"].get("bias")
     if bias is None:
-        scatter = f"scatter {number(fit['scatter']['strength'], 2)}"
-        text = f"{label}: calibrated on {fit['tests']} tests, scatter there{scatter[7:]}"
+        scatter = number(fit["scatter"]["strength"], 2)
+        text = f"{label}: calibrated on {fit['tests']} tests, scatter there {scatter}"
         judgement = content.get("judgement")
         if judgement:
             least = number(judgement["least_test_over_prediction"], 3)
             text += f"; unseen tests from {least} of the prediction on"
-        return scatter, f"{text}."
+        return f"scatter {scatter}", f"{text}."
     low, high = bias["profile"]["low"], bias["profile"]["high"]
     span = "interval open" if None in (low, high) else f"{number(low, 3)} to {number(high, 3)}"
     median = number(bias["value"], 3)
