@@ -24,7 +24,6 @@ from workbench.responses import Outcome, Response, failed_response, provenance
 from workbench.scenarios import ColumnImpact, Scenario
 from workbench.study import Case, State, Store, Study, assess, cells_of, run_study, survey
 from workbench.study.store import (
-    Presence,
     canonical_json,
     read_netcdf,
     to_netcdf_bytes,
@@ -115,16 +114,17 @@ def test_a_cell_under_the_name_of_another_is_none(small: Study, tmp_path: Path) 
     """As of another version of the package, which only the key tells."""
     run_study(small, tmp_path, jobs=0)
     store, cell = Store(tmp_path / "toy"), cells_of(small)[0]
-    assert store.presence(cell.key, cell.ingredients) is Presence.FINISHED
+    assert store.answer(cell.key, cell.ingredients) is not None
     record = json.loads((store.cells / f"{cell.key}.json").read_text())
     path = store.cells / f"{cell.key}.json"
     path.write_bytes(canonical_json({**record, "outcome": "collapse"}))  # the file says ok
-    assert store.presence(cell.key, cell.ingredients) is Presence.CORRUPT
+    assert store.holds(cell.key)
+    assert store.answer(cell.key, cell.ingredients) is None
     path.write_bytes(canonical_json(record))
     other = "0" * len(cell.key)
     for end in (".nc", ".json"):
         (store.cells / f"{cell.key}{end}").rename(store.cells / f"{other}{end}")
-    assert store.presence(other, cell.ingredients) is Presence.CORRUPT
+    assert store.holds(other)
     assert store.answer(other, cell.ingredients) is None
 
 

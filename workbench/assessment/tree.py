@@ -28,16 +28,15 @@ class Leaf:
         return all(low <= features[i] < high for i, (low, high) in self.bounds.items())
 
 
-def grow(features: Array, loss: Loss, depth: int, fewest: int) -> Iterator[Leaf]:
+def grow(
+    features: Array, loss: Loss, depth: int, fewest: int, leaf: Leaf | None = None
+) -> Iterator[Leaf]:
     """Leaves of the tree of points (points, features) that lowers the sum of their `loss`.
 
     The loss is that of the members of a leaf, for instance of `impurity`. At most `depth` splits
-    deep, with at least so many points in each.
+    deep, with at least so many points in each; grown from a `leaf` (None: all points).
     """
-    yield from _split(features, loss, Leaf({}, np.arange(len(features))), depth, fewest)
-
-
-def _split(features: Array, loss: Loss, leaf: Leaf, depth: int, fewest: int) -> Iterator[Leaf]:
+    leaf = leaf or Leaf({}, np.arange(len(features)))
     best, place = loss(leaf.members) * (1.0 - 1e-9), (-1, 0.0)
     for i in range(features.shape[1]) if depth > 0 else ():
         own = features[leaf.members, i]
@@ -56,7 +55,7 @@ def _split(features: Array, loss: Loss, leaf: Leaf, depth: int, fewest: int) -> 
     below = features[leaf.members, i] < bound
     for part, ends in ((below, (low, bound)), (~below, (bound, high))):
         child = Leaf({**leaf.bounds, i: ends}, leaf.members[part])
-        yield from _split(features, loss, child, depth - 1, fewest)
+        yield from grow(features, loss, depth - 1, fewest, child)
 
 
 def impurity(classes: Indices) -> Loss:

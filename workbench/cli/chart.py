@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from workbench.cli.output import Answer, option, verb, writable
-from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
+from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
 from workbench.content.tree import Cell, Column, Paragraph, Table
 from workbench.errors import InputError
 
@@ -136,7 +136,7 @@ def pressure_impulse(
         raise InputError("pulse.shape", asked.pulse.shape, "must have a length, not be a table")
     Number(1e-6, 50.0, "m").check("--displacement", displacement)
     lengths = [asked.pulse.length * factor for factor in _LENGTHS]
-    models = [make_model(each, options_from(options or [])) for each in model or ["biggs"]]
+    models = [make_model(each, pairs_of("--option", options)) for each in model or ["biggs"]]
     found = {
         each.name: pressure_impulse_curve(each, asked, displacement, lengths) for each in models
     }

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from workbench.cli.output import Answer, option, verb
-from workbench.cli.simulate import Options, ScenarioFile, Settings, options_from
+from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
 from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
 
@@ -69,7 +69,7 @@ def limit(
 
     checked = [scenario_at(end) for end in ends]  # both, before the work
     names = model or [trusted(load_scenario(scenario, settings or []))]
-    models = [make_model(each, options_from(options or [])) for each in names]
+    models = [make_model(each, pairs_of("--option", options)) for each in names]
     found = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {
         "scenario": checked[0].name,

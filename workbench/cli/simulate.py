@@ -61,12 +61,12 @@ def simulate(
     target = None if out is None else writable("--out", out, "nc", inputs=[scenario])
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
-    spreads = _pairs("--spread", spread or [], "velocity=0.1")
+    spreads = pairs_of("--spread", spread, "velocity=0.1")
     asked = Budget("", (), spreads) if budget else None
     given = load_scenario(scenario, settings or [])
     if asked is not None:
         asked.variations(given)
-    chosen = make_model(model, options_from(options or []))
+    chosen = make_model(model, pairs_of("--option", options))
     response = chosen.simulate(given)
     outcome = outcome_of(response)
     if outcome is Outcome.INVALID_INPUT:
@@ -258,19 +258,14 @@ def _budget_blocks(answer: Response, found: Budgeted) -> Iterator[Block]:
         yield budget_table(quantity, quantity, float(answer[quantity]), rows, bars=True)
 
 
-def options_from(texts: list[str]) -> dict[str, Any]:
-    """Options of a model from texts like ``beta=1.3``. Raises `InputError`."""
-    return _pairs("--option", texts, "beta=1.3")
-
-
-def _pairs(flag: str, texts: list[str], like: str) -> dict[str, Any]:
+def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict[str, Any]:
     """Values by name from texts of a flag that look `like` this. Raises `InputError`."""
     from workbench.scenarios import parse_value
 
-    found = {}
-    for text in texts:
+    pairs = {}
+    for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
             raise InputError(flag, text, f"must look like {like}")
-        found[name.strip()] = parse_value(value.strip())
-    return found
+        pairs[name.strip()] = parse_value(value.strip())
+    return pairs

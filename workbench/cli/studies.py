@@ -15,7 +15,7 @@ from workbench.content.tree import Block, Bullets, Definitions, Paragraph
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
-    from workbench.study import Assessment, CellStatus, LoadedStudy, RunSummary, Study
+    from workbench.study import Assessment, CellStatus, RunSummary, Study
 
 # columns of the table of verdicts
 _SHOWN = ("number", "gate", "verdict", "value", "uncertainty", "case", "bound", "reasons")
@@ -49,7 +49,7 @@ def run(
     an answer); a gate that fails makes the status of `workbench validate`.
     """
     from workbench.report.figures import check_kind
-    from workbench.study import assess, load_study, run_study
+    from workbench.study import State, assess, load_study, run_study
     from workbench.study.progress import Progress, progress_for
 
     loaded = load_study(study)
@@ -70,7 +70,10 @@ def run(
             file=loaded.file,
         )
     except KeyboardInterrupt:
-        raise InterruptedByUserError(_interrupted(loaded, quick, store)) from None
+        directory, entries = _surveyed(_chosen(study, quick), store)
+        stored = sum(entry.state is not State.TO_DO for entry in entries)
+        many = f"interrupted: {stored} of {len(entries)} cells are stored in {directory}"
+        raise InterruptedByUserError(f"{many}; run again to go on") from None
     result = assess(summary.study, Path(store))
     content = {
         "study": summary.study.name,
@@ -231,13 +234,3 @@ def _surveyed(study: Study, store: str) -> tuple[Path, list[CellStatus]]:
 
     directory = Path(store) / study.name
     return directory, survey(study, cells_of(study), Store(directory))
-
-
-def _interrupted(loaded: LoadedStudy, quick: bool, store: str) -> str:
-    from workbench.study import State
-
-    study = loaded.study.quickened() if quick else loaded.study
-    directory, entries = _surveyed(study, store)
-    stored = sum(entry.state is not State.TO_DO for entry in entries)
-    many = f"{stored} of {len(entries)} cells"
-    return f"interrupted: {many} are stored in {directory}; run again to go on"

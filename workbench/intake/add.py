@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -83,7 +83,8 @@ def add_table(
     entry = replace(entry, name=_name(name or told.name, path), folder=str(folder))
     entry = replace(entry, file=f"{entry.name}.csv")
     rows = _marked(rows, entry)
-    content = _csv(rows)
+    shown = rows[_filled(rows)]
+    content = shown.to_csv(index=False, float_format="%.12g", lineterminator="\n").encode()
     judge = partial(_judged, entry, rows, content, path.name, despite_doubts)
     already, doubts = judge()  # refused before a folder is made
     kept: list[str] = []
@@ -197,61 +198,38 @@ def _filled(rows: pd.DataFrame) -> list[str]:
     return [str(name) for name in rows if not (rows[name].isna() | rows[name].eq("")).all()]
 
 
-def _csv(rows: pd.DataFrame) -> bytes:
-    text: str = rows[_filled(rows)].to_csv(index=False, float_format="%.12g", lineterminator="\n")
-    return text.encode()
+def _judged(
+    entry: Dataset, rows: pd.DataFrame, content: bytes, name: str, despite_doubts: bool
+) -> tuple[Dataset | None, tuple[str, ...]]:
+    """The table of the catalogue that holds the same rows, if there is one, else the doubts.
 
-
-def _others(folder: Path) -> dict[str, Dataset]:
-    """The tables that a new one stands beside: those that are read, and those of the folder."""
-    there = folder / CATALOGUE
-    own = datasets_in(there) if there.is_file() else ()
-    return {entry.name: entry for entry in (*datasets(), *own)}
-
-
-def _same(entry: Dataset, content: bytes, folder: Path) -> Dataset | None:
-    """The table of the catalogue that holds the same rows; None if there is none.
-
-    Raises `InputError` if another table has the name.
+    Raises `InputError` if another table has the name, and for doubts that are not accepted.
     """
-    others = _others(folder)
-    for other in others.values():
-        alike = other.kind == entry.kind and other.path.is_file()
-        if alike and other.path.read_bytes() == content:
-            return other
+    there, kind = Path(entry.folder) / CATALOGUE, KINDS[entry.kind]
+    beside = (*datasets(), *(datasets_in(there) if there.is_file() else ()))
+    others = {other.name: other for other in beside}
+    alike = [other for other in others.values() if other.kind == entry.kind]
+    for other in alike:
+        if other.path.is_file() and other.path.read_bytes() == content:
+            return other, ()
     if entry.name in others:
         text = "is the name of another table of the catalogue"
         advice = "choose one with --name, or remove the old entry and its file"
         raise InputError("--name", entry.name, text, advice)
-    return None
-
-
-def _copies(entry: Dataset, rows: pd.DataFrame, folder: Path) -> Iterator[str]:
-    """Rows that other tables of the kind hold as well."""
-    for other in _others(folder).values():
-        if other.kind == entry.kind:
-            old, mark = rows_of(other), f"{other.name}: "
-            both = pd.concat([old.assign(campaign=mark + old["campaign"]), rows])
-            for first, second in KINDS[entry.kind].copies(both):
-                if first.startswith(mark) and not second.startswith(mark):
-                    yield f"{second} holds the same numbers as {first}"
-
-
-def _judged(
-    entry: Dataset, rows: pd.DataFrame, content: bytes, name: str, despite_doubts: bool
-) -> tuple[Dataset | None, tuple[str, ...]]:
-    """The table that holds the same rows, if there is one, else the doubts. Raises `InputError`."""
-    folder = Path(entry.folder)
-    already = _same(entry, content, folder)
-    if already is not None:
-        return already, ()
-    doubts = tuple(finding.text for finding in KINDS[entry.kind].suspicions(rows))
-    doubts += tuple(_copies(entry, rows, folder))
+    doubts = [finding.text for finding in kind.suspicions(rows)]
+    for other in alike:
+        old, mark = rows_of(other), f"{other.name}: "
+        both = pd.concat([old.assign(campaign=mark + old["campaign"]), rows])
+        doubts += (
+            f"{second} holds the same numbers as {first}"
+            for first, second in kind.copies(both)
+            if first.startswith(mark) and not second.startswith(mark)
+        )
     if doubts and not despite_doubts:
         more = f"; and {len(doubts) - _SHOWN} more" if len(doubts) > _SHOWN else ""
         advice = "correct the table, or take it as it is with --despite-doubts"
         raise InputError(name, None, f"looks wrong: {'; '.join(doubts[:_SHOWN])}{more}", advice)
-    return None, doubts
+    return None, tuple(doubts)
 
 
 def _write(entry: Dataset, doubts: Sequence[str], content: bytes) -> tuple[Dataset, list[str]]:

@@ -8,6 +8,7 @@ unit: in the name, in brackets after the name, in a row of units, or in the mapp
 import csv
 import io
 import re
+from collections.abc import Iterable
 from collections.abc import Mapping as Dictionary
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,12 +28,13 @@ _PURE = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01}  # units of what has no dimensi
 class Place(NamedTuple):
     """A column of a table: its `name` there, the `column` of the schema, its `unit` ("": open).
 
-    The column is None for one of the user's own.
+    The column is None for one of the user's own; `factor`, what numbers are multiplied by.
     """
 
     name: str
     column: Column | None
     unit: str = ""
+    factor: float | None = None
 
 
 @dataclass(frozen=True)
@@ -83,9 +85,9 @@ def convert(
     units = _unit_row(rows, places, mapping, path.name)
     if units is not None:
         rows = rows[1:]
-    factors = [
-        None if place is None or place.column is None else _factor(place, said, mapping, path.name)
-        for place, said in zip(places, units or [""] * len(places), strict=True)
+    places = [
+        place and _scaled(place, unit, mapping, path.name)
+        for place, unit in zip(places, units or [""] * len(places), strict=True)
     ]
     fixed = dict(_constants(mapping, table, places))
     taken = {place.column.name for place in places if place and place.column} | set(fixed)
@@ -96,11 +98,11 @@ def convert(
         if wrong:
             raise Problem(path.name, line, *wrong[0]).error()
         lines[line] = [
-            _cell(cell, each, mapping.missing)
-            for cell, place, each in zip(cells, places, factors, strict=True)
+            _cell(cell, place.factor, mapping.missing)
+            for cell, place in zip(cells, places, strict=True)
             if place
         ] + list(fixed.values())
-    return Converted(_text(lines), *_told(places, factors, units, mapping))
+    return Converted(_text(lines), *_changes(filter(None, places), mapping))
 
 
 def place_of(name: str, table: Table, mapping: Mapping, field: str) -> Place | None:
@@ -168,29 +170,27 @@ def _unit_row(
     return [spelled(cell) for cell in cells]
 
 
-def _factor(place: Place, said: str, mapping: Mapping, name: str) -> float | None:
-    """What numbers of a column are multiplied by; None for words."""
+def _scaled(place: Place, in_row: str, mapping: Mapping, name: str) -> Place:
+    """A column with the unit of its numbers and their factor, which words do not have."""
     column = place.column
-    assert column is not None
-    if not isinstance(column.rule, Number):
-        return None
+    if column is None or not isinstance(column.rule, Number):
+        return place
     field = f"{name}, column {place.name}"
     given = (mapping.units or {}).get(place.name, "")
-    told = list(dict.fromkeys(spelled(u) for u in (place.unit, said, given) if u not in ("", "-")))
-    if len(told) > 1:
+    stated = [unit for unit in (place.unit, in_row, given) if unit not in ("", "-")]
+    units = list(dict.fromkeys(map(spelled, stated)))
+    if len(units) > 1:
         advice = "its name, the row of units and the mapping must agree"
-        raise InputError(field, " and ".join(told), "says two units", advice)
-    own = column.unit
-    if not own:
-        unit = told[0] if told else ""
-        if unit not in _PURE:
-            raise InputError(field, unit, "has no unit: " + column.meaning)
-        return _PURE[unit]
-    if not told:
+        raise InputError(field, " and ".join(units), "says two units", advice)
+    if column.unit and not units:
         text = f"says no unit: {column.meaning}"
         advice = "give it in the name, in a row of units, or in [units] of the mapping"
         raise InputError(field, None, text, advice)
-    return factor(told[0], own, field)
+    (unit,) = units or [""]
+    if not column.unit and unit not in _PURE:
+        raise InputError(field, unit, "has no unit: " + column.meaning)
+    by = factor(unit, column.unit, field) if column.unit else _PURE[unit]
+    return place._replace(unit=given or in_row or place.unit, factor=by)
 
 
 def _constants(mapping: Mapping, table: Table, places: list[Place | None]) -> dict[str, str]:
@@ -241,23 +241,14 @@ def _text(lines: dict[int, list[str]]) -> str:
     return target.getvalue()
 
 
-def _told(
-    places: list[Place | None],
-    factors: list[float | None],
-    units: list[str] | None,
-    mapping: Mapping,
-) -> tuple[dict[str, str], tuple[str, ...]]:
+def _changes(places: Iterable[Place], mapping: Mapping) -> tuple[dict[str, str], tuple[str, ...]]:
     """Where converted columns are from, and what was changed, one sentence per column."""
     origin, notes = {}, []
-    said = units or [""] * len(places)
-    for place, by, unit in zip(places, factors, said, strict=True):
-        if place is None or place.column is None:
-            continue
-        own = (mapping.units or {}).get(place.name, "") or unit or place.unit
-        if place.name in (mapping.columns or {}) or by not in (None, 1.0):
-            origin[place.column.name] = place.name + (f" in {own}" if own and by else "")
+    for name, column, unit, by in places:
+        if column and (name in (mapping.columns or {}) or by not in (None, 1.0)):
+            origin[column.name] = name + (f" in {unit}" if unit and by else "")
             times = f", times {by:.9g}" if by not in (None, 1.0) else ""
-            notes.append(f"{origin[place.column.name]} is {place.column.name}{times}")
+            notes.append(f"{origin[column.name]} is {column.name}{times}")
     notes += [f"{name} is left out" for name in mapping.ignore]
     notes += [f"{name} = {cell} in all rows" for name, cell in (mapping.constants or {}).items()]
     return origin, tuple(notes)

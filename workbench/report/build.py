@@ -1,6 +1,6 @@
 """The report of a stored study, and the page of it that is kept in git."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from workbench.content import tree
 from workbench.content.formatting import count
 from workbench.content.html import render_html
 from workbench.content.markdown import render_markdown
-from workbench.content.tree import Block, Document, Picture, Section
+from workbench.content.tree import Document, Picture, Section
 from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
@@ -26,7 +26,7 @@ from workbench.report.chapters import (
     verdicts,
 )
 from workbench.report.explorer.page import FILE, explorer
-from workbench.report.gallery import Plate, draw_all, save_all, save_png
+from workbench.report.gallery import draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.store import own_directory, write_atomically
@@ -126,8 +126,15 @@ def summary(stored: Stored, target: Path) -> Path:
     """
     study = stored.study
     own_directory(target, "figures")
-    sections = [Section("short", "", tuple(_short(study, stored)))]
-    for plate in _chosen(draw_all(study, stored)):
+    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(study, stored)
+    told = tree.walk(tuple(part for part in parts if part is not None))
+    callouts = (block for block in told if isinstance(block, tree.Callout))
+    short = (tree.Paragraph(study.question), *answer.in_brief(study, stored), *callouts)
+    sections = [Section("short", "", short)]
+    drawn = [plate for plate in draw_all(study, stored) if plate.drawing.canvas is not None]
+    marked = [plate for plate in drawn if plate.figure.options.get("summary")]
+    steady = [plate for plate in drawn if plate.figure.kind not in _VARYING]
+    for plate in marked or steady[:_MOST_PICTURES]:
         name = f"figures/{study.name}-{plate.figure.key}.png"
         assert plate.drawing.canvas is not None
         save_png(plate.drawing.canvas, target / name)
@@ -145,22 +152,6 @@ def summary(stored: Stored, target: Path) -> Path:
     content = content.marked(measured.MARK) if stored.synthetic else content
     write_atomically(page, render_markdown(content).encode())
     return page
-
-
-def _short(study: Study, stored: Stored) -> Iterator[Block]:
-    """The question, the table of verdicts, and what must not be overlooked."""
-    yield tree.Paragraph(study.question)
-    yield from answer.in_brief(study, stored)
-    parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(study, stored)
-    told = tree.walk(tuple(part for part in parts if part is not None))
-    yield from (block for block in told if isinstance(block, tree.Callout))
-
-
-def _chosen(plates: tuple[Plate, ...]) -> list[Plate]:
-    drawn = [plate for plate in plates if plate.drawing.canvas is not None]
-    marked = [plate for plate in drawn if plate.figure.options.get("summary")]
-    steady = [plate for plate in drawn if plate.figure.kind not in _VARYING]
-    return marked or steady[:_MOST_PICTURES]
 
 
 def _made_with(record: Mapping[str, str]) -> str:

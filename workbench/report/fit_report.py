@@ -89,6 +89,8 @@ def document(
         Section(f"figure-{key}", title, (_picture(key, title, caption, drawing, folder),))
         for key, title, caption, drawing in figures
     )
+    record = provenance()
+    software = ((n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record)
     parts = (
         Section("answer", "The answer", tuple(answer)),
         Section("basis", "What it rests on", tuple(_basis(result))),
@@ -97,10 +99,9 @@ def document(
         Section("numbers", "Numbers", tuple(fit_answer.tables_of(result))),
         Section("method", "Formulas and method", tuple(fit_answer.method(result))),
         Section("tests", "The tests", tuple(rows_of)),
-        Section("software", "Software", (_software(),)),
+        Section("software", "Software", (Definitions(tuple(software)),)),
     )
     sections = tuple(part for part in parts if part.blocks)
-    record = provenance()
     made = [f"{name} {record[name]}" for name in ("workbench", "commit") if name in record]
     facts = (fit_answer.size(result), f"table: {fit_answer.sources_of(result)}", ", ".join(made))
     return Document(_TITLES[result["fit"]], "Evaluation of tests", facts, sections)
@@ -181,9 +182,3 @@ def _warnings(result: Content) -> Iterator[Block]:
         yield Bullets(tuple(map(str, warnings)))
     elif fit_answer.contents_of(result):
         yield Callout("good", "None of the checks found anything to warn of.")
-
-
-def _software() -> Definitions:
-    record = provenance()
-    pairs = ((n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record)
-    return Definitions(tuple(pairs))

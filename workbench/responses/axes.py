@@ -41,27 +41,18 @@ def axis_of(
     return index, variable_of(xr.IndexVariable, (name,), held, own)
 
 
-def names_axis(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
-    """`axis_of` the names of parts, whose index many responses share."""
-    return _own(name, *_kept(name, values))
+def shared_axis(name: str, parts: tuple[str, ...] | int) -> tuple[PandasIndex, xr.Variable]:
+    """`axis_of` the names of parts, or of so many: points along members or numbers from 0.
 
-
-def counted_axis(name: str, size: int) -> tuple[PandasIndex, xr.Variable]:
-    """`axis_of` points along members, evenly spaced, or of numbers from 0; many share it."""
-    return _own(name, *_counted(name, size))
-
-
-def _own(name: str, index: PandasIndex, axis: xr.Variable) -> tuple[PandasIndex, xr.Variable]:
-    """The index, and a variable of the same data with attributes of its own."""
+    Many responses share its index; the variable has attributes of its own.
+    """
+    index, axis = _shared(name, parts)
     return index, variable_of(xr.IndexVariable, (name,), axis._data, _ATTRIBUTES[name])
 
 
-@lru_cache(maxsize=256)
-def _counted(name: str, size: int) -> tuple[PandasIndex, xr.Variable]:
-    values: Any = np.linspace(0.0, 1.0, size) if name == "point" else np.arange(size)
-    return axis_of(name, values)
-
-
-@lru_cache(maxsize=256)
-def _kept(name: str, values: tuple[str, ...]) -> tuple[PandasIndex, xr.Variable]:
+@lru_cache(maxsize=512)
+def _shared(name: str, parts: tuple[str, ...] | int) -> tuple[PandasIndex, xr.Variable]:
+    values: Any = parts
+    if isinstance(parts, int):
+        values = np.linspace(0.0, 1.0, parts) if name == "point" else np.arange(parts)
     return axis_of(name, values)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.errors import Collapse, CollapseError, Mechanism, WorkbenchError
-from workbench.responses.axes import axis_of, counted_axis, names_axis, variable_of
+from workbench.responses.axes import axis_of, shared_axis, variable_of
 from workbench.responses.histories import EXTREMES, NO_PEAK, implied, open_share
 from workbench.responses.outcome import SYNTHETIC, Finding, Outcome
 from workbench.responses.variables import COORDINATES, HISTORY, SCALARS, VARIABLES
@@ -87,8 +87,7 @@ def build_response(
     indexes: dict[Any, Any] = {}
     coordinates: dict[Any, xr.Variable] = {}
     for name in filter(along.__contains__, COORDINATES):
-        number = name in ("point", "snapshot", "step")
-        make = names_axis if name in named else counted_axis if number else axis_of
+        make = axis_of if name == "time" else shared_axis
         index, axis = make(name, along[name])
         if sizes.setdefault(name, axis.size) != axis.size:
             raise ValueError(f"{name}: {axis.size} coordinates of {sizes[name]} values")

@@ -64,16 +64,12 @@ def implied(
 
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:
     """Largest drift, plastic rotation (rad), sliding (m), compression, tension (N) of all parts."""
-    return {
-        name: max(0.0, *(_end(values[of], sign) for sign in signs)) if values[of].size else 0.0
-        for name, (of, signs) in EXTREMES.items()
-        if of in values
-    }
-
-
-def _end(values: Array, sign: int) -> float:
-    """The largest of the values with that sign."""
-    return float(values.max() if sign > 0 else -values.min())
+    found = {}
+    for name, (of, signs) in EXTREMES.items():
+        if of in values:
+            ends = {1: values[of].max(initial=0.0), -1: -values[of].min(initial=0.0)}
+            found[name] = max(0.0, *(float(ends[sign]) for sign in signs))
+    return found
 
 
 def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:

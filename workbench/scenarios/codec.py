@@ -110,23 +110,22 @@ def label_of(entry: Mapping[str, Any], number: int) -> str:
 @cache
 def _places(kind: Any, entry: bool = False) -> tuple[Place, ...]:
     """The places of all fields of a class, as the rules of its fields declare them."""
-    return tuple(_declared(kind, entry))
-
-
-@cache
-def _written(kind: Any, entry: bool) -> list[Place]:
-    # What has a written form of its own, a section, may be a table: TOML wants it last.
-    return sorted(_places(kind, entry), key=lambda place: bool(getattr(place.rule, "write", None)))
-
-
-def _declared(kind: type[Declared], entry: bool) -> Iterator[Place]:
+    places = []
     for field in dataclasses.fields(kind):
         rule = field.metadata["rule"]
         item = rule.item if isinstance(rule, Many) else rule
         path = field.name if entry else path_of(field, kind.TABLE)
         table, _, key = path.rpartition(".")
         part = item.form or item.kind if isinstance(item, Instance) and not item.read else None
-        yield Place(field, rule, table, key, *((part, None) if item is rule else (None, part)))
+        parts = (part, None) if item is rule else (None, part)
+        places.append(Place(field, rule, table, key, *parts))
+    return tuple(places)
+
+
+@cache
+def _written(kind: Any, entry: bool) -> list[Place]:
+    # What has a written form of its own, a section, may be a table: TOML wants it last.
+    return sorted(_places(kind, entry), key=lambda place: bool(getattr(place.rule, "write", None)))
 
 
 def _leaves(kind: Any) -> Iterator[Place]:

@@ -102,26 +102,29 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
     rows: dict[str, list[Row]] = {"cells": [], "findings": []}
+    records: dict[str, Record] = {}
     read: dict[str, Response] = {}
     given = []
     by_case: dict[str, list[Cell]] = {}
     for cell in cells:
         by_case.setdefault(cell.case, []).append(cell)
+        answer = None if cell.key in read else store.answer(cell.key, cell.ingredients)
+        if answer is not None:
+            records[cell.key], read[cell.key] = answer
     for case in study.cases:
         responses: dict[str, Response] = {}
-        told: list[Row] = []
+        of_case: list[Row] = []
         asked = by_case.get(case.name, [])
         for cell in asked:
             who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
             row = {**who, "model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
-            if (answer := store.answer(cell.key, cell.ingredients)) is not None:
-                record, response = answer
-                responses[cell.label] = read[cell.key] = response
-                row |= _numbers(response, record)
+            if (response := read.get(cell.key)) is not None:
+                responses[cell.label] = response
+                row |= _numbers(response, records[cell.key])
                 rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]
-            told.append({**row, **case.parameters})
+            of_case.append({**row, **case.parameters})
         given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
-        rows["cells"] += [{**row, **_widths(given[-1], str(row["label"]))} for row in told]
+        rows["cells"] += [{**row, **_widths(given[-1], str(row["label"]))} for row in of_case]
     verdicts = verdicts_of(study, given)
     rows["references"] = [standing_row(answers) for answers in given]
     rows["comparisons"] = [
@@ -139,7 +142,7 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     rows["cost"] = list(cost_rows(study, rows))
     rows["ranking"] = list(ranking_rows(study, rows))
     rows["advice"] = list(advice_rows(study, rows))
-    rows["budget"] = list(_budget_rows(study, cells, store)) if study.budgets else []
+    rows["budget"] = list(_budget_rows(study, cells, read))
     columns = {
         "cells": (
             *(*_CELL, "solve_time", *names, *SCALARS, *map(width_of, study.quantities)),
@@ -209,28 +212,21 @@ def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
         yield {"model": model, "against": reference, "quantity": quantity, **pooled(rows)}
 
 
-def _budget_rows(study: Study, cells: Sequence[Cell], store: Store) -> Iterator[Row]:
+def _budget_rows(
+    study: Study, cells: Sequence[Cell], read: Mapping[str, Response]
+) -> Iterator[Row]:
     """A row for every term and sum of every budget, per label and quantity."""
-    asked = {(cell.case, cell.label): cell for cell in cells}
-
-    def answer(case: str, label: str) -> Response | None:
-        cell = asked.get((case, label))
-        found = None if cell is None else store.answer(cell.key, cell.ingredients)
-        return None if found is None else found[1]
-
+    runs = {(cell.case, cell.label): read[cell.key] for cell in cells if cell.key in read}
     for budget in study.budgets:
         scenario: Any = next(case.scenario for case in study.cases if case.name == budget.case)
+        names = {key: varied_case(budget.case, key) for key in budget.variations(scenario)}
         for label in budget.models:
-            response = answer(budget.case, label)
-            if response is None:
+            if (budget.case, label) not in runs:
                 continue
-            varied = {
-                key: run
-                for key in budget.variations(scenario)
-                if (run := answer(varied_case(budget.case, key), label)) is not None
-            }
-            found = budget.terms(study.models[label], scenario, response, varied)
-            for quantity, terms in found.items():
+            response = runs[budget.case, label]
+            varied = {k: runs[name, label] for k, name in names.items() if (name, label) in runs}
+            by_quantity = budget.terms(study.models[label], scenario, response, varied)
+            for quantity, terms in by_quantity.items():
                 who = {"case": budget.case, "label": label, "quantity": quantity}
                 value = float(response[quantity])
                 yield from ({**who, "value": value, **term.as_dict(value)} for term in terms)
@@ -238,19 +234,13 @@ def _budget_rows(study: Study, cells: Sequence[Cell], store: Store) -> Iterator[
 
 def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:
     """The verdict of every gate, from the answers of all cases of the study."""
-    return tuple(
-        GateVerdict(
-            number, gate, tuple(_judged(gate, each) for each in answers if _asks(gate, each))
-        )
-        for number, gate in enumerate(study.gates, 1)
-    )
-
-
-def _asks(gate: Gate, answers: Answers) -> bool:
-    """Whether a case concerns a gate: it is named, or the study asks it of both labels."""
-    if gate.cases:
-        return answers.case.name in gate.cases
-    return {gate.model, gate.against} <= set(answers.asked)
+    verdicts = []
+    for number, gate in enumerate(study.gates, 1):
+        both = {gate.model, gate.against}
+        named = {*gate.cases} or {each.case.name for each in answers if both <= {*each.asked}}
+        judged = (_judged(gate, each) for each in answers if each.case.name in named)
+        verdicts.append(GateVerdict(number, gate, tuple(judged)))
+    return tuple(verdicts)
 
 
 def _judged(gate: Gate, answers: Answers) -> CaseVerdict:

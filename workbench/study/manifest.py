@@ -16,7 +16,7 @@ from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
 from workbench.study.cells import Cell, cells_of, key_of
 from workbench.study.definition import Study
-from workbench.study.store import Ingredients, Presence, Store, canonical_json, write_atomically
+from workbench.study.store import Ingredients, Store, canonical_json, write_atomically
 
 Manifest = dict[str, Any]
 
@@ -55,14 +55,11 @@ def survey(study: Study, cells: list[Cell], store: Store) -> list[CellStatus]:
     answered = _last_answers(read_manifest(store), store)
 
     def status(cell: Cell) -> CellStatus:
-        presence = store.presence(cell.key, cell.ingredients)
-        if presence is Presence.FINISHED:
-            outcome = store.record(cell.key)["outcome"]
-            state = State.DONE if Outcome(outcome).is_answer else State.FAILED
-            return CellStatus(cell, state, outcome)
-        if presence is Presence.CORRUPT:
-            reason = "the stored cell is corrupt: its file, its record and what is asked disagree"
-        else:
+        if (answer := store.answer(cell.key, cell.ingredients)) is not None:
+            outcome = Outcome(answer[0]["outcome"])
+            return CellStatus(cell, State.DONE if outcome.is_answer else State.FAILED, outcome)
+        reason = "the stored cell is corrupt: its file, its record and what is asked disagree"
+        if not store.holds(cell.key):
             reason = _reason(cell, answered.get((cell.case, cell.label)), store)
         return CellStatus(cell, State.TO_DO, reason=reason)
 
@@ -235,16 +232,15 @@ def gather(study: Study, root: Path) -> xr.DataTree:
     Arguments: `study`; `root`, the directory of all stores. The attributes of the tree hold the
     `study` name, the `manifest` (JSON) and the `missing` cells (JSON list), which are absent;
     every cell has the attributes `wall_time` (s) and `provenance` (JSON) of its record.
-    Raises `WorkbenchError` if a stored cell cannot be read.
     """
     store = Store(Path(root) / study.name)
     tree = xr.DataTree(name=study.name)
     missing = []
     for cell in cells_of(study):
-        if store.presence(cell.key, cell.ingredients) is not Presence.FINISHED:
+        if (answer := store.answer(cell.key, cell.ingredients)) is None:
             missing.append(cell.name)
             continue
-        response, record = store.response(cell.key), store.record(cell.key)
+        record, response = answer
         response.attrs["wall_time"] = record["wall_time"]
         response.attrs["provenance"] = json.dumps(record["provenance"], sort_keys=True)
         path = "/".join(name.replace("/", "_") for name in (cell.case, cell.label))

@@ -204,7 +204,10 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
         if row["outcome"] == Outcome.OK and not row["cold"]
     }
     computed = {label for label, model in study.models.items() if not holds_data(model)}
-    slowest = max(computed, key=lambda label: _whole(timed, label), default="")
+    whole: dict[str, list[float]] = {}
+    for (_, label), row in timed.items():
+        whole.setdefault(label, []).append(float(row["wall_time"]))
+    slowest = max(computed, key=lambda label: median(whole.get(label, [0.0])), default="")
     counted = [label for label, _ in best.most_common() if label in computed]
     for base in (counted or [slowest])[:1]:
         for label, model in study.models.items():
@@ -221,13 +224,6 @@ def _shown(study: Study, label: str) -> bool:
     """Whether a label has a row: a model has, and tests that are the reference."""
     model = study.models[label]
     return not holds_data(model) or (model.name == MEASURED and label in study.ranked)
-
-
-def _whole(timed: Mapping[tuple[str, str], Row], label: str) -> float:
-    """Median time of the answers of a label, zero without any."""
-    return median(
-        [float(row["wall_time"]) for (_, own), row in timed.items() if own == label] or [0.0]
-    )
 
 
 def _ratio(own: Row, other: Row) -> float:

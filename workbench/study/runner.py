@@ -14,7 +14,7 @@ from workbench.study.definition import Study
 from workbench.study.executors import DaskCluster, InProcess, Workers
 from workbench.study.manifest import write_manifest
 from workbench.study.progress import Progress
-from workbench.study.store import Presence, Store
+from workbench.study.store import Store
 from workbench.study.work import task_of
 
 
@@ -120,14 +120,13 @@ def _costly_first(study: Study, cells: list[Cell]) -> list[Cell]:
 
 
 def _to_do(cell: Cell, store: Store, timeout: float | None, progress: Progress) -> bool:
-    presence, why = store.presence(cell.key, cell.ingredients), ""
-    if presence is Presence.ABSENT:
+    if not store.holds(cell.key):
         return True
-    if presence is Presence.CORRUPT:
+    answer, why = store.answer(cell.key, cell.ingredients), ""
+    if answer is None:
         why = "the stored cell is corrupt and is answered again"
     else:
-        record = store.record(cell.key)
-        outcome, limit = record["outcome"], record["limit"]
+        outcome, limit = answer[0]["outcome"], answer[0]["limit"]
         if outcome == Outcome.CRASHED:
             why = "crashed last time and is tried again"
         elif outcome == Outcome.TIMED_OUT and limit and (timeout or inf) > limit:

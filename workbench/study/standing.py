@@ -1,6 +1,5 @@
 """Which reference counts in a case: the best that answered and is inside its own domain."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -35,31 +34,20 @@ class Standing(NamedTuple):
 
 def standing_of(answers: Answers) -> Standing | None:
     """The reference that counts in a case, None if none answered."""
-    found = {label: _answer(answers, label) for label in answers.study.ranked}
-    answered = {label: response for label, response in found.items() if response is not None}
-    inside = [label for label, response in answered.items() if not outside(response)]
-    for label in inside[:1] or list(answered)[:1]:
-        better = answers.study.ranked[: answers.study.ranked.index(label)]
-        reasons = list(_reasons(answers, better))
-        if not inside:
-            reasons.append("no reference is inside its domain")
-        return Standing(label, bool(inside), "; ".join(reasons))
-    return None
-
-
-def _answer(answers: Answers, label: str) -> Response | None:
-    """What a label answered, with numbers or that the structure collapses."""
-    return answers.ok(label) if answers.collapse(label) is None else answers.responses[label]
-
-
-def _reasons(answers: Answers, labels: tuple[str, ...]) -> Iterator[str]:
-    for label in labels:
-        response = _answer(answers, label)
-        if response is None:
-            yield answers.why_not(label)
-        else:
-            subjects = dict.fromkeys(finding.subject for finding in outside(response))
-            yield f"{label} is outside its domain ({', '.join(subjects)})"
+    reasons: list[str] = []
+    best_outside = None
+    for label in answers.study.ranked:
+        if answers.ok(label) is None and answers.collapse(label) is None:
+            reasons.append(answers.why_not(label))
+            continue
+        findings = outside(answers.responses[label])
+        if not findings:
+            return Standing(label, True, "; ".join(reasons))
+        none_inside = "; ".join([*reasons, "no reference is inside its domain"])
+        best_outside = best_outside or Standing(label, False, none_inside)
+        subjects = ", ".join(dict.fromkeys(finding.subject for finding in findings))
+        reasons.append(f"{label} is outside its domain ({subjects})")
+    return best_outside
 
 
 def standing_row(answers: Answers) -> Row:

@@ -16,7 +16,6 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -187,14 +186,6 @@ def read_netcdf(path: Path) -> Response:
         return _loaded(stored)
 
 
-class Presence(StrEnum):
-    """Whether the store holds a cell."""
-
-    ABSENT = "absent"
-    FINISHED = "finished"
-    CORRUPT = "corrupt"
-
-
 @dataclass(frozen=True)
 class Store:
     """The stored cells, tables and manifest of one study under `directory`."""
@@ -240,22 +231,18 @@ class Store:
             yield
 
     def holds(self, key: str) -> bool:
-        """Whether a cell has come to be stored under this key, whatever has become of it since."""
+        """Whether a cell has come to be stored under this key, whatever has become of it since.
+
+        A file without a record was cut off before it counted.
+        """
         return (self.cells / f"{key}.json").is_file()
 
-    def presence(self, key: str, asked: Ingredients) -> Presence:
-        """Whether the cell is finished, absent, or does not agree with itself or what is `asked`.
-
-        Names of files prove nothing: record and response say themselves what they answer.
-        """
-        if not self.holds(key):
-            return Presence.ABSENT  # a file without a record was cut off before it counted
-        return Presence.CORRUPT if self.answer(key, asked) is None else Presence.FINISHED
-
     def answer(self, key: str, asked: Ingredients) -> tuple[Record, Response] | None:
-        """Record and response of a cell, read once; None where it is not finished (`presence`).
+        """Record and response of a cell, read once; None where it is not finished.
 
-        Others may have written the file: it is held to all that its readers rely on.
+        Names of files prove nothing: record and response say themselves what they answer. Others
+        may have written them: they are held to what is `asked` and to all that readers rely on. A
+        cell that the store `holds` without an answer is corrupt.
         """
         try:
             record, file = self.record(key), self.cells / f"{key}.nc"

@@ -50,7 +50,11 @@ def _groups(told: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Itera
 def missing(study: Study, stored: Stored) -> Section:
     """Cells without an answer, grouped by what happened, and what was not asked."""
     problems = [cell for cell in stored.cells.values() if not (cell.ok or cell.collapse)]
-    unasked = _unasked(study)
+    silent = tuple(
+        f"{label} (model {study.models[label].name}) does not answer {kind}: {several(names)}."
+        for (label, kind), names in study.unasked().items()
+    )
+    unasked = (Paragraph("Not asked, and no cells:"), Bullets(silent)) if silent else ()
     if not problems:
         text = f"All {count(len(stored.cells), 'cell')} hold an answer"
         text += "." if unasked else "; nothing is missing."
@@ -109,15 +113,6 @@ def _reason(cell: CellState) -> Finding:
 def _outcome(group: _Group) -> Cell:
     _, outcome = group.kind
     return Cell(outcome, tone="doubt" if outcome in (NOT_RUN, Outcome.OUT_OF_DOMAIN) else "bad")
-
-
-def _unasked(study: Study) -> tuple[Block, ...]:
-    """Models that were not asked, as they do not answer this kind of scenario."""
-    sentences = tuple(
-        f"{label} (model {study.models[label].name}) does not answer {kind}: {several(names)}."
-        for (label, kind), names in study.unasked().items()
-    )
-    return (Paragraph("Not asked, and no cells:"), Bullets(sentences)) if sentences else ()
 
 
 def domain(study: Study, stored: Stored) -> Section:

@@ -41,18 +41,13 @@ def tree(stored: Stored) -> tuple[Block, ...]:
         f"Which model for which column; right, with a peak within {100 * BEYOND:g}\u2009%, on "
         f"{right} of {asked} columns that this choice had not seen:"
     )
-    told = (
-        f"{row['region'] or 'any column'}: {_take(row, row['count'], _asked(stored, row))}"
-        f"{_time(stored, row)}"
-        for row in rows
-    )
-    return Paragraph(said), Bullets(tuple(told))
-
-
-def _asked(stored: Stored, row: Row) -> str:
-    """How the command line is asked for the model of a row, options included."""
-    model = stored.study.models[row["label"]]
-    return f" (`{asked_for(f'{model.name} {variant_of(model)}')}`)"
+    items = []
+    for row in rows:
+        model = stored.study.models[row["label"]]
+        asked = f" (`{asked_for(f'{model.name} {variant_of(model)}')}`)"  # on the command line
+        text = _take(row, row["count"], asked) + _time(stored, row)
+        items.append(f"{row['region'] or 'any column'}: {text}")
+    return Paragraph(said), Bullets(tuple(items))
 
 
 def _take(row: Row, judged: int, asked: str = "") -> str:

@@ -30,17 +30,14 @@ def sentence(rows: dict[str, Row]) -> str:
     """What the numbers of a model say, group by group; groups that say the same stand together."""
     said: dict[str, list[str]] = {}
     for group, row in rows.items():
-        said.setdefault(_words(row), []).append(group)
+        lost = row["refused"] + row["failed"]
+        none = [f"no answer in {lost} of {row['asked']}"] if lost else []
+        words = ", ".join([_number(row), *_collapses(row), *none])
+        said.setdefault(words, []).append(group)
     if len(said) == 1:
         words = next(iter(said))
         return words[0].upper() + words[1:]
     return "; ".join(f"{' and '.join(groups)}: {words}" for words, groups in said.items())
-
-
-def _words(row: Row) -> str:
-    lost = row["refused"] + row["failed"]
-    none = [f"no answer in {lost} of {row['asked']}"] if lost else []
-    return ", ".join([_number(row), *_collapses(row), *none])
 
 
 def _number(row: Row) -> str:

@@ -171,7 +171,9 @@ def multiples(
     rows, several = _rows(found, instants, said), len(found) > 1
     heights = [row.window.tall for row in rows]
     size, height = (len(rows), len(instants)), sum(heights) + 0.25 * len(rows) + 0.8
-    sheet = Sheet.table(*size, height, [*_scales(rows, several), *said], height_ratios=heights)
+    times = {row.case.name: row.times for row in rows if row.times != 1.0} or {"": 1.0}
+    scales = [scale_words(each, f" of {name}" if several else "") for name, each in times.items()]
+    sheet = Sheet.table(*size, height, [*scales, *said], height_ratios=heights)
     between = "\n" if len(instants) > 3 else " "
     last = [*(a.case is not b.case for a, b in pairwise(rows)), True]
     panels_of = np.array(sheet.panels, dtype=object).reshape(size)
@@ -227,12 +229,6 @@ def _rows(found: Found, instants: tuple[str | float, ...], said: list[str]) -> l
         window = window_of(curves, edge, (TEXT_WIDTH - 1.35) / len(instants), _LEAST, most)
         rows += [_Row(case, label, shapes, window, times) for label, shapes in own.items()]
     return rows
-
-
-def _scales(rows: list[_Row], several: bool) -> list[str]:
-    times = {row.case.name: row.times for row in rows if row.times != 1.0}
-    said = [scale_words(each, f" of {name}" if several else "") for name, each in times.items()]
-    return said or [scale_words(1.0)]
 
 
 def _panel(panel: Axes, row: _Row, snapshot: int) -> None:

@@ -7,12 +7,11 @@ import json
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from workbench.content.formatting import number, title_of, unit_of
 from workbench.report.drawing import studs
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.style import MUTED, WARNING, Look, entry, framed
+from workbench.report.drawing.style import MUTED, WARNING, entry, framed
 from workbench.responses.uncertainty import uncertainty_of
 
 _MARK = "SYNTHETIC"
@@ -31,7 +30,12 @@ def draw(request: Request) -> Drawing:
     top = 1.06 * unit.factor * float(np.nanmax(ends))
     sheet = Sheet.grid(len(tables), height=2.45, sharex=True)
     for panel, (label, table) in zip(sheet.panels, tables.items(), strict=True):
-        _panel(panel, table, looks, unit.factor, top)
+        studs.draw_diagonal(panel, top)
+        for campaign, own in table.groupby("campaign", sort=False):
+            values = (unit.factor * own[name] for name in ("prediction", "test", "other", "own"))
+            x, y, wide, high = values
+            panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
+            panel.plot(x, y, **looks[str(campaign)].points())
         sheet.name(panel, label, f"predicted ({unit.text})", f"measured ({unit.text})")
         note, text = _summary(request, label)
         panel.text(0.96, 0.05, note, transform=panel.transAxes, ha="right", fontsize=7.0)
@@ -62,17 +66,6 @@ def _rows(request: Request, label: str) -> pd.DataFrame:
         rows.append((label, case.name, campaign, *values, own or 0.0, other or 0.0))
     columns = ["label", "case", "campaign", "test", "prediction", "own", "other"]
     return pd.DataFrame(rows, columns=columns)
-
-
-def _panel(
-    panel: Axes, table: pd.DataFrame, looks: dict[str, Look], unit: float, top: float
-) -> None:
-    studs.draw_diagonal(panel, top)
-    for campaign, own in table.groupby("campaign", sort=False):
-        look = looks[str(campaign)]
-        x, y, wide, high = (unit * own[name] for name in ("prediction", "test", "other", "own"))
-        panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
-        panel.plot(x, y, **look.points())
 
 
 def _summary(request: Request, label: str) -> tuple[str, str]:
