@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.cli.output import Answer, option, verb, writable
+from workbench.cli.output import Answer, Names, option, verb, writable
 from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
 from workbench.content.tree import Cell, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from workbench.report.drawing.charts import Line
 
 app = typer.Typer(help="Charts of what pulses do.", rich_markup_mode=None, no_args_is_help=False)
-Picture = Annotated[str | None, option("Draw it as well.", "CHART.svg", "--figure")]
+Shape = Annotated[str, option("Shape of the pulse.")]
+Picture = Annotated[str | None, option("Draw it as well.", ..., "CHART.svg", "--figure")]
 _LENGTHS = tuple(10.0 ** (k / 4.0) for k in range(-6, 7))
 _STRENGTHS = (0.2, 0.3, 0.5, 0.7, 0.9, 1.0, 1.2, 1.5, 2.0)
 _DUCTILITIES = (1.0, 2.0, 5.0, 10.0, 20.0)
@@ -27,9 +28,7 @@ _DUCTILITIES = (1.0, 2.0, 5.0, 10.0, 20.0)
 
 @app.command("ductility")
 @verb
-def ductility(
-    shape: Annotated[str, option("Shape of the pulse.")] = "triangular", figure: Picture = None
-) -> Answer:
+def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
     """Ductility of an elastic-plastic mass over the length of a pulse, by strength over force.
 
     Computed for this call: the charts of UFC 3-340-02 for any shape.
@@ -65,9 +64,7 @@ def ductility(
 
 @app.command("iso-ductility")
 @verb
-def iso_ductility(
-    shape: Annotated[str, option("Shape of the pulse.")] = "triangular", figure: Picture = None
-) -> Answer:
+def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
     """Pressure-impulse curves of an elastic-plastic mass: pulses that take it to one ductility.
 
     In units of its resistance R_m and of R_m / w; dotted, what an impulse and a step reach.
@@ -111,8 +108,8 @@ def iso_ductility(
 @verb
 def pressure_impulse(
     scenario: ScenarioFile,
-    displacement: Annotated[float, option("Displacement to reach, in m.")],
-    model: Annotated[list[str] | None, option("Name of a model, once for each.")] = None,
+    displacement: float = option("Displacement to reach, in m."),
+    model: Names = option("Name of a model, once for each.", None),
     settings: Settings = None,
     options: Options = None,
     figure: Picture = None,

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, flag, option, verb
+from workbench.cli.output import Answer, Names, option, verb
 from workbench.cli.studies import StoreRoot, StudyName
 from workbench.content.tree import (
     Block,
@@ -24,9 +24,11 @@ app = typer.Typer(
     help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
 )
 TablesRoot = Annotated[
-    str | None, option("Where to write.  [default: the tables of the program]", "DIR")
+    str | None, option("Where to write.  [default: the tables of the program]", metavar="DIR")
 ]
-Earlier = Annotated[bool, flag("Count answers of earlier versions of models too.", "--earlier")]
+Earlier = Annotated[
+    bool, option("Count answers of earlier versions of models too.", flag="--earlier")
+]
 
 
 @app.command("list")
@@ -43,9 +45,7 @@ def list_datasets() -> Answer:
 
 @app.command("show")
 @verb
-def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the dataset.")],
-) -> Answer:
+def show(name: str = typer.Argument(metavar="NAME", help="Name of the dataset.")) -> Answer:
     """Show where a dataset is from, and its rows."""
     from workbench.evidence import dataset, load
     from workbench.studs.fit_protocol import plain
@@ -66,20 +66,20 @@ def _shown(entry: dict[str, Any], rows: list[dict[str, Any]]) -> Iterator[Block]
 @app.command("add")
 @verb
 def add(
-    table: Annotated[str, typer.Argument(metavar="TABLE.csv", help="Table of tests.")],
-    mapping: Annotated[
-        str | None, option("What its columns are, and where it is from.", "MAPPING.toml")
-    ] = None,
-    kind: Annotated[
-        str | None, option("impact-tests or stud-tests.  [default: told from the columns]", "KIND")
-    ] = None,
-    into: Annotated[
-        str | None, option("Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]", "FOLDER")
-    ] = None,
-    name: Annotated[str | None, option("Its name.  [default: that of the file]", "NAME")] = None,
-    despite_doubts: Annotated[
-        bool, flag("Take it although it looks wrong.", "--despite-doubts")
-    ] = False,
+    table: str = typer.Argument(metavar="TABLE.csv", help="Table of tests."),
+    mapping: str | None = option(
+        "What its columns are, and where it is from.", None, "MAPPING.toml"
+    ),
+    kind: str | None = option(
+        "impact-tests or stud-tests.  [default: told from the columns]", None, "KIND"
+    ),
+    into: str | None = option(
+        "Your own data.  [default: $WORKBENCH_DATA, else ./lab_data]", None, "FOLDER"
+    ),
+    name: str | None = option("Its name.  [default: that of the file]", None, "NAME"),
+    despite_doubts: bool = option(
+        "Take it although it looks wrong.", False, flag="--despite-doubts"
+    ),
 ) -> Answer:
     """Add a table of tests to your own data: impacts on steel members, or push-outs of studs.
 
@@ -196,9 +196,7 @@ def _written(
 @app.command("check")
 @verb
 def check(
-    files: Annotated[
-        list[str] | None, typer.Argument(metavar="[FILE.csv]...", help="Check these files alone.")
-    ] = None,
+    files: Names = typer.Argument(None, metavar="[FILE.csv]...", help="Check these files alone."),
 ) -> Answer:
     """Check the catalogue: files, columns and sources, and every row of the tables of tests.
 

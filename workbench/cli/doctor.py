@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from workbench.cli.output import Answer, option, verb
 from workbench.content.tree import Block, Cell, Column, Paragraph, Table
@@ -34,7 +34,7 @@ def _judged(name: str, fine: str, problem: str, remedy: str, state: str = "fail"
 
 @verb
 def doctor(
-    store: Annotated[str, option("Directory of the result stores.", "DIR", "--store")] = "reports",
+    store: str = option("Directory of the result stores.", "reports", "DIR"),
 ) -> Answer:
     """Check environment and science, with remedies.
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from workbench.cli.output import Answer, option, verb
+from workbench.cli.output import Answer, Names, option, verb
 from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
 from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
@@ -25,17 +25,13 @@ _ENDINGS = {
 @verb
 def limit(
     scenario: ScenarioFile,
-    over: Annotated[str, option("Key of the scenario with a number.", "KEY")] = VELOCITY,
-    model: Annotated[
-        list[str] | None, option("Name of a model, once for each.  [default: by the scenario]")
-    ] = None,
-    first: Annotated[
-        float | None, option("End of the range that survives.  [default: 1 m/s]", None, "--from")
-    ] = None,
-    last: Annotated[
-        float | None, option("End that may collapse.  [default: 60 m/s]", None, "--to")
-    ] = None,
-    tolerance: Annotated[float, option("Width of the bracket over its larger value.")] = 0.005,
+    over: str = option("Key of the scenario with a number.", VELOCITY, "KEY"),
+    model: Names = option("Name of a model, once for each.  [default: by the scenario]", None),
+    first: float | None = option(
+        "End of the range that survives.  [default: 1 m/s]", None, flag="--from"
+    ),
+    last: float | None = option("End that may collapse.  [default: 60 m/s]", None, flag="--to"),
+    tolerance: float = option("Width of the bracket over its larger value.", 0.005),
     settings: Settings = None,
     options: Options = None,
 ) -> Answer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
 
 @verb
-def models(
-    name: Annotated[str, typer.Argument(help="Show one model only, in full.")] = "",
-) -> Answer:
+def models(name: str = typer.Argument("", help="Show one model only, in full.")) -> Answer:
     """List the models and what they assume.
 
     With a NAME: its assumptions, domain, options and sources.

@@ -1,7 +1,6 @@
 """`workbench new`: templates of tables and files, to be redirected into a file and filled."""
 
 import sys
-from typing import Annotated
 
 import typer
 
@@ -38,9 +37,9 @@ def mapping(as_json: Json = False) -> Answer:
 @app.command("studs")
 @verb
 def studs(
-    kind: Annotated[
-        str, option("strength, load-slip, residual, fatigue, combined or deck.", "NAME")
-    ] = "strength",
+    kind: str = option(
+        "strength, load-slip, residual, fatigue, combined or deck.", "strength", "NAME"
+    ),
     as_json: Json = False,
 ) -> Answer:
     """A table of tests on studs, commented, with an example: for `workbench fit`."""

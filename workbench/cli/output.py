@@ -15,17 +15,17 @@ from workbench.content.tree import Block
 from workbench.errors import InputError
 
 
-def option(text: str, metavar: str | None = None, *flags: str) -> Any:
-    """An option of a verb: what it does, what its value is called, its flag if not by its name."""
-    return typer.Option(*flags, metavar=metavar, help=text)
+def option(text: str, default: Any = ..., metavar: str | None = None, flag: str = "") -> Any:
+    """An option of a verb: what it does, its default, how its value and its flag are called.
+
+    Without a default it must be given. The flag is that of the name unless it is said; what is
+    there or not has one flag.
+    """
+    return typer.Option(default, *([flag] if flag else []), metavar=metavar, help=text)
 
 
-def flag(text: str, name: str) -> Any:
-    """An option that is there or not."""
-    return typer.Option(name, help=text)
-
-
-Json = Annotated[bool, flag("Print one JSON object.", "--json")]
+Names = list[str] | None  # of an option that may be given more than once
+Json = Annotated[bool, option("Print one JSON object.", flag="--json")]
 
 
 class InterruptedByUserError(Exception):

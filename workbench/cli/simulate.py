@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, flag, option, verb, writable
+from workbench.cli.output import Answer, Names, option, verb, writable
 from workbench.content.tree import Block, Callout, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -25,28 +25,22 @@ if TYPE_CHECKING:
 _KIND = "numerical"  # what stands after ±
 
 ScenarioFile = Annotated[str, typer.Argument(metavar="SCENARIO.toml", help="Scenario file.")]
-Settings = Annotated[
-    list[str] | None, option("Override a value of the scenario.", "KEY=VALUE", "--set")
-]
-Options = Annotated[
-    list[str] | None, option("Set an option of the model.", "KEY=VALUE", "--option")
-]
+Settings = Annotated[Names, option("Override a value of the scenario.", ..., "KEY=VALUE", "--set")]
+Options = Annotated[Names, option("Set an option of the model.", ..., "KEY=VALUE", "--option")]
 _SEGMENTS = 4  # the most sheared ones, which the text names
 
 
 @verb
 def simulate(
     scenario: ScenarioFile,
-    model: Annotated[str, option("Name of the model, see `workbench models`.")],
+    model: str = option("Name of the model, see `workbench models`."),
     settings: Settings = None,
     options: Options = None,
-    out: Annotated[str | None, option("Write the whole response as netCDF.", "RUN.nc")] = None,
-    budget: Annotated[
-        bool, flag("Add what the errors of the answer may be, by source.", "--budget")
-    ] = False,
-    spread: Annotated[
-        list[str] | None, option("How well an input is known, for the budget.", "KEY=SHARE")
-    ] = None,
+    out: str | None = option("Write the whole response as netCDF.", None, "RUN.nc"),
+    budget: bool = option(
+        "Add what the errors of the answer may be, by source.", False, flag="--budget"
+    ),
+    spread: Names = option("How well an input is known, for the budget.", None, "KEY=SHARE"),
 ) -> Answer:
     """Answer one scenario with one model.
 

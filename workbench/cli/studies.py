@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, InterruptedByUserError, Json, flag, option, verb
+from workbench.cli.output import Answer, InterruptedByUserError, Json, option, verb
 from workbench.content.tree import Block, Bullets, Definitions, Paragraph
 from workbench.errors import InputError
 
@@ -22,23 +22,21 @@ _SHOWN = ("number", "gate", "verdict", "value", "uncertainty", "case", "bound", 
 StudyName = Annotated[
     str, typer.Argument(metavar="STUDY", help="Name of a study in ./studies, or a study file.")
 ]
-Quick = Annotated[bool, flag("The quick form: fewer cases and models.", "--quick")]
-StoreRoot = Annotated[str, option("Directory that holds the result stores.", "DIR", "--store")]
+Quick = Annotated[bool, option("The quick form: fewer cases and models.", flag="--quick")]
+StoreRoot = Annotated[str, option("Directory that holds the result stores.", ..., "DIR", "--store")]
 
 
 @verb
 def run(
     study: StudyName,
     quick: Quick = False,
-    jobs: Annotated[
-        int | None, option("Worker processes; 0: none, for a debugger.  [default: one per core]")
-    ] = None,
-    scheduler: Annotated[str | None, option("Run on this Dask cluster.", "ADDRESS")] = None,
-    fresh: Annotated[bool, flag("Answer stored cells again.", "--fresh")] = False,
-    only: Annotated[
-        str | None, option("Cells whose case, label or case/label matches.", "PATTERN")
-    ] = None,
-    timeout: Annotated[float | None, option("Time that one cell may take.", "SECONDS")] = None,
+    jobs: int | None = option(
+        "Worker processes; 0: none, for a debugger.  [default: one per core]", None
+    ),
+    scheduler: str | None = option("Run on this Dask cluster.", None, "ADDRESS"),
+    fresh: bool = option("Answer stored cells again.", False, flag="--fresh"),
+    only: str | None = option("Cells whose case, label or case/label matches.", None, "PATTERN"),
+    timeout: float | None = option("Time that one cell may take.", None, "SECONDS"),
     store: StoreRoot = "reports",
     as_json: Json = False,
 ) -> Answer:
@@ -148,11 +146,11 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
 def report(
     study: StudyName,
     quick: Quick = False,
-    formats: Annotated[str, option("What to write.", "html,pdf", "--format")] = "html,pdf",
-    out: Annotated[str | None, option("Where to write.  [default: the store]", "DIR")] = None,
-    summary: Annotated[
-        str | None, option("Also write README.md and figures there, to keep in git.", "DIR")
-    ] = None,
+    formats: str = option("What to write.", "html,pdf", "html,pdf", "--format"),
+    out: str | None = option("Where to write.  [default: the store]", None, "DIR"),
+    summary: str | None = option(
+        "Also write README.md and figures there, to keep in git.", None, "DIR"
+    ),
     store: StoreRoot = "reports",
 ) -> Answer:
     """Build the report of what is stored.

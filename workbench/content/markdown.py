@@ -16,17 +16,13 @@ def render_markdown(document: Document) -> str:
     """
 
     def said(text: str) -> str:
-        return _escaped(spoken(text, document.named))
+        plain = spoken(text, document.named)  # bars end cells, tags and line ends mean something
+        return plain.replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
 
     lines = [f"# {said(document.title)}", ""]
     for section in document.sections:
         lines += _block(section, 2, said)
     return "\n".join([*lines, "---", "", *map(said, document.facts)]) + "\n"
-
-
-def _escaped(text: str) -> str:
-    """A text as Markdown: table bars and tags are escaped, line ends are blanks."""
-    return text.replace("<", "&lt;").replace("|", "\\|").replace("\n", " ")
 
 
 def _block(block: Block, level: int, said: Said) -> Iterator[str]:

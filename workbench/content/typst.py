@@ -3,7 +3,6 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from workbench.content.tree import ELSEWHERE, Document
 from workbench.errors import WorkbenchError
@@ -21,7 +20,9 @@ def render_pdf(document: Document) -> bytes:
     """
     import typst
 
-    tree = asdict(document, dict_factory=_printed)
+    tree = asdict(
+        document, dict_factory=lambda pairs: {k: v for k, v in pairs if k not in _UNPRINTED}
+    )
     tree["references"] = [
         {"key": work.key, "who": work.who, "title": work.title, "place": work.place}
         for work in document.references
@@ -40,7 +41,3 @@ def render_pdf(document: Document) -> bytes:
     except typst.TypstError as error:
         raise WorkbenchError(f"the PDF cannot be set: {error}") from error
     return pdf
-
-
-def _printed(entries: list[tuple[str, Any]]) -> dict[str, Any]:
-    return {name: value for name, value in entries if name not in _UNPRINTED}

@@ -119,11 +119,8 @@ def _rows(entry: Dataset) -> pd.DataFrame:
     except InputError:
         raise
     except (OSError, ValueError) as error:  # cells too many in a row, other encodings, no text
-        text, advice = (
-            f"cannot be read: {one_line(str(error).strip(), 200)}",
-            "save it as CSV (UTF-8)",
-        )
-        raise InputError(place, str(entry.path), text, advice) from error
+        text = f"cannot be read: {one_line(str(error).strip(), 200)}"
+        raise InputError(place, str(entry.path), text, "save it as CSV (UTF-8)") from error
 
 
 def check() -> list[str]:

@@ -82,7 +82,9 @@ def add_table(
     entry = _entry(path, which, told, rows, converted)
     entry = replace(entry, name=_name(name or told.name, path), folder=str(folder))
     entry = replace(entry, file=f"{entry.name}.csv")
-    rows = _marked(rows, entry)
+    if entry.role == SYNTHETIC:  # every output shows the name of the campaign
+        campaigns = rows["campaign"].str.removeprefix(_MARK).str.strip()
+        rows = rows.assign(campaign=_MARK + " " + campaigns)
     shown = rows[_filled(rows)]
     content = shown.to_csv(index=False, float_format="%.12g", lineterminator="\n").encode()
     judge = partial(_judged, entry, rows, content, path.name, despite_doubts)
@@ -184,14 +186,6 @@ def _name(asked: str | None, path: Path) -> str:
         text = "must be lower-case letters, digits and hyphens"
         raise InputError("--name", name, text, "it names the table in the catalogue")
     return name
-
-
-def _marked(rows: pd.DataFrame, entry: Dataset) -> pd.DataFrame:
-    """Synthetic rows say so in the name of their campaign, which every output shows."""
-    if entry.role != SYNTHETIC:
-        return rows
-    plain = rows["campaign"].str.removeprefix(_MARK).str.strip()
-    return rows.assign(campaign=_MARK + " " + plain)
 
 
 def _filled(rows: pd.DataFrame) -> list[str]:

@@ -81,7 +81,10 @@ def convert(
     field = f"{path.name}, line {line}"
     _check_mapping(mapping, names)
     places = [place_of(name, table, mapping, field) for name in names]
-    _check_targets(places, field)
+    taken_by: dict[str, str] = {}
+    for place in filter(None, places):
+        if (first := taken_by.setdefault(_target(place), place.name)) != place.name:
+            raise InputError(field, place.name, f"is {_target(place)}, and so is {first}")
     units = _unit_row(rows, places, mapping, path.name)
     if units is not None:
         rows = rows[1:]
@@ -140,14 +143,6 @@ def _check_mapping(mapping: Mapping, names: list[str]) -> None:
                 text = "names a column that the table does not have"
                 advice = "it has " + ", ".join(names)
                 raise InputError(f"mapping, {part}", name, text, advice)
-
-
-def _check_targets(places: list[Place | None], field: str) -> None:
-    """Refuse two columns for one."""
-    seen: dict[str, str] = {}
-    for place in places:
-        if place and (first := seen.setdefault(_target(place), place.name)) != place.name:
-            raise InputError(field, place.name, f"is {_target(place)}, and so is {first}")
 
 
 def _unit_row(

@@ -136,13 +136,11 @@ class Stored:
 
     def ok(self, case: str, label: str) -> bool:
         """Whether a label answered a case with numbers."""
-        cell = self.cells.get((case, label))
-        return cell is not None and cell.ok
+        return self.expects(case, label) and self.cells[case, label].ok
 
     def collapses(self, case: str, label: str) -> bool:
         """Whether the structure of a label collapses in a case."""
-        cell = self.cells.get((case, label))
-        return cell is not None and cell.collapse is not None
+        return self.expects(case, label) and self.cells[case, label].collapse is not None
 
     def number(self, case: str, label: str, name: str) -> float | None:
         """A scalar of a cell, None if the model did not answer or cannot know it."""
@@ -155,15 +153,15 @@ class Stored:
 
     def response(self, case: str, label: str, *, keep: bool = True) -> Response | None:
         """The response of a cell that answered, else None; `keep`, for those who ask again."""
-        cell = self.cells.get((case, label))
-        if cell is None or not cell.ok:
+        if not self.ok(case, label):
             return None
-        found = self.read.pop(cell.key, None)
-        if found is None:
-            found = Store(self.directory).response(cell.key)
+        key = self.cells[case, label].key
+        response = self.read.pop(key, None)
+        if response is None:
+            response = Store(self.directory).response(key)
         if keep:
-            self.read[cell.key] = found
-        return found
+            self.read[key] = response
+        return response
 
     def data_uncertainty(self, case: str, label: str, quantity: str) -> float | None:
         """Half-width within which published or measured data are known, None if not stated."""

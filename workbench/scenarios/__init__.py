@@ -28,7 +28,6 @@ from workbench.scenarios.frame_parts import Load as Load
 from workbench.scenarios.frame_parts import Member as Member
 from workbench.scenarios.frame_parts import Node as Node
 from workbench.scenarios.impact_problem import ImpactProblem as ImpactProblem
-from workbench.scenarios.members import MemberProperties as MemberProperties
 from workbench.scenarios.pulse import MemberPulse as MemberPulse
 from workbench.scenarios.pulse import Pulse as Pulse
 from workbench.scenarios.stud import StudTests as StudTests

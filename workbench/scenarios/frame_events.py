@@ -67,11 +67,6 @@ class FrameStatic(Declared, table="push"):
 
     def check(self) -> None:
         """Refuse loads, displacements and targets that the frame cannot have."""
-        self._check_pattern()
-        _check_motion(self.frame, self)
-        self._check_path()
-
-    def _check_pattern(self) -> None:
         moves = False
         for load in self.loads:
             node = self.frame.node(load.node, f"pattern.{load.node}.node")
@@ -80,8 +75,7 @@ class FrameStatic(Declared, table="push"):
         if not moves:
             text = "no load acts where the frame can move"
             raise InputError("pattern", None, text, "give x, y or moment")
-
-    def _check_path(self) -> None:
+        _check_motion(self.frame, self)
         if self.control == "arc-length" and len(self.path) != 1:
             text = "must be one displacement under arc-length control"
             raise self.refusal("path", text, "use control displacement or load for several")

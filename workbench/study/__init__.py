@@ -8,7 +8,6 @@ from workbench.study.cells import cells_of as cells_of
 from workbench.study.definition import Case as Case
 from workbench.study.definition import Figure as Figure
 from workbench.study.definition import Study as Study
-from workbench.study.loading import LoadedStudy as LoadedStudy
 from workbench.study.loading import load_study as load_study
 from workbench.study.manifest import CellStatus as CellStatus
 from workbench.study.manifest import State as State

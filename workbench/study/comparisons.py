@@ -248,11 +248,16 @@ def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
     study = answers.study
     data = [label for label, r in answers.responses.items() if "data_uncertainty" in r.attrs]
     asked = [gate.against for gate in study.gates if gate.against != gate.model]
+    curve, scope = "displacement", Scope.HISTORY
+    if answers.case.scenario.STATIC:
+        curve, scope = "force", Scope.CURVE
+    pairs = [(quantity, METRICS["relative_error"]) for quantity in study.quantities]
+    pairs += [(curve, metric) for metric in METRICS.values() if metric.scope is scope]
     for against in dict.fromkeys([study.reference, *data, *asked, best or study.reference]):
         for model in answers.responses:
             if model == against or (model in data and against in data):
                 continue
-            for quantity, metric in _pairs(study, answers.case):
+            for quantity, metric in pairs:
                 try:
                     found = compare(answers, model, against, quantity, metric)
                 except InputError:
@@ -305,13 +310,3 @@ def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:
         "relative": None if width is None or value == 0.0 else width / abs(value),
         "note": own_note(response, quantity),
     }
-
-
-def _pairs(study: Study, case: Case) -> Iterator[tuple[str, Metric]]:
-    for quantity in study.quantities:
-        yield quantity, METRICS["relative_error"]
-    static = case.scenario.STATIC
-    quantity, scope = ("force", Scope.CURVE) if static else ("displacement", Scope.HISTORY)
-    for metric in METRICS.values():
-        if metric.scope is scope:
-            yield quantity, metric

@@ -52,7 +52,9 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
     if not pairs or not told:
         text = "has no impact on a column that is answered and compared"
         raise InputError("study", study.name, text, "run it first")
-    commits = _commits(found)
+    store = Store(found.directory)
+    answered = (store.record(row["key"]) for row in found.tables["cells"] if "message" in row)
+    commits = sorted({record["provenance"].get("commit", "unknown") for record in answered})
     versions = {row["label"]: row["model_version"] for row in found.tables["cells"]}
     for label, model in study.models.items():
         better = study.ranked[: study.ranked.index(label)] if label in study.ranked else None
@@ -78,7 +80,7 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
                     "outside": sum(not standings[case]["inside"] for case in inside),
                     "references": ", ".join(f"{name} ({n})" for name, n in counts.items()),
                     "study": study.name,
-                    "commits": commits,
+                    "commits": " ".join(commits),
                 }
 
 
@@ -143,13 +145,6 @@ def trend_of(demand: Array, ratios: Array) -> Trend:
     rest = ratios - np.mean(ratios) - slope * away
     scatter = float(np.sqrt(rest @ rest / (len(ratios) - 2)))
     return Trend(len(ratios), float(np.exp(np.mean(ratios))), slope, scatter, centre, spread)
-
-
-def _commits(found: Assessment) -> str:
-    """The commits of the program that answered the cells."""
-    store = Store(found.directory)
-    records = (store.record(row["key"]) for row in found.tables["cells"] if "message" in row)
-    return " ".join(sorted({r["provenance"].get("commit", "unknown") for r in records}))
 
 
 def _down(value: float) -> float:

@@ -23,8 +23,16 @@ _NUMBERS = re.compile(r"^(\S+ = )\[\n((?:\s+[-+.\deE]+,\n)+)\]", re.MULTILINE)
 
 def configuration(study: Study, stored: Stored) -> Section:
     """Models with options and assumptions, cases as TOML, provenance."""
-    parts = (_models(study), _cases(study), _provenance(stored))
-    return Section("configuration", "Configuration", parts)
+    records = stored.provenance
+    blocks: list[Block] = [] if records else [Paragraph("No cell has been answered yet.")]
+    if len(records) > 1:
+        text = "The cells of this report were answered by different software or machines:"
+        blocks.append(Paragraph(text))
+    for record in records:
+        pairs = tuple((name.replace("_", " "), f"`{value}`") for name, value in record.items())
+        blocks.append(Definitions(pairs))
+    software = Section("provenance", "Provenance", tuple(blocks))
+    return Section("configuration", "Configuration", (_models(study), _cases(study), software))
 
 
 def _models(study: Study) -> Section:
@@ -116,17 +124,3 @@ def _short(value: Any) -> str:
     if isinstance(value, list) and len(value) > _MOST_ITEMS:
         return f"[{value[0]}, ..., {value[-1]}] ({len(value)} values)"
     return str(value)
-
-
-def _provenance(stored: Stored) -> Section:
-    records = stored.provenance
-    blocks: list[Block] = []
-    if not records:
-        blocks.append(Paragraph("No cell has been answered yet."))
-    if len(records) > 1:
-        text = "The cells of this report were answered by different software or machines:"
-        blocks.append(Paragraph(text))
-    for record in records:
-        pairs = tuple((name.replace("_", " "), f"`{value}`") for name, value in record.items())
-        blocks.append(Definitions(pairs))
-    return Section("provenance", "Provenance", tuple(blocks))

@@ -22,9 +22,10 @@ def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
     if not found:
         return nothing("Too few tests: none can be left out.")
     told = pd.concat([rows.assign(panel=title) for title, rows in found.items()])
-    told = told.assign(
-        change=told["without"].astype(float) / told["value"] - 1.0, name=_names(told)
-    )
+    names = told["specimen"]
+    if len(set(told["campaign"])) > 1:
+        names = told["campaign"].str.cat(names, sep=" ")
+    told = told.assign(change=told["without"].astype(float) / told["value"] - 1.0, name=names)
     size = told["change"].abs().groupby(told["name"], sort=False).max()
     rows, columns = grid_shape(len(found), 2 if len(found) < 5 else 3)
     most = int((_HIGHEST / rows - _EDGES) / _ROW)
@@ -46,13 +47,6 @@ def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
         sheet.legend(entry(words, color=color, **_DOTS))
     sheet.record(told.drop(columns=["name", "change"]))
     return sheet.finish("change of the answer when a test is left out")
-
-
-def _names(rows: pd.DataFrame) -> pd.Series:
-    """Specimens, with their campaigns where there are several."""
-    if len(set(rows["campaign"])) == 1:
-        return rows["specimen"]
-    return rows["campaign"].str.cat(rows["specimen"], sep=" ")
 
 
 def _panel(panel: Axes, rows: pd.DataFrame, shown: Sequence[str]) -> None:

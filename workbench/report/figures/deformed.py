@@ -14,7 +14,6 @@ from workbench.report.drawing.multiples import mark_supports, multiples, scale_w
 from workbench.report.drawing.shapes import Found, Points, Shapes, collected, magnification
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, grid_shape, nothing
 from workbench.report.drawing.style import INK, MUTED, TEXT_WIDTH, Style, entry
-from workbench.study.definition import Case
 
 _LAYOUT = Choice(("instants", "overlaid"))
 _END: Style = {"linestyle": (0, (1, 1.5)), "linewidth": 1.0}
@@ -76,8 +75,13 @@ def _overlaid(request: Request, found: Found, said: list[str], *, lying: bool) -
         sheet.name(panel, case.name, across, up)
     sheet.legend(entry("at the end of the record", color=MUTED, linestyle=_END["linestyle"]))
     sheet.legend(entry("at rest", **_REST))
-    at = ", ".join(f"{case.name}: {_largest(request, case)}" for case, _ in found)
-    return sheet.finish(f"deformed shapes at the largest displacement ({at})")
+    largest_of = []
+    for case, _ in found:
+        peaks = (request.number(case, label, "peak_displacement") for label in request.shown(case))
+        values = [peak for peak in peaks if peak is not None]
+        words = in_unit(max(values), "peak_displacement", 3) if values else "no peak"
+        largest_of.append(f"{case.name}: {words}")
+    return sheet.finish(f"deformed shapes at the largest displacement ({', '.join(largest_of)})")
 
 
 _INSTANTS = ("peak", "end")
@@ -90,9 +94,3 @@ def _laid(shapes: Shapes, points: Points, lying: bool) -> Points:
     base = complex(shapes.rest.real.min(), shapes.rest.imag.min())
     laid: Points = 1j * np.conj(points - base)
     return laid
-
-
-def _largest(request: Request, case: Case) -> str:
-    found = [request.number(case, label, "peak_displacement") for label in request.shown(case)]
-    known = [value for value in found if value is not None]
-    return in_unit(max(known), "peak_displacement", 3) if known else "no peak"

@@ -6,7 +6,6 @@ Options: `cases` (the first case with answers counts).
 from typing import Any
 
 import pandas as pd
-from matplotlib.axes import Axes
 
 from workbench.content.formatting import number, percent
 from workbench.report.drawing import studs
@@ -48,7 +47,11 @@ def plot(
             panel.plot(own["slip_mm"], own["load"], **_FITTED, zorder=2)
         for (campaign, _), own in unseen.items():
             panel.plot(own["slip_mm"], own["load"], **{**styles[campaign], "zorder": 3.5})
-        sheet.record(label=label, **_law(panel, content))
+        grid = studs.table_of(content["grid"])
+        law = grid.assign(slip=studs.MILLI * grid["slip"])
+        studs.draw_band(panel, law, "slip", "median", _LAW)
+        drawn = grid[[name for name in ("median", "low", "high") if name in grid]]
+        sheet.record(label=label, slip_m=grid["slip"], **drawn)
         sheet.name(panel, label, "slip (mm)", "load over largest load")
         panel.set(xlim=(0.0, _LARGEST_SLIP), ylim=(0.0, 1.12))
         sheet.said.append(_sentence(label, content))
@@ -81,14 +84,6 @@ def _curves(points: pd.DataFrame) -> dict[Any, pd.DataFrame]:
         for key, own in groups
         if len(own) > 1 and own["load"].max() > 0.0
     }
-
-
-def _law(panel: Axes, content: studs.Content) -> dict[str, Any]:
-    """The median of a law with its band; returns what was drawn."""
-    grid = studs.table_of(content["grid"])
-    studs.draw_band(panel, grid.assign(slip=studs.MILLI * grid["slip"]), "slip", "median", _LAW)
-    shown = [name for name in ("median", "low", "high") if name in grid]
-    return {"slip_m": grid["slip"], **grid[shown]}
 
 
 def _sentence(label: str, content: studs.Content) -> str:
