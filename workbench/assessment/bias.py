@@ -48,9 +48,8 @@ def bias_and_scatter(model: ArrayLike, data: ArrayLike) -> Bias:
 def _log_ratio(model: ArrayLike, data: ArrayLike) -> Array:
     own, held_against = np.atleast_1d(model).astype(float), np.atleast_1d(data).astype(float)
     if own.shape != held_against.shape or own.ndim != 1 or len(own) == 0:
-        raise InputError(
-            "model, data", (own.shape, held_against.shape), "must be pairs, one or more"
-        )
+        shapes = own.shape, held_against.shape
+        raise InputError("model, data", shapes, "must be pairs, one or more")
     both = np.concatenate([own, held_against])
     if not (np.all(np.isfinite(both)) and np.all(both > 0.0)):
         raise InputError("model, data", both.min(), "must be positive")

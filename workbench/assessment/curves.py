@@ -118,9 +118,8 @@ def _curve(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
     y = present(response, quantity, side)
     x = present(response, "displacement", side)
     if y.ndim != 1 or y.shape != x.shape or len(y) < 2:
-        raise InputError(
-            f"{side}.{quantity}", y.shape, "must be a curve of 2 points or more over displacement"
-        )
+        text = "must be a curve of 2 points or more over displacement"
+        raise InputError(f"{side}.{quantity}", y.shape, text)
     return x, y
 
 

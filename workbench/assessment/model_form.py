@@ -89,9 +89,8 @@ def _said(row: dict[str, Any], expected: float, model: Model) -> str:
     """Where the numbers of a row are from, and by how much the model is off, in words."""
     off = 100.0 * expm1(expected)
     bias = f"{abs(off):.0f} % {'low' if off < 0 else 'high'}" if abs(off) >= 0.5 else "no bias"
-    text = (
-        f"{bias}, scatter {100.0 * row['scatter']:.0f} %, {row['count']} columns, {row['region']}"
-    )
+    text = f"{bias}, scatter {100.0 * row['scatter']:.0f} %"
+    text += f", {row['count']} columns, {row['region']}"
     if row["outside"]:
         text += f"; {row['outside']} of the references outside their domain"
     if row["model_version"] != model.version:

@@ -15,9 +15,8 @@ def _pair(response: Response, reference: Response, quantity: str) -> tuple[float
     for side, given in (("response", response), ("reference", reference)):
         array = present(given, quantity, side)
         if array.ndim:
-            raise InputError(
-                quantity, array.shape, "must be a scalar quantity", "use a history metric"
-            )
+            text, advice = "must be a scalar quantity", "use a history metric"
+            raise InputError(quantity, array.shape, text, advice)
         values.append(float(array))
     return values[0], values[1]
 

@@ -106,15 +106,12 @@ def add(
 def _added(added: Any) -> Iterator[Block]:
     entry = added.entry
     if added.already:
-        yield Paragraph(
-            f"The same rows are in the catalogue already, as {entry.name}: {entry.path}"
-        )
+        text = "The same rows are in the catalogue already"
+        yield Paragraph(f"{text}, as {entry.name}: {entry.path}")
         yield Paragraph("Nothing was written.")
         return
-    label = "SYNTHETIC " if entry.role == "synthetic" else ""
-    yield Paragraph(
-        f"{added.rows} {label}rows of {entry.kind} are in {entry.path} as {entry.name}."
-    )
+    rows = "SYNTHETIC rows" if entry.role == "synthetic" else "rows"
+    yield Paragraph(f"{added.rows} {rows} of {entry.kind} are in {entry.path} as {entry.name}.")
     stated = ("title", "source", "licence", "year", "role")
     yield Definitions(tuple((name, getattr(entry, name)) for name in stated))
     if added.notes:

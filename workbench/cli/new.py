@@ -20,7 +20,7 @@ def _printed(text: str, as_json: bool) -> Answer:
 @verb
 def impact_tests(as_json: Json = False) -> Answer:
     """A table of impact tests on steel members, commented, with an example: for `data add`."""
-    from workbench.impact_tests.template import TEMPLATE
+    from workbench.impact_tests.schema import TEMPLATE
 
     return _printed(TEMPLATE.text, as_json)
 

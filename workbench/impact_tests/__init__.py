@@ -2,3 +2,4 @@
 
 from workbench.impact_tests.rows import impact_tests as impact_tests
 from workbench.impact_tests.schema import IMPACTS as IMPACTS
+from workbench.impact_tests.schema import scenario_of as scenario_of

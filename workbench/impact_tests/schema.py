@@ -11,6 +11,7 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.scenarios import ColumnImpact, scenario_from
 from workbench.studs.schema import Row, RowFinding, Table, declared, known
+from workbench.studs.templates import templates_in
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {
@@ -114,3 +115,4 @@ IMPACTS = Table(
     ("campaign", "specimen"),
     _contradictions,
 )
+(TEMPLATE,) = templates_in(Path(__file__).with_name("templates.toml"), IMPACTS).values()

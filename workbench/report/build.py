@@ -157,6 +157,5 @@ def summary(stored: Stored, target: Path) -> Path:
 def _made_with(record: Mapping[str, str]) -> str:
     """Versions of one provenance record, without the machine."""
     names = ("workbench", "commit", "requirements_lock", "python", "numpy", "numba")
-    return "Cells answered with " + ", ".join(
-        f"{name.replace('_', '.')} {record[name]}" for name in names if name in record
-    )
+    versions = (f"{name.replace('_', '.')} {record[name]}" for name in names if name in record)
+    return f"Cells answered with {', '.join(versions)}"

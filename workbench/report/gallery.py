@@ -6,7 +6,7 @@ SVG and PNG repeat byte for byte; numbers are CSV.
 import io
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
@@ -59,12 +59,10 @@ class Plate:
     def picture(self) -> Picture:
         """The figure as it stands in the content tree."""
         figure, drawing = self.figure, self.drawing
-        found = Picture(figure.key, figure.title, figure.caption, "", drawing.alt, drawing.width)
-        found = replace(found, statements=drawing.statements)
-        if drawing.canvas is None:
-            return found
-        svg = to_svg(drawing.canvas, figure.key)
-        return replace(found, svg=svg, files=(f"figures/{figure.key}.csv",))
+        svg = "" if drawing.canvas is None else to_svg(drawing.canvas, figure.key)
+        files = (f"figures/{figure.key}.csv",) if svg else ()
+        words = figure.key, figure.title, figure.caption
+        return Picture(*words, svg, drawing.alt, drawing.width, drawing.statements, files)
 
 
 def to_svg(canvas: Canvas, key: str) -> str:

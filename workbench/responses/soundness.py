@@ -1,4 +1,4 @@
-"""Whether the attributes of a stored response are what its readers take them for."""
+"""Whether a stored response is what its readers take it for."""
 
 import json
 from math import isfinite
@@ -6,19 +6,20 @@ from typing import Any
 
 from workbench.errors import WorkbenchError
 from workbench.responses import uncertainty as numerical
-from workbench.responses.build import Response, collapse_of, findings_of
+from workbench.responses.build import Response, check_response, collapse_of, findings_of
 
 _WIDTHS = (numerical.WIDTHS, "data_uncertainty", "sampling_uncertainty")
 _TABLES = (*_WIDTHS, numerical.SAMPLED, numerical.BASIS, "data", "answer")
 _LADDER = ("order", "extrapolated", "uncertainty")
 
 
-def check_attributes(response: Response) -> None:
-    """Hold the attributes of a response to what is read of them.
+def check_stored(response: Response) -> None:
+    """Hold a response to the contract, and its attributes to what is read of them.
 
     Raises `WorkbenchError`, or what reading others raises: ValueError, KeyError, TypeError,
     AttributeError.
     """
+    check_response(response)
     attributes = response.attrs
     texts: list[Any] = [attributes["message"], attributes["scenario"]]
     numbers: list[Any] = []

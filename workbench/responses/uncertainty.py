@@ -151,10 +151,8 @@ def variants(response: Response) -> Iterator[tuple[str, Response]]:
 
 def directions_of(response: Response) -> tuple[Direction, ...]:
     """The directions of the runs that stand behind a response (empty: one mesh only)."""
-    basis = json.loads(response.attrs.get(BASIS, "{}"))
-    return tuple(
-        Direction(d["name"], tuple(d["runs"]), d["factor"]) for d in basis.get("directions", ())
-    )
+    directions = json.loads(response.attrs.get(BASIS, "{}")).get("directions", ())
+    return tuple(Direction(d["name"], tuple(d["runs"]), d["factor"]) for d in directions)
 
 
 def uncertainty_of(response: Response, quantity: str) -> float | None:

@@ -82,7 +82,16 @@ def cells_of(study: Study) -> list[Cell]:
     or models that cannot be sent to a worker process and for a study without cells.
     """
     for label, model in study.models.items():
-        _check_model(label, model)
+        field = f"study.models[{label!r}]"
+        if isinstance(model, type) or not isinstance(model, Model):
+            text, advice = "must be a model object", "see workbench.models.base.Model"
+            raise InputError(field, model, text, advice)
+        try:
+            pickle.dumps(model)
+        except Exception as error:
+            text = f"cannot be sent to a worker process: {error}"
+            advice = "define its class at the top of a module"
+            raise InputError(field, type(model).__name__, text, advice) from error
     cells = []
     asked = [(case, label, study.models[label]) for case, label in study.cells()]
     for case, label in study.varied_cells():
@@ -111,15 +120,3 @@ def select(cells: list[Cell], pattern: str | None) -> list[Cell]:
         shown = ", ".join(dict.fromkeys([c.case for c in cells] + [c.label for c in cells]))
         raise InputError("--only", pattern, f"matches no cell; cases and labels are {shown}")
     return chosen
-
-
-def _check_model(label: str, model: Model) -> None:
-    field = f"study.models[{label!r}]"
-    if isinstance(model, type) or not isinstance(model, Model):
-        raise InputError(field, model, "must be a model object", "see workbench.models.base.Model")
-    try:
-        pickle.dumps(model)
-    except Exception as error:
-        said = f"cannot be sent to a worker process: {error}"
-        advice = "define its class at the top of a module"
-        raise InputError(field, type(model).__name__, said, advice) from error

@@ -117,17 +117,6 @@ def of_side(answers: Answers, label: str, quantity: str) -> Known:
     return 0.0, ""
 
 
-def by_metric(answers: Answers, model: str, against: str, quantity: str, metric: Metric) -> Known:
-    """Half-width of a metric of histories or curves, from its values with every run of a side."""
-    response, reference = answers.responses[model], answers.responses[against]
-    own, note = _spread(answers, model, quantity, lambda run: metric(run, reference, quantity))
-    other, other_note = _spread(
-        answers, against, quantity, lambda run: metric(response, run, quantity)
-    )
-    width = None if own is None or other is None else hypot(own, other)
-    return width, joined(note, other_note)
-
-
 def joined(*notes: str) -> str:
     """Notes of both sides in one."""
     return "; ".join(dict.fromkeys(text for text in notes if text)) or _EXACT
@@ -226,8 +215,13 @@ def compare(
     value = metric(response, reference, quantity)
     if metric.scope is Scope.RUN:
         return Comparison(value, 0.0, _OF_THE_RUN)
-    if metric.spread is None:
-        return Comparison(value, *by_metric(answers, model, against, quantity, metric))
+    if metric.spread is None:  # histories and curves: from the values with every run of a side
+        own, note = _spread(answers, model, quantity, lambda run: metric(run, reference, quantity))
+        other, other_note = _spread(
+            answers, against, quantity, lambda run: metric(response, run, quantity)
+        )
+        width = None if own is None or other is None else hypot(own, other)
+        return Comparison(value, width, joined(note, other_note))
     pair = float(response[quantity]), float(reference[quantity])
     own, note = of_side(answers, model, quantity)
     other, other_note = of_side(answers, against, quantity)

@@ -14,6 +14,7 @@ from workbench.errors import InputError, WorkbenchError
 from workbench.models.base import options_of
 from workbench.responses import Outcome, provenance
 from workbench.scenarios import scenario_hash, to_toml
+from workbench.scenarios.codec import label_of
 from workbench.study.cells import Cell, cells_of, key_of
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients, Store, canonical_json, write_atomically
@@ -208,21 +209,16 @@ def differences(
 
 def _by_name(value: Any) -> Any:
     if isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value):
-        return {
-            str(entry.get("name", entry.get("node", i))): entry for i, entry in enumerate(value)
-        }
+        return {label_of(entry, number): entry for number, entry in enumerate(value)}
     return value
 
 
 def _changes(before: Mapping[str, Any], after: Mapping[str, Any], head: str = "") -> list[str]:
-    return [
-        f"{head}{path} {_shown(old)} -> {_shown(new)}"
-        for path, old, new in differences(before, after)
-    ]
-
-
-def _shown(value: Any) -> str:
-    return "default" if value is None else str(value)
+    changes = []
+    for path, *values in differences(before, after):
+        old, new = ("default" if value is None else value for value in values)
+        changes.append(f"{head}{path} {old} -> {new}")
+    return changes
 
 
 def gather(study: Study, root: Path) -> xr.DataTree:

@@ -55,9 +55,8 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
         quantity = PEAK if cases else _told_by(study, names, pairs)
         cases = cases or [name for name in names if quantity]
         best = Counter(str(standings[case]["label"]) for case in cases if case in standings)
-        against = ", ".join(
-            f"{label} ({n})" if len(best) > 1 else label for label, n in best.items()
-        )
+        counted = (f"{label} ({n})" for label, n in best.items())
+        against = ", ".join(counted if len(best) > 1 else best)
         for label in models:
             asked = {case: cells[case, label] for case in cases if (case, label) in cells}
             if not asked:
@@ -99,9 +98,8 @@ def against_best(tables: Tables, standings: Mapping[str, Row]) -> Pairs:
 def _ended(cells: Sequence[Row]) -> Row:
     """How many cells were asked, and how they ended."""
     found = Counter(row["outcome"] for row in cells)
-    counts = [
-        found[outcome] for outcome in (Outcome.OK, Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN, NOT_RUN)
-    ]
+    outcomes = (Outcome.OK, Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN, NOT_RUN)
+    counts = [found[outcome] for outcome in outcomes]
     outside = sum(1 for row in cells if row["outcome"] == Outcome.OK and row["outside"])
     ends = zip(_ENDS, (*counts, len(cells) - sum(counts)), strict=True)
     return {"asked": len(cells), **dict(ends), "outside": outside}
@@ -195,9 +193,8 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """
     moving = {case.name for case in study.cases if case.scenario.STATIC is False}
     moving = moving or {case.name for case in study.cases if case.scenario.STATIC}
-    best = Counter(
-        row["label"] for row in tables["references"] if row["case"] in moving and row.get("label")
-    )
+    standings = standings_of(tables)
+    best = Counter(row["label"] for case, row in standings.items() if case in moving)
     timed = {
         (row["case"], row["label"]): row
         for row in tables["cells"]

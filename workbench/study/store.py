@@ -25,8 +25,8 @@ import pandas as pd
 import xarray as xr
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.responses import Outcome, Response, check_response, response_of
-from workbench.responses.soundness import check_attributes
+from workbench.responses import Outcome, Response, response_of
+from workbench.responses.soundness import check_stored
 
 TEMPORARY = ".partial"
 NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored
@@ -175,9 +175,8 @@ def to_netcdf_bytes(response: Response) -> bytes:
             response.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
             return path.read_bytes()
     except (OSError, RuntimeError) as error:  # the netCDF library has errors of both kinds
-        raise WorkbenchError(
-            f"the directory for temporary files cannot be used: {error}"
-        ) from error
+        text = "the directory for temporary files cannot be used"
+        raise WorkbenchError(f"{text}: {error}") from error
 
 
 def read_netcdf(path: Path) -> Response:
@@ -254,8 +253,7 @@ class Store:
             with netCDF4.Dataset("stored", memory=content) as stored:
                 agrees = _answers(stored, asked, record["outcome"])
                 response = _loaded(stored)
-            check_response(response)
-            check_attributes(response)
+            check_stored(response)
             return (record, response) if agrees else None
         except (*_UNREADABLE, AttributeError, RuntimeError, WorkbenchError):
             return None

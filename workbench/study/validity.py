@@ -137,9 +137,8 @@ def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
     costs = {row["label"]: row["ratio"] for row in tables.get("cost", ())}
     labels = sorted(errors, key=lambda label: costs.get(label, inf))
     judged = [case for case in points if any(case in errors[label] for label in labels)]
-    cases, left = (
-        [case for case in judged if (case in unseen) == is_in] for is_in in (False, True)
-    )
+    cases = [case for case in judged if case not in unseen]
+    left = [case for case in judged if case in unseen]
     if not left or len(cases) < LARGE_GROUP:
         return
     hits = np.array([[_within(errors[label], case) for label in labels] for case in cases])
@@ -197,9 +196,8 @@ def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
             label: {case: found[case] for case in names if case in found}
             for label, found in errors.items()
         }
-        order = sorted(
-            (label for label in own if own[label]), key=lambda each: _missed(own[each], names)
-        )
+        missed = {label: _missed(by_case, names) for label, by_case in own.items() if by_case}
+        order = sorted(missed, key=missed.__getitem__)
         for label in order:
             ended = [cells.get((case, label)) for case in names]
             counted = _counted(np.array(list(own[label].values())))

@@ -13,9 +13,9 @@ from threadpoolctl import threadpool_limits
 
 from workbench.errors import InputError, told
 from workbench.models.base import Model, signature
-from workbench.responses import Outcome, Response, check_response, failed_response, outcome_of
+from workbench.responses import Outcome, Response, failed_response, outcome_of
 from workbench.responses.provenance import provenance
-from workbench.responses.soundness import check_attributes
+from workbench.responses.soundness import check_stored
 from workbench.responses.variables import TIMES, VOLATILE
 from workbench.scenarios import Scenario
 from workbench.study.cells import Cell
@@ -153,8 +153,7 @@ def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
     trace: list[str] = []
     try:
         response = model.simulate(scenario)
-        check_response(response)
-        check_attributes(_signed(response, model, scenario))
+        check_stored(_signed(response, model, scenario))
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))
     except Exception as error:

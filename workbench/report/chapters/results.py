@@ -70,9 +70,8 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
 
     shown = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
     what = "the reference that counts in a case, which has none" if several else study.reference
-    caption = (
-        f"{shown}, with its numerical uncertainty or that of the data, and deviation from {what}."
-    )
+    width = "its numerical uncertainty or that of the data"
+    caption = f"{shown}, with {width}, and deviation from {what}."
     rows, columns = labels, [Column("model", width=2.0, of=str)]
     if few:
         columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)

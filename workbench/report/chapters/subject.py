@@ -7,6 +7,7 @@ from workbench.content.formatting import brief, count, several
 from workbench.content.tree import Block, Paragraph
 from workbench.errors import OutOfDomainError
 from workbench.frames.column_line import column_line
+from workbench.report.drawing.layout import Layout
 from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker
 from workbench.study.definition import Study
 
@@ -86,9 +87,8 @@ def _frames(impacts: Sequence[FrameImpact]) -> Iterator[str]:
 
 def _form(frame: Frame) -> str:
     members = _names([member.section.name for member in frame.members])
-    x, y = ([getattr(node, axis) for node in frame.nodes] for axis in "xy")
-    width, height = max(x) - min(x), max(y) - min(y)
-    size = f"{brief(width)} m wide and {brief(height)} m high"
+    extent = Layout(frame).extent
+    size = f"{brief(extent.real)} m wide and {brief(extent.imag)} m high"
     return f"a frame {size} of {count(len(frame.members), 'member')} ({members})"
 
 

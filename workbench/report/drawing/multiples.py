@@ -157,16 +157,12 @@ class _Row:
     times: float
 
 
-def multiples(
-    request: Request,
-    found: Found,
-    said: list[str],
-    instants: tuple[str | float, ...] = ("half-way", "peak", "end"),
-) -> Drawing:
+def multiples(request: Request, found: Found, said: list[str]) -> Drawing:
     """Shapes at some instants over the structure at rest, hinge states as coloured circles."""
+    instants: tuple[str | float, ...] = ("half-way", "peak", "end")
     if all(shapes.peak == len(shapes.at) - 1 for _, known in found for shapes in known.values()):
         # a push that only grows ends at its peak
-        instants = tuple(instant for instant in instants if instant != "peak")
+        instants = ("half-way", "end")
     instants = instants_of(request.option("instants", instants))
     rows, several = _rows(found, instants, said), len(found) > 1
     heights = [row.window.tall for row in rows]

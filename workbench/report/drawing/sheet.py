@@ -181,11 +181,6 @@ class Sheet:
         self._legend: dict[str, Any] = {}
 
     @classmethod
-    def single(cls, height: float) -> Sheet:
-        """A sheet with one panel as wide as the text."""
-        return cls.table(1, 1, height)
-
-    @classmethod
     def grid(
         cls, count: int, said: Sequence[str] = (), *, height: float = 2.2, **options: Any
     ) -> Sheet:
@@ -258,11 +253,6 @@ class Sheet:
         """Legend entries; equal names appear once."""
         self._legend |= {str(each.get_label()): each for each in entries}
 
-    @property
-    def data(self) -> pd.DataFrame:
-        """All numbers recorded so far, below each other."""
-        return pd.concat(self._blocks, ignore_index=True) if self._blocks else pd.DataFrame()
-
     def finish(self, alt: str, *, empty: str = "", beside: str = "", width: float = 1.0) -> Drawing:
         """The drawing, its legend below the panels, or `beside` them (upper, center).
 
@@ -276,7 +266,8 @@ class Sheet:
             self.canvas.legend(handles=[*self._legend.values()], loc=place, handletextpad=0.6)
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
-        return Drawing(self.canvas, self.data, said, alt, width)
+        numbers = pd.concat(self._blocks, ignore_index=True)
+        return Drawing(self.canvas, numbers, said, alt, width)
 
 
 def drawn(draw: Callable[..., Drawing], *arguments: Any) -> Drawing:

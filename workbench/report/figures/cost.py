@@ -21,7 +21,7 @@ def draw(request: Request) -> Drawing:
     for case in request.cases:  # the relative uncertainty of the reference stands for its error
         own = request.stored.ladder(case.name, quantity)
         errors[case.name, against] = None if own is None else own["relative"]
-    sheet = Sheet.single(3.7)
+    sheet = Sheet.table(1, 1, 3.7)
     panel, few, least = sheet.panel, len(request.cases) <= _FEW, np.inf
     for label in request.labels:
         if holds_data(request.study.models[label]):

@@ -91,12 +91,8 @@ def _is_weaker(frame: Frame, hinge: str) -> bool:
     """Whether a hinge stands for a joint with less strength than its member."""
     member = _member(frame, hinge)
     joint = frame.joint(member.joint_end if hinge.endswith(":end") else member.joint_start)
-    own = frame.properties(member)
-    moments = (joint.plastic_moment, joint.plastic_moment_negative)
-    forces = (joint.tension_resistance, joint.compression_resistance)
-    return any(m is not None and m < own.plastic_moment for m in moments) or any(
-        n is not None and n < own.squash_load for n in forces
-    )
+    strength = frame.properties(member).strength
+    return joint.weaker(strength) != strength
 
 
 def _exponents(

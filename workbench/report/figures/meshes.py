@@ -20,7 +20,7 @@ def draw(request: Request) -> Drawing:
             break
     else:
         return nothing(f"No mesh has an answer with {title_of(quantity)}.")
-    sheet = Sheet.single(3.0)
+    sheet = Sheet.table(1, 1, 3.0)
     panel = sheet.panel
     points = sorted((float(sizes[label]), unit * value) for label, value in known.items())
     panel.plot(*zip(*points, strict=True), color=INK, marker="o", label="uniform meshes")

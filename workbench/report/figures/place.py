@@ -29,7 +29,5 @@ def draw(request: Request) -> Drawing:
         sheet.name(panel, case.name, "time (s)", "place (m)")
     sheet.legend(entry("exact", **_EXACT))
     sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
-    return sheet.finish(
-        "places of the last unknown in time, a panel per problem",
-        empty="No integrator has answered a problem.",
-    )
+    empty = "No integrator has answered a problem."
+    return sheet.finish("places of the last unknown in time, a panel per problem", empty=empty)

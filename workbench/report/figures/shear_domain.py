@@ -36,7 +36,7 @@ def draw(request: Request) -> Drawing:
             series.append((x, ratio, case.name))
     if not points:
         return nothing(*said)
-    sheet, groups = Sheet.single(3.4), list(dict.fromkeys(name for _, name in points))
+    sheet, groups = Sheet.table(1, 1, 3.4), list(dict.fromkeys(name for _, name in points))
     panel, sheet.said = sheet.panel, said
     for (label, name), series in points.items():
         xs, ys, cases = map(np.array, zip(*sorted(series), strict=True))

@@ -49,7 +49,7 @@ def plot(content: studs.Content) -> Drawing:
 
 
 def _drawn(curves: list[Curve], tests: pd.DataFrame, said: list[str]) -> Drawing:
-    sheet = Sheet.single(3.7)
+    sheet = Sheet.table(1, 1, 3.7)
     sheet.said += said
     panel = sheet.panel
     for label, style, tension, shear in curves:

@@ -41,8 +41,5 @@ def draw(request: Request) -> Drawing:
     sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
     text = f"Errors below {_FLOOR:g} are drawn there: they are round-off; so are those above"
     sheet.said.append(f"{text} {_CEILING:g}, of steps that are not stable.")
-    alt, empty = (
-        f"error against {what}, a panel per problem",
-        "No integrator has answered a problem.",
-    )
-    return sheet.finish(alt, empty=empty)
+    empty = "No integrator has answered a problem."
+    return sheet.finish(f"error against {what}, a panel per problem", empty=empty)
