@@ -136,10 +136,8 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
         return []
     frame, striker = scenario.frame, scenario.striker
     struck = _struck(frame, striker.node)
-    steel = [frame.properties(m).mass_per_length * frame.length(m) for _, m in struck]
-    shared = sum(
-        mass / parts[number] / 3.0 for (number, _), mass in zip(struck, steel, strict=True)
-    )
+    steel = {n: frame.properties(m).mass_per_length * frame.length(m) for n, m in struck}
+    shared = sum(mass / parts[number] / 3.0 for number, mass in steel.items())
     lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
     share = striker.mass / sum(steel.values())
     light = []
