@@ -83,6 +83,25 @@ def test_an_edit_two_files_away_is_compiled_anew_and_old_code_goes(tmp_path: Pat
     assert folder.name in left
 
 
+def test_a_type_that_moves_to_another_file_is_compiled_for_anew(tmp_path: Path) -> None:
+    package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
+    kernel = "from workbench.compiled import njit\n\n\n@njit(cache=True)\ndef side(cube):\n"
+    (package / "workbench" / "cube_side.py").write_text(f"{kernel}    return cube.side\n")
+    shape = "from typing import NamedTuple\n\n\nclass Cube(NamedTuple):\n    side: float\n"
+    env = {**os.environ, "PYTHONPATH": str(package), "NUMBA_CACHE_DIR": str(cache)}
+    for name in ("cube_shape", "cube_form"):
+        (package / "workbench" / f"{name}.py").write_text(shape)
+        code = (
+            f"from workbench.{name} import Cube; from workbench.cube_side import side\n"
+            "print(side(Cube(2.0)))"
+        )
+        ran = subprocess.run(
+            [sys.executable, "-c", code], env=env, cwd=package, capture_output=True, text=True
+        )
+        assert ran.stdout == "2.0\n", ran.stderr
+        (package / "workbench" / f"{name}.py").unlink()
+
+
 def test_first_runs_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     package, cache = package_with(tmp_path / "tree", 1.0), tmp_path / "cache"
     code = "from workbench.cube_volume import volume; print(volume(2.0))"

@@ -26,6 +26,7 @@ __all__ = ["KernelCache", "cache_folder", "njit", "register_jitable", "sources",
 _ROOT = Path(__file__).resolve().parent
 _IMPORTS = re.compile(r"^\s*from (workbench[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
 _KERNELS = re.compile(r"^from (numba|workbench\.compiled)\b", re.MULTILINE)
+_TYPES = re.compile(r"^class (\w+)\(NamedTuple\)", re.MULTILINE)
 _KEPT = 8  # folders of a file, of older contents and of other installations too
 
 
@@ -87,9 +88,16 @@ def sources(path: Path) -> set[Path]:
 
 
 @cache
+def _types() -> str:
+    """Names of all tuple types with their files: what is kept on disk names those it was given."""
+    named = ((path, _TYPES.findall(_text(path))) for path in sorted(_ROOT.rglob("*.py")))
+    return "\n".join(f"{path.relative_to(_ROOT)} {names}" for path, names in named if names)
+
+
+@cache
 def _folder(path: Path) -> Path:
     """Folder of the kernels of a file; folders of its earlier contents are removed."""
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(_types().encode())
     for place in sorted(sources(path)):
         digest.update(f"{place.relative_to(_ROOT)}\n{_text(place)}\n".encode())
     name = ".".join(path.relative_to(_ROOT).with_suffix("").parts)
