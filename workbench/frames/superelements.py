@@ -17,7 +17,6 @@ from workbench.frames.collapse_watch import Lines
 from workbench.frames.struck_kernels import draw
 from workbench.frames.structure import POINTS, FrameStructure, MemberReader
 from workbench.hinges import YieldSurface
-from workbench.responses import Finding
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
@@ -28,7 +27,7 @@ HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
 _LONGEST = 5.0  # section heights, of an element of a struck member where none are asked for
 _NEIGHBOURS = 4  # elements of members that meet struck ones; one gives light hits 20 % too much
-_SHARED, _MUCH_SHARED = 0.05, 0.08  # of the energy, lost in a first collision with two elements
+_SHARED = 0.05  # of the energy, lost in a first collision with two elements
 _MOST_PARTS = 16
 
 
@@ -125,43 +124,6 @@ def _parts(
         pairs = frame.length(member) / max(longest, height) / multiple
         counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
     return tuple(counts)
-
-
-def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:
-    """Warnings of a striker that is light beside the members it hits, or beside their elements.
-
-    Lumped mass of elements takes energy in the first collision, which a beam keeps.
-    """
-    if not isinstance(scenario, FrameImpact):
-        return []
-    frame, striker = scenario.frame, scenario.striker
-    struck = _struck(frame, striker.node)
-    steel = {n: frame.properties(m).mass_per_length * frame.length(m) for n, m in struck}
-    shared = sum(mass / parts[number] / 3.0 for number, mass in steel.items())
-    lost = (1.0 - striker.restitution**2) * shared / (shared + striker.mass)
-    share = striker.mass / sum(steel.values())
-    light = []
-    if share < 1.0 and len(struck) < len(frame.members):
-        text = (
-            f"the striker weighs {share:.2f} of the members that it hits: the frame swings in "
-            "modes that the few bars of members beyond do not have; on nine such frames that were "
-            "drawn peaks came out -9 to +12 % off"
-        )
-        light = [Finding("light-striker", text, number=share, instead=())]
-    if lost <= _MUCH_SHARED:
-        return light
-    text = (
-        f"the elements beside node {striker.node} share {shared:.3g} kg of their mass with the "
-        f"striker at once: the first collision takes {100.0 * lost:.0f} % of the energy, which a "
-        "beam keeps, and peaks come out too small by up to as much; more of them (option elements)"
-        " share less"
-    )
-    return [*light, Finding("hit-mass", text, number=lost, instead=())]
-
-
-def _struck(frame: Frame, node: str) -> list[tuple[int, Member]]:
-    """Members at the struck node, and their numbers."""
-    return [(number, m) for number, m in enumerate(frame.members) if node in (m.start, m.end)]
 
 
 def curvature_shares(parts: int) -> Array:

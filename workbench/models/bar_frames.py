@@ -8,13 +8,13 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
+from workbench.frames.findings import hit_mass_findings
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure, stand_frame
 from workbench.frames.superelements import (
     FEWEST_LOADED,
     Piece,
     SuperelementMembers,
-    hit_mass_findings,
     joint_inertias,
     struck_parts,
 )
