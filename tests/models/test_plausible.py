@@ -31,7 +31,7 @@ def texts(scenario) -> str:
         ("column", {"axial_load": 500.0}, "column.axial_load = 500 N is small"),
         ("column", {"head_mass": 0.6}, "column.head_mass = 0.6 kg is small"),
         ("striker", {"mass": 1.5}, "if it is meant in t"),
-        ("striker", {"velocity": 54.0}, "striker.velocity = 54 m/s is 194 km/h"),
+        ("striker", {"velocity": 80.0}, "striker.velocity = 80 m/s is 288 km/h"),
     ],
 )
 def test_another_unit_is_suspected_of_columns(

@@ -11,7 +11,7 @@ LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
 _LEAST_PULSE = 5e-3  # of the plastic shear resistance
 _LEAST_MASS = 0.01  # of the steel, below which masses look like t
 _SI = {"kN": "N", "t": "kg"}
-_FAST, _VEHICLE = 45.0, 500.0  # m/s and kg: from both on a velocity looks like km/h
+_FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 
 
 def implausible(scenario: Scenario) -> list[Finding]:
