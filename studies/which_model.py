@@ -13,7 +13,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from workbench.cli import main
-from workbench.models.descriptors import descriptors
+from workbench.evidence.descriptors import descriptors
 from workbench.models.domain import euler_load, shear_demand
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear

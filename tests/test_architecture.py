@@ -22,10 +22,11 @@ FLOORS = (
         "frames",
         "models",
         "references",
+        "registry",
         "evidence",
         "studs",
     ),
-    *("impact_tests", "assessment", "registry", "testing", "study", "intake", "content"),
+    *("impact_tests", "assessment", "testing", "study", "intake", "content"),
     *("report", "cli"),
 )
 MODULES = sorted(ROOT.rglob("*.py"))

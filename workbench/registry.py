@@ -9,8 +9,8 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.fields import did_you_mean
 from workbench.models.base import Model, with_options
-from workbench.models.trust import GROUP
 
+GROUP = "workbench.models"  # of the entry points that offer models
 _DECLARED = ("name", "version", "answers", "assumptions", "sources", "domain", "simulate")
 
 

@@ -34,7 +34,7 @@ from workbench.assessment.variations import (
 )
 from workbench.errors import InputError
 from workbench.evidence import load
-from workbench.models.descriptors import descriptors
+from workbench.evidence.descriptors import descriptors
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.solid import SolidPlaneStress

@@ -44,6 +44,7 @@ def test_help_imports_nothing_heavy() -> None:
     for verb in (
         "models",
         "simulate",
+        "advise",
         "limit",
         "run",
         "status",

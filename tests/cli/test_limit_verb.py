@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
-from workbench.models.trust import trusted
+from workbench.evidence.advice import trusted
 from workbench.scenarios import ColumnImpact, load_scenario, to_toml
 
 
@@ -115,3 +115,17 @@ def test_bad_input_is_one_line_and_status_2(
     captured = capsys.readouterr()
     assert said in captured.err
     assert (captured.out, captured.err.count("\n")) == ("", 1)
+
+
+def test_advice_names_the_model_before_anything_is_run(
+    car: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["advise", car, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["model"] == trusted(load_scenario(car))
+    assert "measured" in {finding["subject"] for finding in content["findings"]["four-dof"]}
+    assert all(finding["remedy"] for finding in content["findings"]["four-dof"])
+    assert run(["advise", car]) == 0
+    text = capsys.readouterr().out
+    assert f"take {content['model']}, the first in the order of trust" in text
+    assert "outside its domain" in text

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import InputError
+from workbench.evidence.measured import MOSTLY, measured_findings
 from workbench.frames.findings import dead_load_state
 from workbench.models.column_of_frame import derive_column
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
-from workbench.models.validity import MOSTLY, measured_findings
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.references.fiber_shear import FiberShear
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
@@ -654,7 +654,7 @@ def test_a_struck_frame_is_warned_as_columns_like_the_struck_one_were_measured()
         column = derive_column(hit)
         expected = measured_findings(RigidSuperelement(), column)
         outside = [f.text for f in expected if f.subject in MOSTLY]
-        said[mass] = [f.text for f in RigidSuperelement().domain(hit) if f.subject in MOSTLY]
+        said[mass] = [f.text for f in measured_findings(RigidSuperelement(), hit)]
         assert said[mass] == outside
     assert said[100.0]
     assert not said[5000.0]

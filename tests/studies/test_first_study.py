@@ -6,7 +6,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import workbench
-from workbench.models.trust import findings_about
+from workbench.evidence.advice import advise
 from workbench.scenarios import to_toml
 
 GUIDE = Path(workbench.__file__).parents[1] / "docs" / "user-guide.md"
@@ -23,5 +23,5 @@ def test_its_models_are_inside_their_domain(thesis_impact, tmp_path: Path, monke
     assert len(study.cases) == 3
     for case in study.cases:
         for label, model in study.models.items():
-            outside = [f for f in findings_about(model, case.scenario) if f.outside or f.refusal]
+            outside = [f for f in advise(model, case.scenario) if f.outside or f.refusal]
             assert not outside, f"{case.name}, {label}: {outside[0]}"

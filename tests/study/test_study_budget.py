@@ -14,7 +14,7 @@ from toy_models import Spring
 from workbench.assessment.budget import TOTAL
 from workbench.content.terminal import render_text
 from workbench.errors import InputError
-from workbench.models.descriptors import DEMAND, YIELDING, descriptors
+from workbench.evidence.descriptors import DEMAND, YIELDING, descriptors
 from workbench.report.chapters.answer import in_brief
 from workbench.report.chapters.budgets import budget_tables, budgets
 from workbench.report.drawing.sheet import Request

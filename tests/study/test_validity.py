@@ -14,7 +14,7 @@ import pytest
 from toy_models import Spring
 
 from workbench.cli import run
-from workbench.models.descriptors import FEATURES, descriptors, features
+from workbench.evidence.descriptors import FEATURES, descriptors, features
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study import Assessment, Case, Study

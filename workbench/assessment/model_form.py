@@ -13,8 +13,7 @@ from typing import Any
 
 from workbench.assessment.budget import COVERAGE, MODEL_FORM, Term
 from workbench.evidence import dataset, load
-from workbench.models.base import Model
-from workbench.models.descriptors import (
+from workbench.evidence.descriptors import (
     DEMAND,
     STRIKER,
     YIELDING,
@@ -22,6 +21,7 @@ from workbench.models.descriptors import (
     descriptors,
     variant_of,
 )
+from workbench.models.base import Model
 from workbench.scenarios import ColumnImpact
 
 TABLE, RANGES = "model-form", "model-form-ranges"

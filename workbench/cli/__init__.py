@@ -84,6 +84,7 @@ def _application() -> Callable[..., Any]:
             typer.echo(context.get_help())
 
     app.command("models")(models.models)
+    app.command("advise")(models.advise)
     app.command("simulate")(simulate.simulate)
     app.command("limit")(limit.limit)
     for found in (studies.run, studies.status, studies.report, studies.validate):

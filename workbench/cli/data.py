@@ -155,7 +155,7 @@ def rules(
     A small tree per model tells regions in which its peak is off; columns that the study marks
     as unseen check it. Writes the table from which models warn, and what the columns span.
     """
-    from workbench.models.validity import RANGES, TABLE
+    from workbench.evidence.measured import RANGES, TABLE
     from workbench.study import assess, load_study
     from workbench.study.model_form import RANGE_COLUMNS, range_rows
     from workbench.study.validity import VALIDITY_COLUMNS, checked, unseen_of, validity_rows

@@ -43,8 +43,8 @@ def limit(
     status 0 if every model says where, or that it is not in the range, 1 if one leaves that open,
     2 for bad input.
     """
+    from workbench.evidence.advice import trusted
     from workbench.fields import Number
-    from workbench.models.trust import trusted
     from workbench.registry import make_model
     from workbench.scenarios import load_scenario
     from workbench.study.limit import find_limit

@@ -1,20 +1,32 @@
-"""`workbench models`: what exists, its assumptions and its domain."""
+"""`workbench models` and `workbench advise`: what exists, and which to take for a scenario."""
 
 from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from workbench.cli.output import Answer, verb
+from workbench.cli.simulate import ScenarioFile, Settings
 from workbench.content.bibliography import cited
-from workbench.content.tree import Block, Bullets, Column, Definitions, Paragraph, Section, Table
+from workbench.content.tree import (
+    Block,
+    Bullets,
+    Callout,
+    Column,
+    Definitions,
+    Paragraph,
+    Section,
+    Table,
+)
+from workbench.errors import InputError
 
 if TYPE_CHECKING:
     from workbench.registry import Offer
+    from workbench.responses import Finding
 
 
 @verb
@@ -30,6 +42,63 @@ def models(name: str = typer.Argument("", help="Show one model only, in full."))
     entries = [_entry(offer) for offer in offers() if name in ("", offer.name)]
     shown = _described(entries[0]) if name else _listed(entries)
     return Answer({"models": entries}, shown)
+
+
+@verb
+def advise(scenario: ScenarioFile, settings: Settings = None) -> Answer:
+    """Say which model to take for a scenario, and why.
+
+    Nothing is simulated: findings on every model come from its domain and from what studies
+    measured.
+    """
+    from workbench.evidence.advice import advise, trusted
+    from workbench.registry import offers
+    from workbench.scenarios import load_scenario
+    from workbench.study.definition import DATA
+
+    given = load_scenario(scenario, settings or [])
+    kinds = [offer.kind for offer in offers() if offer.kind is not None]
+    fitting = [kind for kind in kinds if given.KIND in kind.answers and kind.name not in DATA]
+    findings = {kind.name: advise(kind(), given) for kind in fitting}
+    name = trusted(given)
+    if name not in findings:
+        raise InputError("kind", given.KIND, "no model in the order of trust answers it")
+    outside = any(finding.outside or finding.refusal for finding in findings[name])
+    reason = (
+        "no model in the order of trust is inside its domain; this one comes nearest"
+        if outside
+        else "the first in the order of trust that is inside its domain"
+    )
+    content = {
+        "scenario": given.name,
+        "model": name,
+        "reason": reason,
+        "findings": {n: [f.as_dict() for f in each] for n, each in findings.items()},
+    }
+    return Answer(content, _advice(given.name, name, reason, findings))
+
+
+def _advice(
+    scenario: str, name: str, reason: str, findings: dict[str, list[Finding]]
+) -> Iterator[Block]:
+    yield Paragraph(f"{scenario}: take {name}, {reason}.")
+    for finding in findings[name]:
+        yield Callout("doubt", f"warning ({finding.subject}): {finding}")
+    columns = (
+        Column("model", width=1.0, of=lambda pair: pair[0]),
+        Column("refuses", width=1.0, of=lambda pair: _subjects(pair[1], lambda f: f.refusal)),
+        Column("outside its domain", width=1.0, of=lambda p: _subjects(p[1], lambda f: f.outside)),
+        Column(
+            "further warnings",
+            width=1.5,
+            of=lambda p: _subjects(p[1], lambda f: not (f.outside or f.refusal)),
+        ),
+    )
+    yield Table.of("models", "What is known of every model here.", columns, findings.items())
+
+
+def _subjects(findings: list[Finding], chosen: Callable[[Finding], bool]) -> str:
+    return ", ".join(dict.fromkeys(f.subject for f in findings if chosen(f)))
 
 
 def _entry(offer: Offer) -> dict[str, Any]:

@@ -48,6 +48,7 @@ def simulate(
     for bad input.
     """
     from workbench.assessment.variations import Budget
+    from workbench.evidence.advice import advised
     from workbench.registry import make_model
     from workbench.responses import Outcome, outcome_of
     from workbench.scenarios import load_scenario
@@ -61,7 +62,7 @@ def simulate(
     if asked is not None:
         asked.variations(given)
     chosen = make_model(model, pairs_of("--option", options))
-    response = chosen.simulate(given)
+    response = advised(chosen, given, chosen.simulate(given))
     outcome = outcome_of(response)
     if outcome is Outcome.INVALID_INPUT:
         raise InputError("scenario", given.name, response.attrs["message"])

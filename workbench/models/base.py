@@ -3,14 +3,13 @@
 import dataclasses
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
 from workbench.models.plausible import implausible
-from workbench.models.trust import advised, findings_about
 from workbench.responses import (
     Finding,
     Outcome,
@@ -20,6 +19,7 @@ from workbench.responses import (
     failed_response,
     findings_of,
     provenance,
+    refused_response,
     set_findings,
 )
 from workbench.scenarios import Scenario, canonical
@@ -64,13 +64,12 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     started = time.perf_counter()
     if scenario.KIND not in model.answers:
         text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
-        response = _refused([Finding("kind", text, refusal=True)])
+        response = refused_response([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
-    findings = advised(model, scenario, findings_about(model, scenario))
-    findings += implausible(scenario)
+    findings = [*model.domain(scenario), *implausible(scenario)]
     refusals = [finding for finding in findings if finding.refusal]
     if refusals:
-        response = _refused(refusals)
+        response = refused_response(refusals)
     else:
         try:
             response = solve(scenario)
@@ -81,11 +80,10 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             response = failed_response(Outcome.NOT_CONVERGED, f"{scenario.name}: {error}")
         except OutOfDomainError as error:
             text = f"{scenario.name}: {error}"
-            response = _refused([Finding("domain", text, refusal=True)])
+            response = refused_response([Finding("domain", text, refusal=True)])
     warnings = [finding for finding in findings if not finding.refusal]
-    later = advised(model, scenario, findings_of(response))
-    if warnings or later:
-        set_findings(response, [*warnings, *later])
+    if warnings:
+        set_findings(response, [*warnings, *findings_of(response)])
     return _signed(response, model, scenario, started)
 
 
@@ -98,11 +96,6 @@ class Answering(Declared, table="option"):
 
     def _solve(self, scenario: Any) -> Response:
         raise NotImplementedError
-
-
-def _refused(refusals: Sequence[Finding]) -> Response:
-    message = "; ".join(map(str, refusals))
-    return failed_response(Outcome.OUT_OF_DOMAIN, message, refusals)
 
 
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:

@@ -7,7 +7,6 @@ that of what stands on it. What the ends do besides, sway and rotation, is left 
 strength of the frame, unless the restraint is said to yield.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, checked
-from workbench.frames.column_estimate import HEADS, ON_FRAME, ColumnEstimate, estimate_column
+from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
 from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.findings import frame_findings
 from workbench.models.base import Answering
@@ -24,7 +23,6 @@ from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.plausible import SUBJECT as IMPLAUSIBLE
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
-from workbench.models.validity import RISK, SUBJECT, UNMEASURED
 from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
 from workbench.scenarios import (
     Column,
@@ -110,7 +108,7 @@ class ColumnOfFrame(Answering):
             text = "without the column the frame collapses under its dead loads: nothing restrains"
             findings.append(Finding("restraint", text, refusal=True))
         inner = MODELS[self.model].domain(estimate.column)
-        return [*findings, *_on_frame(inner), *estimate.findings()]
+        return [*findings, *inner, *estimate.findings()]
 
     def estimate(self, scenario: FrameImpact) -> ColumnEstimate:
         """The derived column and what is known about it. Raises `OutOfDomainError`."""
@@ -125,27 +123,17 @@ class ColumnOfFrame(Answering):
         else:
             response = model.simulate(estimate.column)
             force = _spring_force(response, estimate.column.column)
-        told = {finding.text for finding in model.domain(estimate.column)}
-        own = _on_frame(
-            found
-            for found in warnings_of(response)
-            if found.text not in told and found.subject != IMPLAUSIBLE
-        )
-        if any(found.subject == "sway" for found in estimate.findings()):
-            # those of the study, whose ends neither sway nor turn, are not like this column
-            own = [found for found in own if found.subject not in (SUBJECT, RISK, *UNMEASURED)]
+        known = {finding.text for finding in model.domain(estimate.column)}
+        findings = [
+            finding
+            for finding in warnings_of(response)
+            if finding.text not in known and finding.subject != IMPLAUSIBLE
+        ]
         if force is not None and self.restraint == "elastic":
-            own = [*own, *estimate.restraint_findings(force)]
-        set_findings(response, own)
+            findings += estimate.restraint_findings(force)
+        set_findings(response, findings)
         response.attrs["derived_column"] = to_toml(estimate.column)
         return response
-
-
-def _on_frame(findings: Iterable[Finding]) -> list[Finding]:
-    """Findings of the column model with a remedy that answers the frame."""
-    return [
-        found if found.instead is None else replace(found, instead=ON_FRAME) for found in findings
-    ]
 
 
 def _spring_force(response: Response, column: Column) -> float | None:

@@ -21,7 +21,6 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames.column_estimate import column_like
 from workbench.frames.runs import run_impact
 from workbench.frames.shear import shear_findings
 from workbench.frames.struck import StruckRecord
@@ -42,7 +41,6 @@ from workbench.materials import Steel
 from workbench.models.bar_frames import LEAST_STEPS, BarFrames
 from workbench.models.domain import DIRECT_SHEAR, panel_findings
 from workbench.models.frame_model import COLUMNS, Clock, as_column, as_frame, one_thread
-from workbench.models.validity import MOSTLY, may_warn, measured_findings
 from workbench.responses import Finding, Response
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FrameScenario, Member
 from workbench.sections import Section
@@ -149,8 +147,6 @@ class _HingedBars(BarFrames):
         """Findings of all member models, of shear only where members are rigid in it."""
         told = as_frame(scenario)
         findings, (rigid, of_webs) = super().domain(scenario), _about_webs(self, told.frame)
-        if isinstance(scenario, FrameImpact):
-            findings += self._measured(scenario)
         if len(rigid) < len(told.frame.members):
             known = ("shear", DIRECT_SHEAR if getattr(told, "members", ()) else "")
             findings = [finding for finding in findings if finding.subject not in known]
@@ -174,13 +170,6 @@ class _HingedBars(BarFrames):
             more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
             findings += panel_findings(web, frame.properties(names[0]), f"member {names[0]}{more}")
         return {name for name, web in webs.items() if web is None}, findings
-
-    def _measured(self, scenario: FrameImpact) -> list[Finding]:
-        """What was measured of columns like the struck one, where most of them were off."""
-        if not may_warn(self):
-            return []
-        told = measured_findings(self, column_like(scenario))
-        return [found for found in told if found.subject in MOSTLY]
 
     @abstractmethod
     def _piece(self, piece: Piece, surfaces: HingeSurfaces) -> Superelement:

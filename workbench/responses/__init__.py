@@ -11,6 +11,8 @@ from workbench.responses.build import findings_of as findings_of
 from workbench.responses.build import is_synthetic as is_synthetic
 from workbench.responses.build import outcome_of as outcome_of
 from workbench.responses.build import places_of as places_of
+from workbench.responses.build import refusal_message as refusal_message
+from workbench.responses.build import refused_response as refused_response
 from workbench.responses.build import response_of as response_of
 from workbench.responses.build import scalars_of as scalars_of
 from workbench.responses.build import set_findings as set_findings

@@ -132,6 +132,19 @@ def failed_response(outcome: Outcome, message: str, findings: Sequence[Finding] 
     return response
 
 
+def refused_response(refusals: Sequence[Finding]) -> Response:
+    """The response of a model that cannot answer, for reasons that are its refusals."""
+    response = failed_response(Outcome.OUT_OF_DOMAIN, "", refusals)
+    response.attrs["message"] = refusal_message(refusals)
+    return response
+
+
+def refusal_message(findings: Sequence[Finding]) -> str:
+    """The message of a model that refuses, from its findings."""
+    reasons = "; ".join(str(finding) for finding in findings if finding.refusal)
+    return f"{reasons}. {Outcome.OUT_OF_DOMAIN.advice}"
+
+
 def collapsed_response(name: str, error: CollapseError) -> Response:
     """The answer that the structure of the scenario of that name collapses."""
     response = failed_response(Outcome.COLLAPSE, f"{name}: {error}", error.findings)

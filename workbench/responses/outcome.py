@@ -70,7 +70,7 @@ class Finding:
     `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead
     (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none);
     `instead`, models to ask first where another model answers better (None: none would), of which
-    the remedy is made when the model is known, see `models/trust.py`.
+    the remedy is made when the model is known, see `evidence/advice.py`.
     """
 
     subject: str

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from workbench.evidence.advice import advise
 from workbench.models.base import Model, on_one_mesh
 from workbench.responses import Outcome, collapse_of, outcome_of, survives, warnings_of
 from workbench.responses.histories import NO_PEAK
@@ -149,5 +150,5 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
         response.attrs["message"] or "; ".join(open_end),
         None if collapse is None else collapse._asdict(),
         getattr(scenario, "duration", None),
-        tuple(finding.as_dict() for finding in warnings_of(response)),
+        tuple(f.as_dict() for f in advise(model, scenario, response) if not f.refusal),
     )

@@ -19,7 +19,7 @@ from workbench.arrays import Array
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.assessment.model_form import BOUNDS, FEWEST, TREND, Trend
 from workbench.errors import InputError
-from workbench.models.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
+from workbench.evidence.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
 from workbench.study.assess import Assessment
 from workbench.study.definition import Study
 from workbench.study.matrix import against_best, standings_of, telling

@@ -15,8 +15,8 @@ from scipy.stats import binomtest
 from workbench.arrays import Array, Indices
 from workbench.assessment.budget import PEAK
 from workbench.assessment.tree import Leaf, grow, impurity
-from workbench.models.descriptors import FEATURES, features, region_of, variant_of
-from workbench.models.validity import BEYOND
+from workbench.evidence.descriptors import FEATURES, features, region_of, variant_of
+from workbench.evidence.measured import BEYOND
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study.definition import Study

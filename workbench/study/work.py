@@ -3,8 +3,10 @@
 import pickle
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -12,6 +14,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from workbench.errors import InputError, told
+from workbench.evidence.advice import advised
 from workbench.models.base import Model, signature
 from workbench.responses import Outcome, Response, failed_response, outcome_of
 from workbench.responses.provenance import provenance
@@ -90,6 +93,8 @@ def _performed(task: Task, warm: set[str]) -> Result:
     allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
     if timed.attrs.get("wall_time", first) < allowed:
         runs += [_answer(model, scenario)[0] for _ in range(FURTHER_CALLS)]
+    if not trace:
+        response, trace = _guarded(model, scenario, partial(advised, model, scenario, response))
     record: dict[str, Any] = {"wall_time": first, "first_call": first}
     for name in TIMES:
         measured = [run.attrs[name] for run in runs if name in run.attrs]
@@ -150,9 +155,16 @@ def _unpacked(task: Task) -> tuple[Model, Scenario]:
 
 
 def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
+    return _guarded(model, scenario, partial(model.simulate, scenario))
+
+
+def _guarded(
+    model: Model, scenario: Scenario, make: Callable[[], Response]
+) -> tuple[Response, list[str]]:
+    """The response that `make` gives, or that it failed, with the trace of a crash."""
     trace: list[str] = []
     try:
-        response = model.simulate(scenario)
+        response = make()
         check_stored(_signed(response, model, scenario))
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))

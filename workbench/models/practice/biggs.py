@@ -118,7 +118,7 @@ class Biggs(SingleDof):
             moved = values["displacement"], resisted, values["load"]
             return {"reaction": dynamic_reactions(stages, scenario.load == UNIFORM, *moved)}
 
-        return pulse_response(self.name, scenario, self.pushed(scenario), known)
+        return pulse_response(scenario, self.pushed(scenario), known)
 
 
 def dynamic_reactions(

@@ -178,7 +178,7 @@ class SingleDof(Answering):
         if isinstance(scenario, ColumnPushover):
             return self._pushover(scenario)
         if isinstance(scenario, MemberPulse):
-            return pulse_response(self.name, scenario, self.pushed(scenario))
+            return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario))
 
     def _march(self, scenario: ColumnImpact) -> _Run:

@@ -10,12 +10,10 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import CollapseError, SolverError
-from workbench.models.descriptors import measured_rows
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, limits
 from workbench.models.single_dof import kernels
 from workbench.models.single_dof.pulse_kernels import follow
-from workbench.models.validity import chance_of, how_often, measured_finding
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
@@ -23,7 +21,6 @@ from workbench.scenarios.pulse import UNIFORM
 _STEPS_PER_PERIOD = 64  # of the lightest mass on the steepest stiffness
 _FEWEST_STEPS, _MOST_STEPS = 400, 1_000_000
 _SHORT = 0.2  # impulse over force and period; on shorter ones fiber beams go 10 to 100 % further
-_TOLERATED = 0.1  # chance of an error that needs no warning
 _STRONGER, _MUCH = 1.05, 0.25  # pulse to try, and growth of the peak that is sensitive
 
 
@@ -101,22 +98,17 @@ def push(
 
 
 def pulse_response(
-    model: str,
     scenario: MemberPulse,
     pushed: Pushed,
     further: Callable[[dict[str, Any]], Mapping[str, Any]] | None = None,
 ) -> Response:
-    """The answer to a member under a pulse, by the `model` of that name.
-
-    `further`: values that it reads off the others.
-    """
+    """The answer to a member under a pulse; `further`: values read off the others."""
     started = perf_counter()
     time, values = push(pushed, scenario.column, scenario.pulse, scenario.duration)
     solved = perf_counter() - started
     curve, top = pushed.curve, float(values["displacement"].max())
     shear, warnings = limits.reached(curve, scenario.column, top)
     warnings += pulse_findings(scenario, pushed, top)
-    warnings += pulse_risks(model, scenario.load, ductility_of(curve, top))
     values["load"] = scenario.whole * scenario.pulse.force(time)
     if scenario.load != UNIFORM:  # a line load makes shear of its own
         values["shear_utilisation"] = shear
@@ -125,23 +117,6 @@ def pulse_response(
     response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
     response.attrs["solve_time"] = solved
     return response
-
-
-def ductility_of(curve: ResistanceCurve, top: float) -> float:
-    """A peak (m) over that of an elastic member under the same force."""
-    return float(top * curve.initial_stiffness / float(curve.force(top)))
-
-
-def pulse_risks(model: str, load: str, ductility: float) -> list[Finding]:
-    """Warning of a model, by its name, where members of the study `drawn_pulses` were often off."""
-    for row in measured_rows("pulses"):
-        here = row["least"] <= ductility < row["most"]
-        if (row["model"], row["load"]) == (model, load) and here and chance_of(row) > _TOLERATED:
-            state = "yielding" if row["least"] else "elastic"
-            text = how_often(row, f"drawn members under such a load, {state} as this one,")
-            text += f"; 90 % lay between {row['p5']:.4g} and {row['p95']:.4g} of the reference"
-            return [measured_finding(row, text)]
-    return []
 
 
 def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Finding]:

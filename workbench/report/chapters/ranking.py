@@ -4,8 +4,8 @@ from typing import Any
 
 from workbench.content.formatting import count, part, percent, several
 from workbench.content.tree import Block, Bullets, Cell, Column, Paragraph, Section, Table
-from workbench.models.descriptors import asked_for, variant_of
-from workbench.models.validity import BEYOND
+from workbench.evidence.descriptors import asked_for, variant_of
+from workbench.evidence.measured import BEYOND
 from workbench.report.stored import Stored
 
 SURE = 0.05  # chance of as many pairs if two models were equal, from which one is better

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.models.descriptors import DEMAND, descriptors
-from workbench.models.trust import NONE, ORDER, advised, findings_about
+from workbench.evidence.advice import NONE, ORDER, advise, with_remedies
+from workbench.evidence.descriptors import DEMAND, descriptors
 from workbench.references.fiber_shear import FiberShear
 from workbench.registry import make_model, model_kind, model_names
 from workbench.responses import Finding
@@ -58,7 +58,7 @@ def test_no_advice_goes_in_a_circle_and_all_of_it_ends_inside_a_domain(models) -
     """Every remedy of every model is followed until it ends."""
     ends = {"inside": 0, "nothing": 0}
     for hit in drawn():
-        findings = {n: advised(m, hit, findings_about(m, hit)) for n, m in models.items()}
+        findings = {n: advise(m, hit) for n, m in models.items()}
         for name in models:
             trails = [(name,)]
             while trails:
@@ -82,33 +82,29 @@ def test_the_column_of_the_readme_is_not_sent_to_beams_that_cannot_follow_it(
     assert descriptors(thesis_impact)[DEMAND] > 1.0
     for name in ("four-dof", "four-dof-shear", "rigid-superelement", "fiber-reissner"):
         model = make_model(name)
-        findings = advised(model, thesis_impact, findings_about(model, thesis_impact))
+        findings = advise(model, thesis_impact)
         named = {other for f in findings for other in f.instead or ()}
         assert named
         assert "fiber-shear" not in named
     gentle = thesis_impact.at_velocity(3.0)
-    (finding, *_) = advised(
-        make_model("fiber-reissner"), gentle, findings_about(make_model("fiber-reissner"), gentle)
-    )
+    (finding, *_) = advise(make_model("fiber-reissner"), gentle)
     assert finding.remedy == "take fiber-shear"
     slid = Finding("shear-strain", "a mean shear strain of 0.88", number=0.88, instead=())
-    (slid,) = advised(FiberShear(), thesis_impact, [slid])
+    (slid,) = with_remedies(FiberShear(), thesis_impact, [slid])
     assert slid.remedy == "take solid-plane-stress"
 
 
 def test_nothing_is_above_the_last_and_input_that_is_mended_stays(thesis_impact) -> None:
     last = make_model(ORDER[-1])
     own = [Finding("any", "text", instead=()), Finding("no-peak", "text", remedy="take longer")]
-    none, kept = advised(last, thesis_impact, own)
+    none, kept = with_remedies(last, thesis_impact, own)
     assert none.remedy == NONE
     assert none.instead == ()
     assert kept == own[1]
-    assert advised(last, thesis_impact, [none]) == [none]
+    assert with_remedies(last, thesis_impact, [none]) == [none]
 
 
 def test_restitution_alone_makes_no_column_unmeasured(thesis_impact: ColumnImpact) -> None:
     bouncing = replace(thesis_impact, striker=replace(thesis_impact.striker, restitution=0.5))
-    (finding,) = (
-        f for f in findings_about(make_model("four-dof"), bouncing) if f.subject == "measured"
-    )
+    (finding,) = (f for f in advise(make_model("four-dof"), bouncing) if f.subject == "measured")
     assert "all without restitution" in finding.text

@@ -9,10 +9,11 @@ import pandas as pd
 import pytest
 
 from workbench.evidence import load
-from workbench.models.descriptors import FEATURES, WORDS, beyond, descriptors, features
+from workbench.evidence.advice import advise
+from workbench.evidence.descriptors import FEATURES, WORDS, beyond, descriptors, features
+from workbench.evidence.measured import RANGES, TABLE, TOLERATED, measured_findings
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.validity import RANGES, TABLE, TOLERATED, measured_findings
 from workbench.registry import make_model
 from workbench.responses import warnings_of
 from workbench.scenarios import ColumnImpact, Striker, parse_value
@@ -48,7 +49,11 @@ def test_a_model_without_shear_is_warned_of_where_webs_yield(thesis_impact: Colu
     assert "V/Vpl of the mechanism 1.79, above" in finding.text
     assert "too small" in finding.text
     assert TOLERATED < finding.number <= 1.0
-    assert "measured" in [f.subject for f in warnings_of(FourDof().simulate(thesis_impact))]
+    response = FourDof().simulate(thesis_impact)
+    assert "measured" not in [f.subject for f in warnings_of(response)]  # a model reads no study
+    advice = advise(FourDof(), thesis_impact, response)
+    assert "measured" in [f.subject for f in advice]
+    assert all(f.remedy for f in advice if f.instead is not None)
 
 
 def test_variants_have_rules_of_their_own_and_other_models_none(thesis_impact, table) -> None:
