@@ -56,7 +56,7 @@ def test_collision_with_a_free_node(restitution) -> None:
     expected = collide(100.0, 1500.0, 20.0, restitution)
     assert assembly.velocity[dof] == pytest.approx(expected.struck_velocity, rel=1e-8)
     assert step.striker.velocity == pytest.approx(expected.striker_velocity, rel=1e-8)
-    assert step.percussion == pytest.approx(expected.percussion, rel=1e-8)
+    assert step.impulse == pytest.approx(expected.percussion, rel=1e-8)
     assert step.contact_loss == pytest.approx(expected.energy_loss, abs=1e-5)
 
 

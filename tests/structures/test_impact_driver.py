@@ -41,7 +41,7 @@ def test_collision_with_a_node(restitution):
     step = next(impact(assembly, 4, PointMass(1500.0, 20.0, restitution), [(1e-3, 1e-4)], 0.5))
     expected = collide(100.0, 1500.0, 20.0, restitution)
     assert assembly.velocity[4] == pytest.approx(expected.struck_velocity, rel=1e-8)
-    assert step.percussion == pytest.approx(expected.percussion, rel=1e-8)
+    assert step.impulse == pytest.approx(expected.percussion, rel=1e-8)
     assert step.contact_loss == pytest.approx(expected.energy_loss, rel=1e-8, abs=1e-4)
     assert step.striker.velocity == pytest.approx(expected.striker_velocity, rel=1e-8)
 
@@ -191,7 +191,7 @@ def test_frame_of_the_thesis(size, count, peak):
 def test_contact_never_pulls_and_momentum_passes_through_it():
     assembly, hit = clamped_column(0.2, lumped=False)
     _, _, steps = history(assembly, hit, PointMass(300.0, 10.0, 0.5), [(0.02, 5e-5)], 0.55)
-    percussions = np.array([s.percussion for s in steps])
+    percussions = np.array([s.impulse for s in steps])
     assert percussions.min() >= 0.0
     assert np.count_nonzero(percussions) > 3  # the striker bounces
     assert min(s.contact_loss for s in steps) >= -1e-9

@@ -58,7 +58,7 @@ def followed(pace: Pace, restitution: float = 0.0, **options: object) -> dict[st
                 "x": taken.read.rows.watched[:, 0],
                 "v": taken.read.rows.velocity,
                 "at": taken.striker.position,
-                "percussion": taken.percussion,
+                "percussion": taken.impulse,
                 "plastic": energies.plastic,
                 "evaluations": taken.evaluations,
                 "spent": spent,
@@ -88,7 +88,7 @@ def test_equal_steps_are_those_of_the_plain_driver(kind, restitution) -> None:
                 float(assembly.displacement[hit]),
                 float(assembly.velocity[hit]),
                 taken.striker.position,
-                taken.percussion,
+                taken.impulse,
                 taken.energies.plastic,
             )
         )
@@ -142,7 +142,7 @@ def test_an_impact_is_stepped_on_to() -> None:
     times, hits = [], []
     for taken in follow_impact(assembly, hit, striker, pace, watching(assembly)):
         times.append(taken.time)
-        hits.append(taken.percussion)
+        hits.append(taken.impulse)
     time, percussion = np.concatenate(times), np.concatenate(hits)
     assert time[np.argmax(percussion > 0.0)] == pytest.approx(0.1 / SPEED, abs=1e-5)
 

@@ -38,7 +38,7 @@ def test_two_masses(restitution, scheme) -> None:
     common = 1500.0 * 20.0 / (1500.0 + own)
     struck = common + restitution * 1500.0 * 20.0 / (1500.0 + own)
     assert beam.velocity[dof] == pytest.approx(struck, rel=1e-8)  # measured 5.1e-12
-    assert step.percussion == pytest.approx(own * struck, rel=1e-8)  # measured 2.0e-12
+    assert step.impulse == pytest.approx(own * struck, rel=1e-8)  # measured 2.0e-12
     left = common - restitution * own * 20.0 / (1500.0 + own)
     assert step.striker.velocity == pytest.approx(left, rel=1e-8)  # measured 1.5e-12
     loss = 0.5 * 1500.0 * own / (1500.0 + own) * 20.0**2 * (1.0 - restitution**2)

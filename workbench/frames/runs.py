@@ -52,7 +52,7 @@ def run_impact(
     striker, brought, structure = scenario.striker, scenario.input_energy, record.structure
     node, direction = striker.node, striker.direction
     length = _follow(record, scenario, steps)
-    push = record.told(0.0, "percussion")
+    push = record.told(0.0, "impulse")
     rest, told = _remaining(record, scenario, direction, push)
     values = {
         **rest,

@@ -18,7 +18,7 @@ from workbench.structures.time_steps import TimeStep
 _TOLD = {  # of steps
     name: attrgetter(name)
     for name in (
-        *("length", "percussion", "contact_loss", "external_work", "kinetic", "evaluations"),
+        *("length", "impulse", "contact_loss", "external_work", "kinetic", "evaluations"),
         *("cuts", "striker.velocity", "striker.kinetic_energy"),
         *("energies.plastic", "energies.algorithmic", "energies.ideal"),
     )

@@ -38,10 +38,15 @@ from workbench.scenarios import (
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, lumped_mass
-from workbench.structures.ground_motion import follow_force, ground_motion, rigid_displacement
 from workbench.structures.impact import impact
 from workbench.structures.paths import PathStep, follow_displacement, follow_load
-from workbench.structures.time_steps import PointMass, TimeStep
+from workbench.structures.time_steps import (
+    PointMass,
+    TimeStep,
+    follow_force,
+    ground_motion,
+    rigid_displacement,
+)
 
 Taken = TypeVar("Taken", PathStep, TimeStep)
 
@@ -253,14 +258,14 @@ class FrameModel(ABC, Declared, table="option"):
         """
         weight = self._implicit_weight()
         assembly, duration = structure.assembly, float(scenario.duration or 0.0)
-        direction = rigid_displacement(assembly, scenario.direction)
         step = self.time_step
         if step is None:
-            period = _fundamental_period(assembly, assembly.mass_times(direction))
+            moved = rigid_displacement(assembly, scenario.direction)
+            period = _fundamental_period(assembly, assembly.mass_times(moved))
             step = min(scenario.time_step, period / PERIOD_STEPS)
         return ground_motion(
             assembly,
-            direction,
+            scenario.direction,
             scenario.acceleration,
             scenario.time_step,
             [(duration, step / 2.0**self.halvings)],

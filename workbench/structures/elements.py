@@ -116,6 +116,11 @@ class ElementGroup(ABC):
         """Committed kinetic energy that is not in the mass matrix, in J."""
         return 0.0
 
+    @property
+    def turning_inertia(self) -> bool:
+        """Whether there is rotary inertia that turns with the elements."""
+        return False
+
     def turn_with(self, displacement: Array, velocity: Array) -> None:  # noqa: B027
         """Give velocities that a group keeps of its own the values of the nodes (dofs,), SI."""
 

@@ -2,7 +2,7 @@
 
 With accelerations a_n = M^-1 (p - f_n) and velocities at half steps,
   v_n+1/2 = v_n-1/2 + dt a_n + M^-1 w P,   x_n+1 = x_n + dt v_n+1/2,
-and the percussion P obeys Newton's law between the half-step velocities, so that bodies in
+and the contact impulse P obeys Newton's law between the half-step velocities, so that bodies in
 contact stay together without drift. The ledger is that of the scheme itself: with the kinetic
 energy T_n = v_n-1/2 . M v_n+1/2 / 2 (P left out) every step balances the trapezoidal work of the
 nodal forces exactly. What remains is the difference of that work from the trapezoidal work of the
@@ -116,25 +116,21 @@ def explicit_impact(
     spent = 0.0
     done = 0
     for record in _records(spans, dt):
-        percussion = loss = plastic = ideal = 0.0
+        total = loss = plastic = ideal = 0.0
         begin = assembly.displacement
         for _ in range(record - done):
             before = sign * float(half[dof]) - velocity
             half = half + dt * acceleration
             gap = sign * float(assembly.displacement[dof]) - origin - position
             if gap + dt * min(before, 0.0) <= 0.0:
-                impulse = contact.explicit_percussion(
-                    sign * float(half[dof]) - velocity,
-                    before,
-                    striker.restitution,
-                    node_mass,
-                    striker.mass,
-                )
+                without = sign * float(half[dof]) - velocity
+                masses = node_mass, striker.mass
+                impulse = contact.explicit_percussion(without, before, striker.restitution, *masses)
                 half[dof] += sign * impulse / node_mass
                 velocity -= impulse / striker.mass
                 after = sign * float(half[dof]) - velocity
                 loss += contact.contact_loss(impulse, before, after)
-                percussion += impulse
+                total += impulse
             position += dt * velocity
             end = assembly.displacement + dt * half
             acceleration = inverse * (assembly.load - assembly.resist(end))
@@ -160,7 +156,7 @@ def explicit_impact(
             time=record * dt,
             length=(record - done) * dt,
             striker=moving,
-            percussion=percussion,
+            impulse=total,
             contact_loss=loss,
             energies=StepEnergies(energies.stored, plastic, 0.0, ideal),
             external_work=external,

@@ -16,7 +16,7 @@ Sources: Heng 2017, chapter 3 (eqs 3.17-3.35) and chapter 5 (energy-momentum ste
 Jean 1999; Acary 2013 for the two constraints.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -27,12 +27,14 @@ from workbench.errors import InputError
 from workbench.impact import restitution as contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import (
+    TOLERANCE,
     PointMass,
     Pull,
+    Spans,
     TimeStep,
     Trial,
+    commit,
     march,
-    settle,
     solve_step,
 )
 
@@ -46,10 +48,9 @@ def impact(
     assembly: PlanarAssembly,
     dof: int,
     striker: PointMass,
-    spans: Sequence[tuple[float, float]],
+    spans: Spans,
     weight: float,
-    tolerance: float = 1e-8,
-    most_cuts: int = 12,
+    tolerance: float = TOLERANCE,
     *,
     sign: float = 1.0,
     integrator: str = MIDPOINT,
@@ -57,15 +58,13 @@ def impact(
 ) -> Iterator[TimeStep]:
     """Follow an impact at `dof`, in the direction of growing displacement or against it.
 
-    Arguments: `assembly` at rest under its dead loads; `striker`; `spans`, end times and nominal
-    steps of successive parts of the record, both in s; `weight` of the end stresses, 1/2 to 1 (1/2
-    conserves energy exactly, more dissipates grid-scale ringing; "moreau" has 1/2); `tolerance` of
-    the residual over the largest force; `most_cuts`, how often a step may be halved when Newton's
-    method fails; `sign`, -1 for a strike along the negative direction; `integrator`, one of
-    `INTEGRATORS`; `halvings`, how often steps are halved at the first contact, and at most in a
-    later collision. Bending waves spread as the root of time, so that steps may grow with it; and
-    a collision takes along what a wave reaches within its step, with the loss of Newton's law:
-    where no mass is lumped, that is an error of the step.
+    Arguments: `assembly` at rest under its dead loads; `striker`; `spans`; `weight` of the end
+    stresses, 1/2 to 1 (1/2 conserves energy exactly, more dissipates grid-scale ringing; "moreau"
+    has 1/2); `tolerance` of the residual; `sign`, -1 for a strike along the negative direction;
+    `integrator`, one of `INTEGRATORS`; `halvings`, how often steps are halved at the first contact,
+    and at most in a later collision. Bending waves spread as the root of time, so that steps may
+    grow with it; and a collision takes along what a wave reaches within its step, with the loss of
+    Newton's law: where no mass is lumped, that is an error of the step.
     Yields a `TimeStep` after each commit. Raises `SolverError`, and `InputError` where the
     integrator does not fit.
     """
@@ -75,7 +74,7 @@ def impact(
         steps = [nominal / 2.0**k for k in range(halvings, 0, -1)]
         spans = [*((min(OPENING * step, end), step) for step in steps), *spans]
         stepper.shortest = steps[0]
-    yield from march(spans, stepper.advance, most_cuts, "line search, open and closed contact")
+    yield from march(spans, stepper.advance, "line search, open and closed contact")
 
 
 class _Attempt(NamedTuple):
@@ -83,7 +82,7 @@ class _Attempt(NamedTuple):
 
     trial: Trial
     velocity: Array
-    percussion: float
+    impulse: float
     apart: float
     admissible: bool
 
@@ -108,15 +107,15 @@ class _Stepper:
         self.shortest = np.inf  # step of a collision that is not halved, in s
         self._collision = COLLISION * striker.kinetic_energy
         self._origin = sign * float(assembly.displacement[dof])
-        self._before: Array | None = None
+        self._before: Array | None = None  # internal forces of the committed state
         self._rate: Array | None = None  # mean velocities of the last step
         self._direction: Array | None = None  # M^-1 w
         if integrator == MOREAU:
-            _refuse_own_velocities(assembly, weight)
+            _check_mean_forces(assembly, weight)
             self._before = assembly.assemble(assembly.displacement, None)
         if integrator == GEAR_GUPTA_LEIMKUHLER:
             self._direction = _mass_direction(assembly, dof, sign)
-            effective = 1.0 / striker.mass + sign * float(self._direction[dof])
+            effective = 1.0 / striker.mass + self._along(self._direction)
             self._effective_mass = 1.0 / effective
 
     def _along(self, values: Array) -> float:
@@ -127,49 +126,38 @@ class _Stepper:
         """Distance from the striker to the struck dof, in m; negative where they overlap."""
         return self._along(self.assembly.displacement) - self._origin - self.striker.position
 
-    @property
-    def gap_velocity(self) -> float:
-        """Velocity of the gap, in m/s."""
-        return self._along(self.assembly.velocity) - self.striker.velocity
-
     def advance(self, _begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
         """Take a step with the right contact state and commit it, if it can be solved."""
-        gap, gamma0 = self.gap, self.gap_velocity
-        if gap + dt * min(gamma0, 0.0) > 0.0:
-            orders: tuple[bool, ...] = (False,)
-            if self._direction is not None:  # what ends in overlap must have met on the way
-                orders = (False, True)
-        else:
-            orders = (False, True) if gamma0 > 0.0 else (True, False)
-        evaluations = 0
-        residual = 0.0
-        refused = False
-        for closed in orders:
-            tried = self._attempt(dt, closed, gap, gamma0)
-            solution = tried.trial.solution
+        gap, approach = self.gap, self._along(self.assembly.velocity) - self.striker.velocity
+        evaluations, residual = 0, 0.0
+        may_touch = gap + dt * min(approach, 0.0) <= 0.0
+        # what ends in overlap must have met on the way
+        states = 2 if may_touch or self._direction is not None else 1
+        closed, refused = may_touch and not approach > 0.0, False
+        for _ in range(states):
+            attempt = self._attempt(dt, closed, gap, approach)
+            solution = attempt.trial.solution
             evaluations += solution.evaluations
             residual = max(solution.residual, residual)  # not a number stays one
-            if not solution.converged:
-                continue
-            # a closed contact that pulls must open, whatever the open solution says of velocities
-            if tried.admissible or len(orders) == 1 or (refused and not closed):
-                turned = -0.5 * tried.percussion * gamma0
-                if turned > self._collision and dt >= 2.0 * self.shortest:
-                    return None, evaluations, residual
-                return self._commit(tried, dt), evaluations, residual
-            refused = True
+            if solution.converged:
+                # a closed contact that pulls must open, whatever the open one says of velocities
+                if attempt.admissible or states == 1 or (refused and not closed):
+                    turned = -0.5 * attempt.impulse * approach
+                    if turned > self._collision and dt >= 2.0 * self.shortest:
+                        return None, evaluations, residual
+                    return self._commit(attempt, dt, approach), evaluations, residual
+                refused = True
+            closed = not closed
         return None, evaluations, residual
 
-    def _attempt(self, dt: float, closed: bool, gap: float, gamma0: float) -> _Attempt:
+    def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> _Attempt:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
-        striker = self.striker
-        restitution = contact.rebound(gamma0, striker.restitution)
-        touch = striker.velocity - restitution * gamma0
-        apart = 0.0
-        pull = None
+        striker, direction = self.striker, self._direction
+        restitution = contact.rebound(approach, striker.restitution)
+        touch, apart, pull = striker.velocity - restitution * approach, 0.0, None
         if closed:
-            if self._direction is not None:
-                overlap = gap + 0.5 * dt * (1.0 - restitution) * gamma0
+            if direction is not None:
+                overlap = gap + 0.5 * dt * (1.0 - restitution) * approach
                 apart = self._effective_mass * max(-overlap, 0.0)
             if apart > 0.0:  # the gap closes at the end of the step
                 touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
@@ -184,45 +172,39 @@ class _Stepper:
             before=self._before,
             ahead=None if self._rate is None else dt * self._rate,
         )
-        end = self._along(trial.velocity)
+        end, velocity = self._along(trial.velocity), trial.velocity
         if closed:
-            percussion = striker.mass * (touch - end) - 2.0 * apart / dt
-            velocity = trial.velocity
-            if apart > 0.0 and self._direction is not None:
-                velocity = velocity - (2.0 * apart / dt) * self._direction
-            return _Attempt(trial, velocity, percussion, apart, percussion >= 0.0)
-        separation = end - striker.velocity + restitution * gamma0
-        admissible = separation >= 0.0
-        if self._direction is not None:
+            impulse = striker.mass * (touch - end) - 2.0 * apart / dt
+            if direction is not None:
+                velocity = velocity - (2.0 * apart / dt) * direction
+            return _Attempt(trial, velocity, impulse, apart, impulse >= 0.0)
+        admissible = end >= touch
+        if direction is not None:
             mean = 0.5 * (self._along(self.assembly.velocity) + end) - striker.velocity
-            met = gap + dt * mean < 0.0
-            admissible = not met if gap > 0.0 else admissible and not met
-        return _Attempt(trial, trial.velocity, 0.0, 0.0, admissible)
+            apart_still = gap + dt * mean >= 0.0
+            admissible = apart_still and (gap > 0.0 or admissible)
+        return _Attempt(trial, velocity, 0.0, 0.0, admissible)
 
-    def _commit(self, found: _Attempt, dt: float) -> TimeStep:
+    def _commit(self, attempt: _Attempt, dt: float, approach: float) -> TimeStep:
         """Commit a solved step and account for its energies."""
-        assembly, striker = self.assembly, self.striker
-        approach = self.gap_velocity
-        self._rate = (found.trial.solution.x - assembly.displacement) / dt
-        step = settle(assembly, dt, found.trial.solution.x, found.velocity, self.weight)
+        assembly, striker, end = self.assembly, self.striker, attempt.trial.solution.x
+        self._rate = (end - assembly.displacement) / dt
+        step = commit(assembly, dt, end, attempt.velocity, self.weight)
         if self._before is not None:
-            self._before = found.trial.force
-        if found.apart > 0.0:
-            spent = step.energies.algorithmic + self._spent_moving_apart(found)
+            self._before = attempt.trial.force
+        if attempt.apart > 0.0:
+            spent = step.energies.algorithmic + self._spent_moving_apart(attempt)
             energies = step.energies._replace(algorithmic=spent)
             step = step._replace(energies=energies, kinetic=assembly.kinetic_energy())
-        velocity = striker.velocity - found.percussion / striker.mass
-        departure = self._along(found.velocity) - velocity
+        velocity = striker.velocity - attempt.impulse / striker.mass
+        departure = self._along(attempt.velocity) - velocity
         position = striker.position + 0.5 * dt * (striker.velocity + velocity)
-        position -= found.apart / striker.mass
+        position -= attempt.apart / striker.mass
         self.striker = replace(striker, velocity=velocity, position=position)
-        return step._replace(
-            striker=self.striker,
-            percussion=found.percussion,
-            contact_loss=contact.contact_loss(found.percussion, approach, departure),
-        )
+        loss = contact.contact_loss(attempt.impulse, approach, departure)
+        return step._replace(striker=self.striker, impulse=attempt.impulse, contact_loss=loss)
 
-    def _spent_moving_apart(self, found: _Attempt) -> float:
+    def _spent_moving_apart(self, attempt: _Attempt) -> float:
         """Energy (J) lost where Psi moves the structure: the work of the forces on the way.
 
         Velocities that groups keep of their own follow those of the nodes; what that takes out of
@@ -233,27 +215,18 @@ class _Stepper:
         for group in assembly.groups:
             group.turn_with(assembly.displacement, assembly.velocity)
         turned = before - assembly.kinetic_energy()
-        moved = found.apart * np.asarray(self._direction)
-        return turned - float(moved @ (found.trial.force - assembly.load))
+        moved = attempt.apart * np.asarray(self._direction)
+        return turned - float(moved @ (attempt.trial.force - assembly.load))
 
 
-def _refuse_own_velocities(assembly: PlanarAssembly, weight: float) -> None:
+def _check_mean_forces(assembly: PlanarAssembly, weight: float) -> None:
     """Raise `InputError` where the mean of the forces at both ends would leave something out."""
     if weight != 0.5:
         raise InputError("weight", weight, "must be 0.5 with the integrator moreau")
-    spin = np.random.default_rng(0).normal(size=assembly.size)
-    for group in assembly.groups:
-        at_rest = assembly.kinetic_energy()
-        group.turn_with(assembly.displacement, assembly.velocity + spin)
-        turning = assembly.kinetic_energy()
-        group.turn_with(assembly.displacement, assembly.velocity)
-        if turning != at_rest:
-            raise InputError(
-                "integrator",
-                MOREAU,
-                "has no place for rotary inertia that turns with the bars",
-                "take linear rotary inertia or none, or another integrator",
-            )
+    if any(group.turning_inertia for group in assembly.groups):
+        text = "has no place for rotary inertia that turns with the bars"
+        advice = "take linear rotary inertia or none, or another integrator"
+        raise InputError("integrator", MOREAU, text, advice)
 
 
 def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:
@@ -263,9 +236,8 @@ def _mass_direction(assembly: PlanarAssembly, dof: int, sign: float) -> Array:
     diagonal = assembly.mass.reshape(assembly.size, -1)[:, 2 * assembly.width]
     massless = np.flatnonzero(diagonal <= 0.0)
     if dof in assembly.held or dof in massless:
-        raise InputError(
-            "integrator", GEAR_GUPTA_LEIMKUHLER, "needs mass where the striker hits", "add some"
-        )
+        text = "needs mass where the striker hits"
+        raise InputError("integrator", GEAR_GUPTA_LEIMKUHLER, text, "add some")
     assembly.band[:] = assembly.mass
     direction = assembly.solve(unit, np.union1d(assembly.held, massless))
     if direction is None:

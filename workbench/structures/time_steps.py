@@ -1,9 +1,14 @@
-"""Implicit time steps: the equations of one, and the march through a record.
+"""Implicit time steps: the equations of one, the march through a record, forces, moving ground.
 
 A step from t_n to t_n+1 solves M (v1 - v0) / dt + f + damping M (x1 - x0) / dt = p + w P / dt with
 v1 = 2 (x1 - x0) / dt - v0. The forces f are the energy-exact ones of the elements, or the mean of
-those at both ends. A closed contact makes the percussion P linear in x1, so that it is eliminated:
-no penalty, no extra unknown.
+those at both ends. A closed contact makes the impulse P linear in x1, so that it is eliminated: no
+penalty, no extra unknown.
+
+On moving ground displacements are relative to the supports: M x'' + damping M x' + f(x) =
+p - M r a(t) with the rigid displacement r of all dofs for a unit displacement of the ground; M
+includes point masses, dead loads p stay. The mean acceleration of a step closes the ledger with the
+input energy -r . M (x1 - x0) a (Uang and Bertero 1990, relative energy).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -13,14 +18,20 @@ from math import ceil
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
 
 from workbench.arrays import Array
-from workbench.errors import SolverError
+from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
 from workbench.structures.newton import Solution, newton, pieces
 
+TOLERANCE = 1e-8  # of the residual over the largest force
+MOST_CUTS = 12  # how often a step may be halved when Newton's method fails
 ITERATIONS = 25
+AXES = {"x": "u", "y": "v"}
+Spans = Sequence[tuple[float, float]]  # end times and nominal steps of parts of a record, in s
 
 
 @dataclass(frozen=True)
@@ -48,10 +59,9 @@ class TimeStep(NamedTuple):
     `length` of it in s; `energies` of the structure; `external_work` of the dead loads in the step
     and `kinetic` energy of the structure at its end, in J; end `time` in s; `evaluations` of the
     residual, and `cuts`, how often the step was halved. Of an impact the `striker` at the end, the
-    `percussion` of the step in N s and the energy `contact_loss` in J. Of a ground motion, all
-    relative to the ground, its mean `acceleration` in m/s2 (of a force its mean factor) and the
-    `input_energy` and `damped` energy of the step in J. `read`, what is known of the states behind
-    several steps, whose numbers are arrays.
+    contact `impulse` of the step in N s and the energy `contact_loss` in J. Of ground motion, all
+    relative to the ground, or a force over time: the `input_energy` and `damped` energy in J.
+    `read`, what is known of the states behind several steps, whose numbers are arrays.
     """
 
     length: float
@@ -62,9 +72,8 @@ class TimeStep(NamedTuple):
     evaluations: int = 0
     cuts: int = 0
     striker: PointMass | None = None
-    percussion: float = 0.0
+    impulse: float = 0.0
     contact_loss: float = 0.0
-    acceleration: float = 0.0
     input_energy: float = 0.0
     damped: float = 0.0
     read: Any = None
@@ -110,7 +119,7 @@ def solve_step(
     of both ends is to act instead of the energy-exact forces; `ahead`, displacements (dofs,) by
     which the step is expected to go.
     """
-    x0, v0, held = assembly.displacement, assembly.velocity, assembly.held
+    x0, v0 = assembly.displacement, assembly.velocity
     start_momentum = assembly.mass_times(v0) * (2.0 / dt)
     factor = 2.0 / dt**2 + damping / dt
     # twice the equations with the mean of both ends: the tangent at the end then counts once
@@ -133,24 +142,37 @@ def solve_step(
 
     assembly.begin_step(dt)
     allow = partial(assembly.allowed_residual, tolerance, x0)
-    found = newton(evaluate, allow, assembly.solve, x0 if ahead is None else x0 + ahead, ITERATIONS)
-    velocity = 2.0 * (found.x - x0) / dt - v0
-    velocity[held] = 0.0
-    return Trial(found, velocity, internal)
+    first = x0 if ahead is None else x0 + ahead
+    solution = newton(evaluate, allow, assembly.solve, first, ITERATIONS)
+    velocity = 2.0 * (solution.x - x0) / dt - v0
+    velocity[assembly.held] = 0.0
+    return Trial(solution, velocity, internal)
+
+
+def commit(
+    assembly: PlanarAssembly, dt: float, end: Array, velocity: Array, weight: float
+) -> TimeStep:
+    """Commit a solved step of `dt` (s) that ends at `end`, with its energies.
+
+    Arguments: displacements `end` and `velocity` (dofs,); `weight` of the end stresses.
+    """
+    energies = assembly.account(end, weight)
+    work = float(assembly.load @ (end - assembly.displacement))
+    assembly.commit(end, velocity)
+    assembly.stored = energies.stored
+    return TimeStep(dt, energies, work, assembly.kinetic_energy())
 
 
 def march(
-    spans: Sequence[tuple[float, float]],
+    spans: Spans,
     advance: Callable[[float, float], tuple[TimeStep | None, int, float]],
-    most_cuts: int,
     remedies: str,
 ) -> Iterator[TimeStep]:
     """Go through a record; steps are halved where they fail and doubled back afterwards.
 
-    Arguments: `spans`, end times and nominal steps of successive parts of the record, both in s;
-    `advance`, takes the start and the length of a step, commits it and gives it, or None if it is
-    not solved, with the residual evaluations and the scaled residual; `most_cuts`, how often a step
-    may be halved; what else `advance` tries, for errors.
+    Arguments: `spans`; `advance`, takes the start and the length of a step, commits it and gives
+    it, or None if it is not solved, with the residual evaluations and the scaled residual; what
+    else `advance` tries, for errors.
     Yields the steps with their end `time`, `evaluations` and `cuts`. Raises `SolverError`.
     """
     evaluations = 0
@@ -174,22 +196,92 @@ def march(
         count = max(1, ceil((end - begin) / nominal - 1e-9))
         step = (end - begin) / count
         for number in range(count):
-            for taken, done, cuts in pieces(partial(attempt, begin, step, number), most_cuts):
+            for taken, done, cuts in pieces(partial(attempt, begin, step, number), MOST_CUTS):
                 time = begin + (number + done) * step
                 yield taken._replace(time=time, evaluations=evaluations, cuts=cuts)
                 evaluations = 0
         begin = end
 
 
-def settle(
-    assembly: PlanarAssembly, dt: float, end: Array, velocity: Array, weight: float
-) -> TimeStep:
-    """Commit a solved step of `dt` (s) that ends at `end`, with its energies.
+def follow_force(
+    assembly: PlanarAssembly,
+    pattern: Array,
+    mean: Callable[[float, float], float],
+    spans: Spans,
+    weight: float,
+    damping: float = 0.0,
+    tolerance: float = TOLERANCE,
+) -> Iterator[TimeStep]:
+    """Follow a structure under a `pattern` (dofs,) of forces times a factor over time.
 
-    Arguments: displacements `end` and `velocity` (dofs,); `weight` of the end stresses.
+    Arguments: `assembly` at rest under its dead loads; the `mean` factor of a step, from its start
+    and its length (s); `spans`; `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy
+    exactly); mass-proportional `damping` in 1/s; `tolerance` of the residual.
+    Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
     """
-    energies = assembly.account(end, weight)
-    work = float(assembly.load @ (end - assembly.displacement))
-    assembly.commit(end, velocity)
-    assembly.stored = energies.stored
-    return TimeStep(dt, energies, work, assembly.kinetic_energy())
+    if not (np.isfinite(damping) and damping >= 0.0):
+        raise InputError("damping", damping, "must not be negative")
+
+    def advance(begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
+        factor = mean(begin, dt)
+        load = assembly.load + factor * pattern
+        trial = solve_step(assembly, dt, weight, load, tolerance, damping=damping)
+        end, converged, residual, evaluations = trial.solution
+        if not converged:
+            return None, evaluations, residual
+        change = end - assembly.displacement
+        damped = damping * float(change @ assembly.mass_times(change)) / dt
+        work = factor * float(pattern @ change)
+        step = commit(assembly, dt, end, trial.velocity, weight)
+        return step._replace(input_energy=work, damped=damped), evaluations, residual
+
+    return march(spans, advance, "line search")
+
+
+def ground_motion(
+    assembly: PlanarAssembly,
+    axis: str,
+    acceleration: ArrayLike,
+    sample_step: float,
+    spans: Spans,
+    weight: float,
+    damping: float = 0.0,
+    tolerance: float = TOLERANCE,
+) -> Iterator[TimeStep]:
+    """Follow a structure on ground that moves along an `axis`, x or y.
+
+    Arguments as of `follow_force`, but samples of the `acceleration`, see `mean_acceleration`.
+    Displacements and velocities are relative to the ground. Raises `SolverError` and `InputError`.
+    """
+    mean = mean_acceleration(acceleration, sample_step)
+    driven = assembly.mass_times(rigid_displacement(assembly, axis))
+    return follow_force(assembly, -driven, mean, spans, weight, damping, tolerance)
+
+
+def rigid_displacement(assembly: PlanarAssembly, axis: str) -> Array:
+    """Displacements (dofs,) of all nodes when the ground moves by 1 along `axis`, x or y."""
+    direction = np.zeros(assembly.size)
+    direction[assembly.dofs(range(len(assembly.coordinates)), AXES[axis])] = 1.0
+    return direction
+
+
+def mean_acceleration(acceleration: ArrayLike, interval: float) -> Callable[[float, float], float]:
+    """Mean acceleration of the ground (m/s2) in a step, from its start and its length (s).
+
+    Straight lines between samples of the `acceleration` in m/s2 at the times 0, `interval`,
+    2 `interval`, ... (s), zero after the last one. Raises `InputError`.
+    """
+    samples: Array = np.atleast_1d(np.asarray(acceleration, dtype=float))
+    if not (samples.ndim == 1 and np.all(np.isfinite(samples))):
+        raise InputError("acceleration", None, "must be one or more finite numbers")
+    if not interval > 0.0:
+        raise InputError("sample_step", interval, "must be positive")
+    times, last = interval * np.arange(len(samples) + 1), interval * (len(samples) - 1)
+    slopes = np.append(np.diff(samples), 0.0) / interval
+    velocity = PPoly([slopes, samples], times).antiderivative()
+
+    def mean(begin: float, length: float) -> float:
+        before, after = velocity(np.clip([begin, begin + length], 0.0, last))
+        return float(after - before) / length
+
+    return mean

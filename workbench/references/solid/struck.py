@@ -125,7 +125,7 @@ def run_impact(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Res
                 float(moving.velocity[hit]),
                 taken.kinetic + taken.striker.kinetic_energy,
                 taken.striker.velocity,
-                taken.percussion,
+                taken.impulse,
                 taken.contact_loss,
                 taken.external_work,
             )

@@ -145,6 +145,11 @@ class Superelements(HingedElements):
         """Committed kinetic energy of the nonlinear rotary inertia, in J."""
         return 0.5 * float(self._tables.rotary @ self._old.rate**2)
 
+    @property
+    def turning_inertia(self) -> bool:
+        """Whether there is rotary inertia that turns with the chords."""
+        return bool(self._tables.rotary.any())
+
     def turn_with(self, displacement: Array, velocity: Array) -> None:
         """Give the chords the angular velocities that the nodes have (dofs,), in m and m/s."""
         first, last = self.bars.dofs[:, 0:2], self.bars.dofs[:, 3:5]

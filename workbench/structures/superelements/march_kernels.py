@@ -21,7 +21,7 @@ BACK = 4.0  # the same on the way back to equal steps, which impacts interrupt
 CLOSER = 0.999  # of the way to the next impact: contact closes where a step would end in overlap
 GOING, DONE, LOST, NO_CONVERGENCE, TOO_MANY = range(5)
 _NUMBERS = (
-    *("time", "length", "striker_position", "striker_velocity", "percussion", "contact_loss"),
+    *("time", "length", "striker_position", "striker_velocity", "impulse", "contact_loss"),
     *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
 )
 RECORD = np.dtype([(name, "f8") for name in _NUMBERS] + [("evaluations", "i8"), ("cuts", "i8")])

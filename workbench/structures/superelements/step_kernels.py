@@ -303,7 +303,7 @@ def commit(body, motion, work, dt, percussion, energies, record):
     motion.striker[0] += 0.5 * dt * (before + motion.striker[1])
     departure = body.sign * v0[body.dof] - motion.striker[1]
     record.contact_loss += law.contact_loss(percussion, gamma, departure)
-    record.percussion += percussion
+    record.impulse += percussion
     record.stored = stored
     record.plastic += plastic
     record.algorithmic += algorithmic
