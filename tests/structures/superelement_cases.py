@@ -15,8 +15,6 @@ from workbench.structures.superelements import (
     Superelements,
     sway_stiffness,
 )
-from workbench.structures.superelements.march import reading_of
-from workbench.structures.superelements.reading_kernels import Places, Reading
 
 # the thesis takes strength from the plates alone and elastic stiffness with the fillets
 FULL, PLATES = find("HEB 220"), find("HEB 220").without_fillets()
@@ -116,17 +114,3 @@ def random_state(assembly: PlanarAssembly, rng, size: float = 1.0) -> np.ndarray
 def full_tangent(assembly: PlanarAssembly) -> np.ndarray:
     """Tangent of the last evaluation, column by column."""
     return np.stack([assembly.tangent_times(row) for row in np.eye(assembly.size)], axis=1)
-
-
-def watching(assembly: PlanarAssembly, *dofs: int) -> Reading:
-    """What is read of records where nothing but these dofs is of interest."""
-    none, numbers, pairs = np.zeros(0), np.zeros(0, np.int64), np.zeros((0, 2))
-    corners, slide = np.zeros((0, 4), np.int64), np.zeros(0, bool)
-    of_members = corners, pairs, pairs, numbers, none
-    hinges = numbers, numbers, none
-    elements = np.zeros(1, np.int64), none, slide, False
-    at = np.array(dofs, np.int64)
-    rest = float(assembly.displacement[at[0]]) if dofs else 0.0
-    return reading_of(
-        assembly, Places(*hinges, *elements, *of_members, numbers, none, pairs[:, :0], at, rest)
-    )

@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from superelement_cases import thesis_column, watching
+from superelement_cases import thesis_column
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
@@ -48,15 +48,15 @@ def followed(pace: Pace, restitution: float = 0.0, **options: object) -> dict[st
     assembly, hit = column(**options)
     striker = PointMass(MASS, SPEED, restitution)
     stored, parts = assembly.stored, []
-    for taken in follow_impact(assembly, hit, striker, pace, watching(assembly, hit)):
+    for taken in follow_impact(assembly, hit, striker, pace):
         energies = taken.energies
         spent = energies.plastic + taken.contact_loss - taken.external_work
         held = taken.kinetic + taken.striker.kinetic_energy + energies.stored
         parts.append(
             {
                 "time": taken.time,
-                "x": taken.read.rows.watched[:, 0],
-                "v": taken.read.rows.velocity,
+                "x": taken.read.states.x[:, hit],
+                "v": taken.read.states.v[:, hit],
                 "at": taken.striker.position,
                 "percussion": taken.impulse,
                 "plastic": energies.plastic,
@@ -140,7 +140,7 @@ def test_an_impact_is_stepped_on_to() -> None:
     striker = PointMass(MASS, SPEED, position=-0.1)
     pace = BY_ERROR._replace(duration=0.02, longest=5e-3)
     times, hits = [], []
-    for taken in follow_impact(assembly, hit, striker, pace, watching(assembly)):
+    for taken in follow_impact(assembly, hit, striker, pace):
         times.append(taken.time)
         hits.append(taken.impulse)
     time, percussion = np.concatenate(times), np.concatenate(hits)
@@ -151,10 +151,10 @@ def test_what_cannot_be_solved_is_a_typed_failure() -> None:
     assembly, hit = column()
     striker = PointMass(MASS, SPEED)
     with pytest.raises(SolverError, match=r"20 steps; a softer or heavier structure"):
-        list(follow_impact(assembly, hit, striker, BY_ERROR._replace(most=20), watching(assembly)))
+        list(follow_impact(assembly, hit, striker, BY_ERROR._replace(most=20)))
     assembly.mass[:] = np.nan
     with pytest.raises(SolverError, match=r"line search.*steps down to"):
-        list(follow_impact(assembly, hit, striker, BY_ERROR, watching(assembly)))
+        list(follow_impact(assembly, hit, striker, BY_ERROR))
 
 
 @pytest.mark.parametrize("width", [1, 4, 7])

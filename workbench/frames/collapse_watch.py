@@ -122,7 +122,7 @@ class CollapseWatch:
 
         Of displacements `moved` (dofs,): movement of the line's ends across it over its length.
         """
-        return np.asarray(np.abs(moved[self.lines.swaying] @ self.lines.sway))
+        return np.asarray(np.abs(moved[..., self.lines.swaying] @ self.lines.sway))
 
     def sideways(self) -> tuple[float, int]:
         """Largest movement of a member's ends across its axis over its length; which member."""

@@ -79,9 +79,9 @@ class Record:
         }
         for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
-        shear = [members.shear_forces(), members.unyielding_shear()]
-        self._most = np.maximum(self._most, shear)
-        self.drift = np.maximum(self.drift, self.watch.drifts(moved))
+        for row, shear in enumerate((members.shear_forces(), members.unyielding_shear())):
+            np.maximum(self._most[row], _largest(shear), out=self._most[row])
+        self.drift = np.maximum(self.drift, _largest(self.watch.drifts(moved)))
         strains = members.shear_strains()
         if strains is not None:
             known = 0.0 if self.shear_strain is None else self.shear_strain
@@ -160,6 +160,11 @@ class Record:
             "yield_ratio": self.yield_ratio(),
         }
         return {name: value for name, value in numbers.items() if value is not None}
+
+
+def _largest(values: Array) -> Array:
+    """Of several states (states, n), or of one (n,)."""
+    return values if values.ndim == 1 else np.asarray(values.max(axis=0))
 
 
 @lru_cache(maxsize=64)

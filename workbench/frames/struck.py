@@ -1,4 +1,4 @@
-"""The record of an impact on superelements: many states at a time, read in compiled code."""
+"""The record of an impact on superelements, whose states come many at a time."""
 
 from operator import attrgetter
 from typing import Any, ClassVar, cast
@@ -9,41 +9,46 @@ from workbench.arrays import Array
 from workbench.frames import collapse_watch as watch
 from workbench.frames.record import Record
 from workbench.frames.snapshots import Snapshots
-from workbench.frames.superelements import SuperelementMembers
+from workbench.frames.structure import FrameStructure
 from workbench.structures.paths import PathStep
-from workbench.structures.superelements.march import reading_of
-from workbench.structures.superelements.reading_kernels import Lost, Pictures, Reading
+from workbench.structures.superelements import Superelements, SuperelementState
+from workbench.structures.superelements.march import Read
+from workbench.structures.superelements.march_kernels import CollapseLimits
 from workbench.structures.time_steps import TimeStep
 
-_TOLD = {  # of steps
-    name: attrgetter(name)
-    for name in (
-        *("length", "impulse", "contact_loss", "external_work", "kinetic", "evaluations"),
-        *("cuts", "striker.velocity", "striker.kinetic_energy"),
-        *("energies.plastic", "energies.algorithmic", "energies.ideal"),
-    )
-}
-LOST = Lost(watch.COLLAPSE_SIDEWAYS, watch.COLLAPSE_CONTRACTION, watch.LEAST_LENGTH)
+
+def show(structure: FrameStructure, step: TimeStep, records: Any) -> None:
+    """Make a structure show the states of these `records` of a step, for its readers."""
+    states = cast(Read, step.read).states
+    (group,) = structure.assembly.groups
+    cast(Superelements, group).show(SuperelementState(*(each[records] for each in states.elements)))
+    stored = np.asarray(step.energies.stored)[records]
+    structure.assembly.show(states.x[records], states.v[records], stored)
 
 
 class StruckSnapshots(Snapshots):
-    """The same of states that were kept while the impact was followed, drawn at the end."""
+    """Snapshots of many states at a time, `step`."""
 
-    kept: Pictures
+    step: TimeStep
 
-    def values(self) -> dict[str, Any]:
-        """As of other records."""
-        last, count = len(self.kept.turns), int(self.kept.seen[3])
-        times = self.kept.time.tolist()
-        self._even, self._last = times[:count], times[last + 1]
-        self._peak = None if np.isnan(times[last]) else times[last]
-        return super().values()
-
-    def _drawn(self, shown: list[float]) -> tuple[Array, Array]:
-        place = {time: row for row, time in enumerate(self.kept.time.tolist())}
-        rows = [place[time] for time in shown]
-        members = cast(SuperelementMembers, self._structure.members)
-        return members.pictures(self.kept.moved[rows], self.kept.carried[rows])
+    def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
+        """Look at the states at several times (s), with their displacements (m)."""
+        size = np.abs(displacement)
+        highest = np.maximum.accumulate(np.append(self._largest, size))
+        rising = np.append(self._rising, size >= highest[:-1])
+        after_peak = np.flatnonzero(rising[:-1] & ~rising[1:])[-1:]
+        passed = np.append(self._next, np.searchsorted(self.turns, at, side="right"))
+        even = np.flatnonzero(passed[1:] > passed[:-1])
+        self._largest, self._rising, self._next = float(highest[-1]), rising[-1], passed[-1]
+        self._even += at[even].tolist()
+        self._last = float(at[-1])
+        for peak in at[after_peak].tolist():
+            self._peak = peak
+        rows = np.unique(np.concatenate([even, after_peak, [len(at) - 1]]))
+        show(self._structure, self.step, rows)
+        members = self._structure.members
+        pictures = members.shapes(self._structure.assembly), members.utilisation()
+        self._pictures += zip(at[rows].tolist(), *pictures, strict=True)
 
 
 class StruckRecord(Record):
@@ -51,18 +56,32 @@ class StruckRecord(Record):
 
     pictures: ClassVar[type[Snapshots]] = StruckSnapshots
     _snapshots: StruckSnapshots
-    reading: Reading
 
     def _begin(self) -> None:
         """Nothing is seen yet: the first records tell of the start as well."""
-        structure, members = self.structure, cast(SuperelementMembers, self.structure.members)
-        key = f"places of {self._dof}"
-        if key not in structure.found:
-            structure.found[key] = members.places(structure, self.watch.lines, self._dof)
-        turns = self._snapshots.turns
-        self.reading = reading_of(structure.assembly, structure.found[key], LOST, turns)
-        self._most, self.drift = self.reading.most, self.reading.drift
-        self._snapshots.kept = self.reading.pictures
+
+    @property
+    def limits(self) -> CollapseLimits:
+        """Beyond what the frame has collapsed, for compiled steps."""
+        structure, lines = self.structure, self.watch.lines
+        if "limits" not in structure.found:
+            frame, dof = structure.frame, structure.assembly.dof
+            number = {node.name: i for i, node in enumerate(frame.nodes)}
+            ends = [(number[member.start], number[member.end]) for member in frame.members]
+            corners = np.array([[dof(n, c) for n in pair for c in "uv"] for pair in ends])
+            rows = np.arange(len(ends))[:, None]
+            structure.found["limits"] = CollapseLimits(
+                watch.COLLAPSE_SIDEWAYS,
+                watch.COLLAPSE_CONTRACTION,
+                watch.LEAST_LENGTH,
+                structure.members.first,
+                corners,
+                lines.across[rows, corners[:, 2:]],
+                lines.along[rows, corners[:, 2:]],
+                lines.chained.argmax(axis=0),
+                lines.chained.max(axis=0),
+            )
+        return cast(CollapseLimits, structure.found["limits"])
 
     def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
         """Append several steps, the states that they lead to, and those of the start.
@@ -70,36 +89,21 @@ class StruckRecord(Record):
         Raises `CollapseError` when the frame has collapsed, `OutOfDomainError` when an element
         crumples.
         """
-        told = cast(TimeStep, step)
-        rows, lost = told.read
-        moved, slid = rows.watched.T, rows.sliding.T
-        displacement = self._sign * (moved[0] - self.structure.start[self._dof])
-        watched = zip(self.structure.watched.items(), moved[1:], strict=True)
-        seen = {
-            "at": at,
-            "displacement": displacement,
-            "velocity": self._sign * rows.velocity,
-            "elastic": told.energies.stored,
-            **{name: sign * one for (name, (_, sign)), one in watched},
-            **{name: get(step) for name, get in _TOLD.items()},
-            "axial_force": rows.axial_force.T,
-            "moment": rows.moment.T,
-            "plastic_rotation": rows.plastic_rotation.T,
-            "sliding": slid if len(slid) else None,
-        }
-        for name, values in seen.items():
-            self._rows.setdefault(name, []).append(values)
+        steps = self._snapshots.step = cast(TimeStep, step)
+        self._steps.append(steps)
         self._totals.clear()
-        if lost:
-            self.watch.check(float(displacement[-1]), float(at[-1]))
+        show(self.structure, steps, slice(None))
+        self._see(at, turns)
+        if cast(Read, steps.read).collapsed:
+            show(self.structure, steps, -1)
+            self.watch.check(self.displacement, float(at[-1]))
 
     def column(self, name: str) -> Array:
         """As of other records."""
-        rows = self._rows[name]
-        return rows[0] if len(rows) == 1 else np.concatenate(rows, axis=-1)
+        return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
 
     def told(self, start: float, name: str) -> Array:
         """As of other records."""
-        told = self.column(name)
-        told[0] = start
-        return told
+        values = np.concatenate([*map(attrgetter(name), self._steps)])
+        values[0] = start
+        return values

@@ -35,7 +35,7 @@ class MemberReader(ABC):
     """
 
     def __init__(self, elements: MemberElements, first: Indices) -> None:
-        self.elements, self._first = elements, first
+        self.elements, self.first = elements, first
         self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
         self._signs: Array = np.resize([-1.0, 1.0], len(self._ends))
         self._side: Indices = np.resize([0, 1], len(self._ends))
@@ -50,7 +50,7 @@ class MemberReader(ABC):
 
     def of_member(self, number: int) -> slice:
         """Elements of a member."""
-        return slice(int(self._first[number]), int(self._first[number + 1]))
+        return slice(int(self.first[number]), int(self.first[number + 1]))
 
     def reading(self, elements: ElementGroup) -> Self:
         """The same reader of a copy of the elements."""
@@ -87,7 +87,7 @@ class MemberReader(ABC):
 
     def contractions(self) -> Array:
         """Loss of length along the axis of each member (members,)."""
-        return -np.add.reduceat(self.elements.elongations, self._first[:-1], axis=-1)
+        return -np.add.reduceat(self.elements.elongations, self.first[:-1], axis=-1)
 
     def lengths_left(self) -> Array:
         """Least length of an element of each member over its initial one (members,).
@@ -96,9 +96,9 @@ class MemberReader(ABC):
         """
         elements = self.elements
         if not elements.crumples:
-            return np.ones(len(self._first) - 1)
+            return np.ones(len(self.first) - 1)
         left = 1.0 + elements.elongations / elements.lengths
-        return np.asarray(np.minimum.reduceat(left, self._first[:-1], axis=-1))
+        return np.asarray(np.minimum.reduceat(left, self.first[:-1], axis=-1))
 
     @abstractmethod
     def shapes(self, assembly: PlanarAssembly) -> Array:

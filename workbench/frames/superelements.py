@@ -8,20 +8,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from math import ceil, inf
-from typing import cast
 
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.frames.collapse_watch import Lines
-from workbench.frames.struck_kernels import draw
-from workbench.frames.structure import POINTS, FrameStructure, MemberReader
+from workbench.frames.structure import POINTS, MemberReader
 from workbench.hinges import YieldSurface
 from workbench.scenarios import Frame, FrameImpact, FramePulse, FrameScenario, Joint, Member
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import HingedElements
 from workbench.structures.superelements import HingeEnd, Superelements
-from workbench.structures.superelements.reading_kernels import Places
 
 HingeSurfaces = tuple[YieldSurface, YieldSurface]
 FEWEST_LOADED = 4  # elements of a member under a line load: 1 % of an elastic deflection
@@ -237,7 +233,7 @@ class SuperelementMembers(MemberReader):
         super().__init__(group, np.concatenate([[0], np.cumsum(parts)]))
         along = np.multiply.outer(parts, POINTS)  # of every member, where its shape is drawn
         piece = np.minimum(along.astype(np.int64), np.array(parts)[:, None] - 1)
-        self._drawn: Indices = self._first[:-1, None] + piece
+        self._drawn: Indices = self.first[:-1, None] + piece
         self._along: Array = along - piece
         self._origin: Array = coordinates[group.nodes[self._drawn, 0]]
 
@@ -250,7 +246,7 @@ class SuperelementMembers(MemberReader):
         group = self.elements
         if not isinstance(group, Superelements) or not group.slide.any():
             return None
-        return np.asarray(np.add.reduceat(group.sliding, self._first[:-1], axis=-1))
+        return np.asarray(np.add.reduceat(group.sliding, self.first[:-1], axis=-1))
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""
@@ -259,60 +255,17 @@ class SuperelementMembers(MemberReader):
     def shear_forces(self) -> Array:
         """Largest shear force of each member (members,), without sign."""
         shear = np.abs(self.elements.shear_forces)
-        return np.asarray(np.maximum.reduceat(shear, self._first[:-1], axis=-1))
+        return np.asarray(np.maximum.reduceat(shear, self.first[:-1], axis=-1))
 
     def unyielding_shear(self) -> Array:
         """Shear force of each member (members,), mean along its equal parts; zero of panels."""
-        slide, parts = self.elements.slide, np.diff(self._first)
+        slide, parts = self.elements.slide, np.diff(self.first)
         if slide.all():
             return np.zeros(len(parts))
         shear = np.where(slide, 0.0, self.elements.shear_forces)
-        return np.asarray(np.abs(np.add.reduceat(shear, self._first[:-1], axis=-1)) / parts)
+        return np.asarray(np.abs(np.add.reduceat(shear, self.first[:-1], axis=-1)) / parts)
 
     def shapes(self, assembly: PlanarAssembly) -> Array:
         """Displaced positions (members, points, 2)."""
         drawn = self.elements.shapes(assembly.displacement, self._drawn, self._along)
         return np.asarray(self._origin + drawn)
-
-    def pictures(self, moved: Array, carried: Array) -> tuple[Array, Array]:
-        """Shapes (2, members, points, pictures) and utilisation (hinges, pictures).
-
-        Where dofs have `moved` (pictures, dofs), of the forces `carried` (pictures, elements, 3).
-        """
-        group = cast(Superelements, self.elements)
-        shapes = np.empty((2, *self._drawn.shape, len(moved)))
-        at = self._drawn, self._along, self._origin
-        last = np.ascontiguousarray(moved.T), np.ascontiguousarray(carried.transpose(1, 2, 0))
-        draw(*at, group.bends, group.bars, *last, shapes)
-        return shapes, group.used_by(carried)[:, self._ends, self._side].T
-
-    def places(self, structure: FrameStructure, lines: Lines, dof: int) -> Places:
-        """Where what a response holds stands in the states of these members of a structure.
-
-        The displacement of the record is that of a `dof`.
-        """
-        frame, assembly, elements = structure.frame, structure.assembly, self.elements
-        number = {node.name: i for i, node in enumerate(frame.nodes)}
-        ends = [(number[member.start], number[member.end]) for member in frame.members]
-        corners = [[assembly.dof(n, c) for n in pair for c in "uv"] for pair in ends]
-        rows = np.arange(len(ends))[:, None]
-        after = np.array(corners)[:, 2:]
-        return Places(
-            self._ends,
-            self._side,
-            structure.sense * self._signs,
-            self._first,
-            elements.lengths,
-            elements.slide,
-            elements.bars.first_order,
-            np.array(corners),
-            lines.across[rows, after],
-            lines.along[rows, after],
-            lines.chained.argmax(axis=0),
-            lines.chained.max(axis=0),
-            lines.swaying,
-            structure.start[lines.swaying],
-            lines.sway,
-            np.array([dof, *(watched for watched, _ in structure.watched.values())]),
-            float(structure.start[dof]),
-        )

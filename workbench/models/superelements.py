@@ -201,7 +201,7 @@ class _HingedBars(BarFrames):
             own = structure.seen()
             record = StruckRecord(own, striker.node, striker.direction, scenario.duration)
             steps = clock.timed(
-                follow_impact(own.assembly, dof, mass, pace, record.reading, sign=sign, calm=calm)
+                follow_impact(own.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
             )
             error, least = self.largest_error, self.least_yield_ratio
             response = run_impact(scenario, record, steps, error, least)

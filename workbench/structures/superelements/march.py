@@ -1,6 +1,7 @@
 """The impact of a structure of superelements, stepped through in compiled code."""
 
 from collections.abc import Iterator
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,14 +14,15 @@ from workbench.structures.elements import StepEnergies
 from workbench.structures.superelements.group import Superelements, SuperelementState
 from workbench.structures.superelements.march_kernels import (
     CLOCK,
+    COLLAPSED,
     GOING,
-    LOST,
     NO_CONVERGENCE,
     RECORD,
     TOO_MANY,
+    CollapseLimits,
+    States,
     advance,
 )
-from workbench.structures.superelements.reading_kernels import Lost, Pictures, Places, Reading, Rows
 from workbench.structures.superelements.step_kernels import Body, Motion, Work
 from workbench.structures.time_steps import PointMass, TimeStep
 
@@ -28,40 +30,10 @@ NUMBERS = 500_000  # that are handed over at a time, at most
 
 
 class Read(NamedTuple):
-    """What was read of several records, and whether the structure was `lost` in the last one."""
+    """States of several records, and whether the structure has `collapsed` in the last one."""
 
-    rows: Rows
-    lost: bool
-
-
-def reading_of(
-    assembly: PlanarAssembly, places: Places, lost: Lost | None = None, turns: Array | None = None
-) -> Reading:
-    """What is read of the records of one impact on a structure, empty.
-
-    Arguments: `places` of it; beyond what it is `lost` (None: never); `turns` (s) of its pictures
-    (None: there are none).
-    """
-    at = np.zeros(0) if turns is None else turns
-    states, members = len(at) + 2, len(places.first) - 1
-    elements = len(assembly.groups[0].nodes)
-    moved, carried = np.zeros((states, assembly.size)), np.zeros((states, elements, 3))
-    return Reading(
-        places,
-        lost or Lost(np.inf, np.inf, -np.inf),
-        _room(places, 0),
-        Pictures(at, np.zeros(4), np.full(states, np.nan), moved, carried),
-        np.zeros((2, members)),
-        np.zeros(places.sway.shape[1]),
-        np.zeros(members),
-    )
-
-
-def _room(places: Places, rows: int) -> Rows:
-    """Room for what is read of so many records."""
-    hinges, members = len(places.hinge), len(places.first) - 1 if places.slide.any() else 0
-    counts = hinges, hinges, hinges, members, len(places.watched)
-    return Rows._make([*(np.empty((rows, count)) for count in counts), np.empty(rows)])
+    states: States
+    collapsed: bool
 
 
 def follow_impact(
@@ -69,7 +41,7 @@ def follow_impact(
     dof: int,
     striker: PointMass,
     pace: Pace,
-    reading: Reading,
+    limits: CollapseLimits | None = None,
     *,
     sign: float = 1.0,
     tolerance: float = 1e-9,
@@ -77,11 +49,11 @@ def follow_impact(
 ) -> Iterator[TimeStep]:
     """Follow an impact as `structures.impact.impact` does with its midpoint scheme.
 
-    Arguments as there, but the `pace` of the steps, what is read of the records, see `reading_of`,
-    and the time `calm` (s) before which none is long as in a vibration. The only group of the
-    `assembly` are superelements. Yields several records at a time, the first one of the start: the
-    numbers of a `TimeStep` are arrays (records,), and it holds what was `read`; assembly and
-    elements show the state of the last one. Raises `SolverError`.
+    Arguments as there, but the `pace` of the steps, `limits` beyond which the structure has
+    collapsed (None: never), and the time `calm` (s) before which no step is long as in a vibration.
+    The only group of the `assembly` are superelements; both stay as they are. Yields several
+    records at a time, the first one of the start: the numbers of a `TimeStep` are arrays
+    (records,), and its states are `read`. Raises `SolverError`.
     """
     (group,) = assembly.groups
     assert isinstance(group, Superelements)
@@ -106,22 +78,23 @@ def follow_impact(
     clock = np.zeros(1, CLOCK)[0]
     clock["dt"], clock["error"], clock["highest"] = pace.first, pace.error, sign * x[dof]
     clock["calm"] = calm
-    rows = max(1, min(1024, NUMBERS // (3 * len(reading.places.hinge) + 1)))
+    lost = limits or _never()
+    rows = max(1, min(1024, NUMBERS // (2 * x.size + sum(values.size for values in old))))
     status = GOING
-    group.show(motion.old)
-    while status in (GOING, LOST):
+    while status in (GOING, COLLAPSED):
         records = np.zeros(rows, RECORD)
-        own = reading._replace(rows=_room(reading.places, rows))
+        elements = (np.empty((rows, *values.shape)) for values in old)
+        states = States(*np.empty((2, rows, x.size)), SuperelementState(*elements))
         if not clock["begun"]:
             start = {"stored": assembly.stored, "kinetic": assembly.kinetic_energy()}
             start |= {"striker_position": striker.position, "striker_velocity": striker.velocity}
             for name, value in start.items():
                 records[name][0] = value
-        status, count = advance(body, pace, motion, work, clock, records, own)
+        status, count = advance(body, lost, pace, motion, work, clock, records, states)
         if count:
-            assembly.show(motion.x, motion.v, float(records["stored"][count - 1]))
-            read = Rows(*(values[:count] for values in own.rows))
-            yield _told(records[:count], striker, Read(read, status == LOST))
+            shown = SuperelementState(*(values[:count] for values in states.elements))
+            states = States(states.x[:count], states.v[:count], shown)
+            yield _steps(records[:count], striker, Read(states, status == COLLAPSED))
     if status == NO_CONVERGENCE:
         tried = f"line search, open and closed contact, steps down to {2 * clock['dt']:.3g} s"
         raise SolverError(f"time {clock['time']:.6g} s", float(clock["residual"]), tried)
@@ -160,14 +133,23 @@ def _body(
     )
 
 
-def _told(records: Any, striker: PointMass, read: Read) -> TimeStep:
-    """What the records say, as the steps between them."""
-    numbers = records.view(np.float64).reshape(len(records), -1).T.copy()
-    told = dict(zip(RECORD.names or (), numbers, strict=True))
-    told |= {name: records[name].astype(float) for name in ("evaluations", "cuts")}
-    energies = StepEnergies(*(told[name] for name in StepEnergies._fields))
-    moved = PointMass(
-        striker.mass, told["striker_velocity"], striker.restitution, told["striker_position"]
+def _never() -> CollapseLimits:
+    """Limits that no structure passes."""
+    pairs, none, numbers = np.zeros((0, 2)), np.zeros(0), np.zeros(0, np.int64)
+    corners = np.zeros((0, 4), np.int64)
+    return CollapseLimits(
+        inf, inf, -inf, np.zeros(1, np.int64), corners, pairs, pairs, numbers, none
     )
-    same = {name: told[name] for name in told.keys() & set(TimeStep._fields)}
+
+
+def _steps(records: Any, striker: PointMass, read: Read) -> TimeStep:
+    """The steps between records, as one whose numbers are arrays."""
+    columns = records.view(np.float64).reshape(len(records), -1).T.copy()
+    values = dict(zip(RECORD.names or (), columns, strict=True))
+    values |= {name: records[name].astype(float) for name in ("evaluations", "cuts")}
+    energies = StepEnergies(*(values[name] for name in StepEnergies._fields))
+    moved = PointMass(
+        striker.mass, values["striker_velocity"], striker.restitution, values["striker_position"]
+    )
+    same = {name: values[name] for name in values.keys() & set(TimeStep._fields)}
     return TimeStep(energies=energies, striker=moved, read=read, **same)

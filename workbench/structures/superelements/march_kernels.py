@@ -7,19 +7,22 @@ step of an impact, which is short for that. Axial vibrations of the bars are not
 midpoint scheme keeps their energy at any step.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
+from workbench.arrays import Array, Indices
 from workbench.compiled import njit
 from workbench.impact.pace import aimed, growth, met
+from workbench.structures.kernels import copy
 from workbench.structures.superelements.kernels import settle
-from workbench.structures.superelements.reading_kernels import read
 from workbench.structures.superelements.step_kernels import commit, gap_of, solve
 
 CUTS = 4096  # pieces into which the shortest step may be cut where it does not converge
 LONGER = 1.5  # times as long a step may be as the one before
 BACK = 4.0  # the same on the way back to equal steps, which impacts interrupt
 CLOSER = 0.999  # of the way to the next impact: contact closes where a step would end in overlap
-GOING, DONE, LOST, NO_CONVERGENCE, TOO_MANY = range(5)
+GOING, DONE, COLLAPSED, NO_CONVERGENCE, TOO_MANY = range(5)
 _NUMBERS = (
     *("time", "length", "striker_position", "striker_velocity", "impulse", "contact_loss"),
     *("stored", "plastic", "algorithmic", "ideal", "external_work", "kinetic"),
@@ -33,18 +36,80 @@ CLOCK = np.dtype(
 )
 
 
+class States(NamedTuple):
+    """Committed states of records: `x` and `v` (records, dofs), and of all elements, `elements`."""
+
+    x: Array
+    v: Array
+    elements: Any
+
+
+class CollapseLimits(NamedTuple):
+    """Beyond what a structure has collapsed; why it has is for `frames.collapse_watch` to say.
+
+    Movement of the ends of a member `sideways` over its length; `contraction` of a line of members
+    over its length; least `length` of an element over its first one. Of each member the number of
+    its `first` element (members + 1,); dofs u, v of both `corners` (members, 4), and what of the
+    movement of its end counts `across` and `along` (members, 2), over the length; which `chain` of
+    members in a straight line it is in, and its `share` of that in 1/m.
+    """
+
+    sideways: float
+    contraction: float
+    length: float
+    first: Indices
+    corners: Indices
+    across: Array
+    along: Array
+    chain: Indices
+    share: Array
+
+
 @njit(cache=True, error_model="numpy")
-def advance(body, pace, motion, work, clock, records, reading):
+def collapsed(limits, lengths, x, deformation):
+    """Whether a state with displacements `x` and these element deformations is beyond a limit."""
+    first, corners, across, along = limits.first, limits.corners, limits.across, limits.along
+    squashed = np.zeros(limits.chain.size)
+    for m in range(limits.chain.size):
+        stretched = 0.0
+        for e in range(first[m], first[m + 1]):
+            stretched += deformation[e, 0]
+            if deformation[e, 0] < (limits.length - 1.0) * lengths[e]:
+                return True
+        squashed[limits.chain[m]] -= limits.share[m] * stretched
+        du = x[corners[m, 2]] - x[corners[m, 0]]
+        dv = x[corners[m, 3]] - x[corners[m, 1]]
+        apart = abs(du * across[m, 0] + dv * across[m, 1])
+        left = 1.0 + du * along[m, 0] + dv * along[m, 1]
+        # a chord that turns over passes all of what is left between its ends, see `CollapseWatch`
+        if apart > limits.sideways * min(1.0, np.hypot(apart, left)):
+            return True
+    return squashed.size > 0 and squashed.max() > limits.contraction
+
+
+@njit(cache=True, error_model="numpy")
+def _keep(states, row, motion):
+    """Write the committed state into a row of the states."""
+    copy(motion.x, states.x[row])
+    copy(motion.v, states.v[row])
+    copy(motion.old.plastic, states.elements.plastic[row])
+    copy(motion.old.carried, states.elements.carried[row])
+    copy(motion.old.local, states.elements.local[row])
+    copy(motion.old.deformation, states.elements.deformation[row])
+
+
+@njit(cache=True, error_model="numpy")
+def advance(body, limits, pace, motion, work, clock, records, states):
     """Go on until the records are full or the impact is over; returns (status, records).
 
-    Or until the structure is lost, which the last record then tells of. The first record of all is
-    that of the start.
+    Or until the structure has collapsed, beyond the limits, in the last record. The first record
+    of all is that of the start.
     """
     row, d, end = 0, body.dof, pace.duration * (1.0 - 1e-12)
     controlled, scale = pace.error < np.inf, abs(body.speed)
     energy = 0.5 * body.striker * body.speed**2
     if not clock.begun:
-        read(reading, row, 0.0, motion.x, motion.v, motion.old)
+        _keep(states, row, motion)
         row, clock.begun = 1, True
     while clock.time < end and row < records.size:
         record = records[row]
@@ -100,8 +165,8 @@ def advance(body, pace, motion, work, clock, records, reading):
         clock.dt = min(max(dt * factor, pace.first), pace.longest)
         if record.length >= pace.spacing or not clock.time < end:
             record.time = clock.time
-            lost = read(reading, row, clock.time, motion.x, motion.v, motion.old)
+            _keep(states, row, motion)
             row += 1
-            if lost:
-                return LOST, row
+            if collapsed(limits, body.bars.lengths, motion.x, motion.old.deformation):
+                return COLLAPSED, row
     return GOING if clock.time < end else DONE, row
