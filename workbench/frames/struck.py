@@ -33,11 +33,11 @@ class StruckSnapshots(Snapshots):
 
     def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
         """Look at the states at several times (s), with their displacements (m)."""
-        size = np.abs(displacement)
+        size, turns_at = np.abs(displacement), cast(Array, self.turns)
         highest = np.maximum.accumulate(np.append(self._largest, size))
         rising = np.append(self._rising, size >= highest[:-1])
         after_peak = np.flatnonzero(rising[:-1] & ~rising[1:])[-1:]
-        passed = np.append(self._next, np.searchsorted(self.turns, at, side="right"))
+        passed = np.append(self._next, np.searchsorted(turns_at, at, side="right"))
         even = np.flatnonzero(passed[1:] > passed[:-1])
         self._largest, self._rising, self._next = float(highest[-1]), rising[-1], passed[-1]
         self._even += at[even].tolist()

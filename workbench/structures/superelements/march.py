@@ -84,7 +84,9 @@ def follow_impact(
     while status in (GOING, COLLAPSED):
         records = np.zeros(rows, RECORD)
         elements = (np.empty((rows, *values.shape)) for values in old)
-        states = States(*np.empty((2, rows, x.size)), SuperelementState(*elements))
+        states = States(
+            np.empty((rows, x.size)), np.empty((rows, x.size)), SuperelementState(*elements)
+        )
         if not clock["begun"]:
             start = {"stored": assembly.stored, "kinetic": assembly.kinetic_energy()}
             start |= {"striker_position": striker.position, "striker_velocity": striker.velocity}
