@@ -13,13 +13,14 @@ from toy_models import Spring
 from workbench.content.terminal import render_text
 from workbench.content.tree import Bullets, Paragraph, Section, Table, walk
 from workbench.report.build import build_report, document, summary
-from workbench.report.chapters.answer import answer, decisive, in_brief, matrix
+from workbench.report.chapters.answer import answer, decisive, in_brief, in_labels, matrix
+from workbench.report.chapters.configuration import hit_distance, subject
 from workbench.report.chapters.results import numbers
-from workbench.report.chapters.subject import in_labels, measured_at, subject
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
 from workbench.report.stored import Stored
+from workbench.responses import Finding
 from workbench.scenarios import FrameImpact, FrameStriker
 from workbench.study import Case
 
@@ -125,9 +126,9 @@ def test_every_form_of_frame_is_named_with_its_hits() -> None:
     assert "4 m high of 4 members" in second
     assert "hit 2.5 m above the ground, by a rigid striker of 80 kg at 7 m/s" in second
     # squares of 0.2 m, hit 1 m from base and head, and 1.5 m from the head
-    assert "hits 5 section heights from" in measured_at(study, "low")
-    assert "hits 7.5 section heights from" in measured_at(study, "high")
-    assert measured_at(replace(sweep_study(), groups={"x": ()}), "x") == ""
+    assert hit_distance(study, "low") == "5 section heights"
+    assert hit_distance(study, "high") == "7.5 section heights"
+    assert hit_distance(replace(sweep_study(), groups={"x": ()}), "x") == ""
 
 
 def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -> None:
@@ -144,16 +145,15 @@ def test_the_first_page_says_what_is_hit_and_whether_it_stands(stored: Stored) -
 def test_models_of_the_registry_are_named_as_the_study_calls_them(stored: Stored) -> None:
     name = stored.study.models["close"].name
     label = next(iter(stored.study.models))
-    said = in_labels(stored.study, f"take {name}, not {name}-more")
-    assert said == f"take {name} ({label}), not {name}-more"
-    other = f"take {name} --option gain=2"  # not what the label stands for
-    assert in_labels(stored.study, other) == other
+    finding = Finding("any", "a text", instead=(name, f"{name}-more"))
+    assert in_labels(stored.study, finding).remedy == f"take {name} ({label}) or {name}-more"
+    assert in_labels(stored.study, Finding("any", "a text", remedy="wait")).remedy == "wait"
 
 
 def test_a_reference_outside_its_domain_can_neither_clear_nor_condemn(ranked: Stored) -> None:
     first = next(block for block in matrix(ranked.study, ranked))
     assert isinstance(first, Bullets)
-    low = "hit low: nobody knows, as no reference is inside its domain; against the best there is, "
+    low = "hit low: not known, as no reference is inside its domain; against the best there is, "
     assert first.items[0].startswith(f"{low}nearest is close, peak off by up to 50")
     close = table_of(ranked).rows[2]
     assert close[0].text == "close"
@@ -187,7 +187,7 @@ def test_numbers_stand_with_what_is_known_of_them(small: Stored, ranked: Stored)
     assert re.fullmatch(r"[\d.]+\s[+\u2212][\d.]+ ± [\d.]+\u2009%", by_label["four-dof"])
     # of several references the one that counts in a case
     table = next(b for b in numbers(ranked.study, ranked).blocks if isinstance(b, Table))
-    assert "reference that counts" in table.caption
+    assert "governing reference" in table.caption
     row = next(row for row in table.rows if row[0].text == "HEB 160, 0.5 L, 20 mps")
     assert "\u2009%" in row[1].text  # close, against the reference
     assert "\u2009%" not in row[-1].text

@@ -11,8 +11,8 @@ from synthetic_study import small_study, store_of
 from workbench.content.terminal import render_text
 from workbench.errors import InputError
 from workbench.report.build import build_report
-from workbench.report.chapters.answer import in_brief
-from workbench.report.chapters.subject import in_labels
+from workbench.report.chapters.answer import in_brief, in_labels
+from workbench.responses import Finding
 from workbench.study import Study
 
 NAMES = ("NA", "null", "None", "nan", "N/A", r"$\x{$", r"a\b")
@@ -53,7 +53,8 @@ def test_models_of_a_sentence_get_their_labels_once() -> None:
     study = small_study()
     models = dict(zip((r"\1 $", "synthetic"), study.models.values(), strict=False))
     study = replace(study, models=models, reference=r"\1 $", ladder=(), gates=())
-    assert in_labels(study, "take synthetic") == r"take synthetic (\1 $)"
+    finding = in_labels(study, Finding("any", "a text", instead=("synthetic",)))
+    assert finding.remedy == r"take synthetic (\1 $)"
 
 
 @pytest.mark.parametrize("name", ["a\nb", "\x00", "\x1b[31m", " ", "\ud800"])

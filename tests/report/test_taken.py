@@ -8,7 +8,7 @@ import pytest
 
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.report.chapters.answer import decisive
-from workbench.report.chapters.taken import first, trusted
+from workbench.report.chapters.choice import first, trusted
 from workbench.study import Figure
 from workbench.study.matrix import MATRIX_COLUMNS, pooled
 
@@ -51,7 +51,7 @@ def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:
     beam = row("beam", collapsed=2)
     sees, blind = row("sees", collapsed=2), row("blind", stands=2)
     assert said(beam, sees) == "all: the reference collapses, and so do all that answer."
-    assert said(beam, sees, blind) == "all: the reference collapses; blind miss it."
+    assert said(beam, sees, blind) == "all: the reference collapses; false safe: blind."
 
 
 def test_two_cases_give_their_ends_and_no_interval() -> None:

@@ -73,9 +73,11 @@ def simulate(
     found = as_object(response, given)
     shown = list(_blocks(given.name, found, target))
     if asked is not None:
+        from workbench.report.chapters.budgets import simulated
+
         terms = _budgeted(asked, chosen, given, response)
         found["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
-        shown += _budget_blocks(response, terms)
+        shown += simulated({quantity: float(response[quantity]) for quantity in terms}, terms)
     return Answer(found, shown, int(not outcome.is_answer))
 
 
@@ -238,19 +240,6 @@ def _plain(row: dict[str, Any]) -> dict[str, Any]:
     fallen = row["high"] is not None and not isfinite(row["high"])
     open_end = dict.fromkeys(("high", "most") if fallen else ())
     return {**row, **open_end, "collapses": fallen}
-
-
-def _budget_blocks(answer: Response, found: Budgeted) -> Iterator[Block]:
-    """What a budget says, its tables with bars, and why there is none."""
-    from workbench.content.budgets import budget_sentence, budget_table
-
-    if not found:
-        yield Callout("doubt", "No error budget: the model gives no displacement.")
-    for quantity, rows in found.items():
-        yield Paragraph(
-            f"With all errors: {budget_sentence(float(answer[quantity]), quantity, rows)}."
-        )
-        yield budget_table(quantity, quantity, float(answer[quantity]), rows, bars=True)
 
 
 def pairs_of(flag: str, texts: list[str] | None, like: str = "beta=1.3") -> dict[str, Any]:

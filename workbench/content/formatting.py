@@ -73,8 +73,13 @@ def brief(value: float) -> str:
     return text.replace("-", MINUS)
 
 
-def percent(value: float | None, *, signed: bool = True, rough: bool = False) -> str:
-    """A share as percentage with two decimals below 10 %, one above; `rough`, with one less."""
+def percent(
+    value: float | None, *, signed: bool = True, rough: bool = False, unit: bool = True
+) -> str:
+    """A share as percentage with two decimals below 10 %, one above; `rough`, with one less.
+
+    `unit`: with the sign of percent.
+    """
     if value is None or not math.isfinite(value):
         return number(value)
     share = 100.0 * value
@@ -82,7 +87,17 @@ def percent(value: float | None, *, signed: bool = True, rough: bool = False) ->
     text = f"{share:+.{decimals}f}" if signed else f"{share:.{decimals}f}"
     if float(text) == 0.0:
         text = f"{0.0:.{decimals}f}"
-    return f"{text.replace('-', MINUS)}{THIN}%"
+    return f"{text.replace('-', MINUS)}{THIN}%" if unit else text.replace("-", MINUS)
+
+
+def up(value: float) -> str:
+    """A share in whole percents, rounded up."""
+    return f"{math.ceil(100.0 * value - 1e-9)}{THIN}%"
+
+
+def rounded(value: float) -> str:
+    """A deviation in whole percents, without its sign."""
+    return f"{abs(100.0 * value):.0f}{THIN}%"
 
 
 def in_unit(
@@ -114,23 +129,30 @@ def metric_title(metric: str) -> str:
     return METRICS[metric].title if metric in METRICS else metric.replace("_", " ")
 
 
-def metric_value(metric: str, quantity: str, value: float | None, *, bound: bool = False) -> str:
+def metric_value(
+    metric: str, quantity: str, value: float | None, *, bound: bool = False, unit: bool = True
+) -> str:
     """Value of a metric; pure numbers as percentages, others in the unit of the quantity.
 
-    `bound`: without sign, as a limit on the magnitude.
+    `bound`: without sign, as a limit on the magnitude; `unit`: percentages with their sign.
     """
     if metric in METRICS and METRICS[metric].unit_power:
         return in_unit(value, quantity, 3)
     signed = metric in METRICS and METRICS[metric].signed and not bound
-    return percent(value, signed=signed)
+    return percent(value, signed=signed, unit=unit)
 
 
 def interval(
-    metric: str, quantity: str, value: float | None, width: float | None, *ends: float | None
+    metric: str,
+    quantity: str,
+    value: float | None,
+    width: float | None,
+    *ends: float | None,
+    unknown: str = " (uncertainty unknown)",
 ) -> str:
     """Value ± uncertainty of a metric, or value (low to high) by the known `ends`.
 
-    An unknown uncertainty is said to be so.
+    `unknown` stands after a value of unknown uncertainty.
     """
     text = metric_value(metric, quantity, value)
     if value is None or not math.isfinite(value):
@@ -141,11 +163,9 @@ def interval(
     if known:
         return f"{text} ({' to '.join(known)})"
     if width is None or math.isnan(width):
-        return f"{text} (uncertainty unknown)"
+        return f"{text}{unknown}"
     wide = metric_value(metric, quantity, width, bound=True)
-    if text.endswith(f"{THIN}%"):
-        return f"{text.removesuffix(f'{THIN}%')} {PLUS_MINUS} {wide}"
-    return f"{text} {PLUS_MINUS} {wide}"
+    return f"{metric_value(metric, quantity, value, unit=False)} {PLUS_MINUS} {wide}"
 
 
 def duration(seconds: float | None, digits: int = 2) -> str:

@@ -75,8 +75,8 @@ def with_remedies(model: Any, scenario: Any, findings: Iterable[Finding]) -> lis
         if finding.instead is not None:
             first = ON_FRAME if isinstance(model, ColumnOfFrame) else finding.instead
             names = _better(model.name, scenario, first, known)
-            remedy = f"take {' or '.join(names)}" if names else NONE
-            finding = replace(finding, remedy=remedy, instead=names)
+            finding = replace(finding, remedy=NONE, instead=names)
+            finding = finding.taking(names) if names else finding
         completed.append(finding)
     return completed
 

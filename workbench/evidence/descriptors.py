@@ -128,18 +128,22 @@ def _between(low: float, high: float) -> str:
     return f"above {low:g}" if high == inf else f"{low:g} to {high:g}"
 
 
-def variant_of(model: Any) -> str:
-    """The options of a model that differ from its own and change its numbers: ``a=1 b=x``."""
-    return _variant(model)
-
-
 @lru_cache(maxsize=256)
-def _variant(model: Any) -> str:
-    pairs = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))
-    own = {name: value for name, usual, value in pairs if value != usual}
-    return " ".join(f"{name}={value}" for name, value in own.items() if name not in _NO_NUMBERS)
+def _options(model: Any) -> tuple[str, ...]:
+    """The options of a model that differ from the default and change its numbers: ``a=1``."""
+    values = ((f.name, f.default, getattr(model, f.name)) for f in dataclasses.fields(model))
+    return tuple(
+        f"{name}={value}"
+        for name, default, value in values
+        if value != default and name not in _NO_NUMBERS
+    )
 
 
-def asked_for(words: str) -> str:
-    """A model, its name and what `variant_of` tells of it, as the command line is asked for it."""
-    return " --option ".join(words.split())
+def variant_of(model: Any) -> str:
+    """The options of a model that differ from the default and change its numbers: ``a=1 b=x``."""
+    return " ".join(_options(model))
+
+
+def command_of(model: Any) -> str:
+    """A model with these options as the command line names it."""
+    return " --option ".join((model.name, *_options(model)))

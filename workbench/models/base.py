@@ -75,12 +75,11 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             response = solve(scenario)
             check_response(response)
         except CollapseError as error:
-            response = collapsed_response(scenario.name, error)
+            response = collapsed_response(error)
         except SolverError as error:
-            response = failed_response(Outcome.NOT_CONVERGED, f"{scenario.name}: {error}")
+            response = failed_response(Outcome.NOT_CONVERGED, str(error))
         except OutOfDomainError as error:
-            text = f"{scenario.name}: {error}"
-            response = refused_response([Finding("domain", text, refusal=True)])
+            response = refused_response([Finding("domain", str(error), refusal=True)])
     warnings = [finding for finding in findings if not finding.refusal]
     if warnings:
         set_findings(response, [*warnings, *findings_of(response)])

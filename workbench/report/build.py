@@ -15,12 +15,11 @@ from workbench.fields import Choice
 from workbench.report.chapters import (
     answer,
     budgets,
+    choice,
     configuration,
     integrators,
     limits,
     measured,
-    ranking,
-    reference,
     results,
     stud_evidence,
     verdicts,
@@ -92,7 +91,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
     more = (*stud_evidence.in_short(study, stored), *integrators.in_short(study, stored))
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
-        ranking.table(stored),
+        choice.ranking(stored),
         measured.validation(study, stored),
         verdicts.verdicts(stored),
         limits.collapses(stored),
@@ -103,7 +102,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         budgets.budget_tables(stored),
         stud_evidence.design(study, stored),
         results.numbers(study, stored),
-        reference.convergence(study, stored, own["convergence"]),
+        results.convergence(study, stored, own["convergence"]),
         results.cost(study, stored, own["cost"]),
         configuration.configuration(study, stored),
     ]

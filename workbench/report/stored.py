@@ -32,7 +32,7 @@ _TEXTS = dict.fromkeys(
     str,
 )
 _LISTS = dict.fromkeys(
-    ("reasons", "collapsed", "collapse_parts", "lacks"),
+    ("reasons", "collapsed", "collapse_parts", "lacks", "instead"),
     lambda text: json.loads(text) if text else None,
 )
 

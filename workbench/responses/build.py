@@ -145,9 +145,9 @@ def refusal_message(findings: Sequence[Finding]) -> str:
     return f"{reasons}. {Outcome.OUT_OF_DOMAIN.advice}"
 
 
-def collapsed_response(name: str, error: CollapseError) -> Response:
-    """The answer that the structure of the scenario of that name collapses."""
-    response = failed_response(Outcome.COLLAPSE, f"{name}: {error}", error.findings)
+def collapsed_response(error: CollapseError) -> Response:
+    """The answer that the structure collapses."""
+    response = failed_response(Outcome.COLLAPSE, str(error), error.findings)
     response.attrs["collapse"] = json.dumps(error.collapse._asdict())
     return response
 
@@ -208,7 +208,7 @@ def set_findings(response: Response, findings: Sequence[Finding]) -> None:
 @lru_cache(maxsize=1024)
 def _text(finding: Finding) -> str:
     """A finding in JSON: many responses carry the same ones."""
-    return json.dumps({**finding.as_dict(), "instead": finding.instead})
+    return json.dumps(finding.as_dict())
 
 
 def check_response(response: Response) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
-COLUMNS = ("subject", "severity", "sentence", "remedy", "number")  # of a finding in a table
+COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "instead")  # of a finding
 
 # Subjects of warnings about a run, input that a model takes otherwise, an estimate or data. Every
 # other warning, of models from elsewhere too, says that the scenario lies outside the domain.
@@ -83,6 +83,10 @@ class Finding:
     def __str__(self) -> str:
         return f"{self.text}: {self.remedy}" if self.remedy else self.text
 
+    def taking(self, models: Sequence[str]) -> Finding:
+        """The finding with models to take instead as its remedy."""
+        return replace(self, remedy=f"take {' or '.join(models)}")
+
     @property
     def outside(self) -> bool:
         """Whether it warns that the scenario lies outside the domain of the model."""
@@ -92,13 +96,13 @@ class Finding:
         """The finding as JSON and tables hold it, by the names of `COLUMNS`."""
         severity = REFUSAL if self.refusal else WARNING
         number = None if self.number is None else float(self.number)
-        values = (self.subject, severity, self.text, self.remedy, number)
+        instead = None if self.instead is None else list(self.instead)
+        values = (self.subject, severity, self.text, self.remedy, number, instead)
         return dict(zip(COLUMNS, values, strict=True))
 
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> Finding:
         """The finding that `as_dict` gave."""
-        subject, severity, text, remedy, number = (stored[name] for name in COLUMNS)
-        instead = stored.get("instead")
+        subject, severity, text, remedy, number, instead = (stored[name] for name in COLUMNS)
         instead = None if instead is None else tuple(instead)
         return cls(subject, text, severity == REFUSAL, remedy, number, instead)

@@ -5,65 +5,49 @@ from dataclasses import replace
 from functools import partial
 
 from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import count, duration, part, percent, several, title_of
-from workbench.content.tree import (
-    ABSENT,
-    Block,
-    Bullets,
-    Cell,
-    Column,
-    Paragraph,
-    Picture,
-    Section,
-    Table,
-    marked,
-)
-from workbench.report.chapters import measured, ranking, verdicts
+from workbench.content.formatting import duration, part, percent, title_of
+from workbench.content.page import Page
+from workbench.content.tree import ABSENT, Block, Cell, Column, Picture, Section, Table, marked
+from workbench.report.chapters import choice, configuration, measured, verdicts
 from workbench.report.chapters.budgets import budgets
-from workbench.report.chapters.subject import in_labels, subject
-from workbench.report.chapters.taken import first, judged, trusted
-from workbench.report.chapters.wording import FAIR, Row, ends, sentence, up
+from workbench.report.chapters.choice import FAIR, Row
 from workbench.report.stored import BEST, CellState, Stored
 from workbench.responses import Finding
 from workbench.study.definition import Figure, Study
 
 GOOD = 0.05  # bound of what may be relied on
+PAGE = Page(__file__, fair=FAIR, quantity=choice.judged)
 _DECISIVE = ("peaks", "domain-map", "sweep")  # kinds that show models over cases
 _LAST = ("structure", "convergence", "cost")  # kinds that show no answer
 _WIDE = 4.0  # upper end of an interval over the lower one, from which it says nothing
 _REASONS = 4  # why models are outside their domain, the most frequent
-_CAPTION = (
-    "How far each model is off: bias of the peak displacement over the cases of a group with its "
-    "95 % interval (of one case: its error with its numerical uncertainty; of two, and where the "
-    "interval would be wider than a factor of four, the ends of the cases){residual}{statics}, "
-    "against the best reference that is inside its own domain. Colours judge the peak. Good: the "
-    "whole interval lies within 5 %; doubtful: within 10 %, or the reference is outside its domain "
-    "or of unknown uncertainty; bad: beyond, by a reference inside its domain. Hatched: the model "
-    "itself warns that it is outside its domain.{time}"
-)
-_TIMED = " Time: the median of the cases, rounded to 1, 2, 5."
-_UNTIMED = " Times are not given: every call may hold compilation."
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
-_OTHERS = 6  # quantities besides those of the matrix that are told
+_OTHERS = 6  # quantities besides those of the matrix whose errors stand on the page
+_ENDS = {"collapsed": "collapsed", "refused": "refused", "failed": "failed", "not_run": "not run"}
+_DISAGREE = {"falls": "false alarm", "stands": "false safe"}  # on whether the structure survives
 
 
 def answer(
     study: Study, stored: Stored, pictures: Iterable[Picture], more: Iterable[Block] = ()
-) -> Section:
+) -> Section | None:
     """The question, the matrix, `pictures`, what places models outside their domain, budgets.
 
     `more` is the answer of studies of another kind.
     """
     shown = [replace(each, caption=f"{each.title}. {each.caption}") for each in pictures]
-    found = list(matrix(study, stored))
-    found[1:1] = _budgeted(study, stored)  # beside what the references say
-    found += more
-    tables = (i for i, block in enumerate(found, 1) if isinstance(block, Table))
-    after = next(tables, len(found))
-    title = "The answer" if found or shown else "What was asked"
-    said = [Paragraph(study.question), *subject(study), *measured.made(stored)]
-    said += measured.footnote(study, stored)
-    return Section("answer", title, (*said, *found[:after], *shown, *found[after:]))
+    content, rest = list(matrix(study, stored, shown)), list(more)
+    if not content:
+        after = next((i for i, b in enumerate(rest, 1) if isinstance(b, Table)), len(rest))
+        rest[after:after] = shown
+    return PAGE.section(
+        "answer",
+        title="The answer" if content or rest else "What was asked",
+        question=study.question,
+        hit=configuration.subject(study),
+        synthetic=measured.synthetic(stored),
+        footnote=measured.footnote(study, stored),
+        content=[*content, *rest],
+    )
 
 
 def decisive(study: Study, drawn: Collection[str] | None = None) -> str:
@@ -80,46 +64,53 @@ def decisive(study: Study, drawn: Collection[str] | None = None) -> str:
     return min(figures, key=place).key if figures else ""
 
 
-def matrix(study: Study, stored: Stored) -> Iterator[Block]:
+def matrix(study: Study, stored: Stored, pictures: Iterable[Picture] = ()) -> tuple[Block, ...]:
     """Models by groups of cases; nothing for a study whose cases have no peak."""
     by_label: dict[str, dict[str, Row]] = {}
+    by_group: dict[str, dict[str, Row]] = {}
     for row in stored.rows["matrix"]:
         by_label.setdefault(row["label"], {})[row["group"]] = row
+        by_group.setdefault(row["group"], {})[row["label"]] = row
     if not by_label:
-        return
-    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
+        return ()
     costs = stored.costs
     times = "".join({f", {row['against']} = 1": None for row in stored.rows["cost"]})
     whole = [row["seconds"] for row in stored.rows["cost"] if row["label"] == row["against"]]
     times += f" ({duration(whole[0], 1)})" if whole else ""
     timed = [Column(f"time{times}", width=0.7, of=lambda item: part(costs.get(item[0])))]
-    remains = any(row[f"{RESIDUAL}_count"] for row in stored.rows["matrix"])
-    residual = ", and of the residual displacement" if remains else ""
-    statics = ", where cases are static of what their column names" if _static(stored) else ""
-    timing = _TIMED if costs else _UNTIMED
-    caption = _CAPTION.format(residual=residual, statics=statics, time=timing)
+    titles = {
+        group: PAGE.words("column", group=group, row=next(iter(rows.values())))
+        for group, rows in by_group.items()
+    }
     columns = (
         Column("model", width=1.4, of=lambda item: _name(study, item[0])),
-        *(Column(_title(stored, group), width=2.1, of=partial(_cell, group)) for group in groups),
+        *(Column(title, width=2.1, of=partial(_cell, group)) for group, title in titles.items()),
         *(timed if costs else ()),
         Column("in words", width=3.0, of=lambda item: sentence(item[1])),
     )
-    yield from ranking.tree(stored) or [Bullets(tuple(trusted(study, stored, g) for g in groups))]
-    yield from _besides(study, stored)
-    yield Table.of("matrix", caption, columns, by_label.items())
-    reasons = tuple(_why(stored, set(by_label)))
-    if reasons:
-        yield Paragraph("Why models are outside their domain:")
-        yield Bullets(reasons)
+    rows = stored.rows["matrix"]
+    tree = choice.tree(stored)
+    return PAGE.blocks(
+        "matrix",
+        table=Table.of("matrix", "", columns, by_label.items()),
+        choice=tree,
+        sentences=[] if tree else [choice.trusted(study, stored, group) for group in by_group],
+        budgets=_budgeted(study, stored, by_group),
+        collapses=any(cell.collapse for cell in stored.cells.values()),
+        others=list(_others(study, stored, set(by_label) - set(study.ranked))),
+        static=any(row["quantity"] != PEAK for row in rows),
+        residual=any(row[f"{RESIDUAL}_count"] for row in rows),
+        timed=bool(costs),
+        pictures=list(pictures),
+        reasons=list(_reasons(stored, set(by_label))),
+    )
 
 
 def in_brief(study: Study, stored: Stored) -> tuple[Block, ...]:
     """The matrix and the verdicts, as they stand on a terminal and in the summary."""
-    rows = stored.rows["verdicts"]
-    blocks = (*matrix(study, stored), *_budgeted(study, stored), verdicts.headline(rows))
-    if rows:
-        blocks += (verdicts.summary_table(rows), *verdicts.reasons(rows, bounds=False))
-    return marked((*measured.made(stored), *blocks), measured.MARK) if stored.synthetic else blocks
+    blocks = (*matrix(study, stored), *verdicts.in_brief(stored))
+    synthetic = measured.synthetic(stored)
+    return marked((*synthetic, *blocks), measured.MARK) if stored.synthetic else blocks
 
 
 def _name(study: Study, label: str) -> str:
@@ -129,47 +120,29 @@ def _name(study: Study, label: str) -> str:
     return f"{label}\nreference{place}"
 
 
-def _static(stored: Stored) -> bool:
-    """Whether groups of static cases are judged by something else than a peak."""
-    return any(row["quantity"] != PEAK for row in stored.rows["matrix"])
-
-
-def _besides(study: Study, stored: Stored) -> Iterator[Block]:
-    """Whether anything collapses, and how far models are off in what the matrix does not show."""
-    shown = {row["label"] for row in stored.rows["matrix"]} - set(study.ranked)
-    if not any(cell.collapse for cell in stored.cells.values()):
-        yield Paragraph("No structure collapses, by any model or reference that answered.")
-    said = []
+def _others(study: Study, stored: Stored, labels: set[str]) -> Iterator[tuple[str, list[str]]]:
+    """Largest errors beyond `FAIR` in quantities that the matrix does not show."""
     for quantity in [name for name in study.quantities if name not in _JUDGED][:_OTHERS]:
         worst: dict[str, float] = {}
         for (_, label), row in stored.errors(quantity, "relative_error", BEST).items():
-            if label in shown and row["error"] is not None:
+            if label in labels and row["error"] is not None:
                 worst[label] = max(worst.get(label, 0.0), row["error"], key=abs)
-        off = {label: error for label, error in worst.items() if abs(error) > FAIR}
-        if off:
-            told = [f"{label} {percent(error, rough=True)}" for label, error in off.items()]
-            said.append(f"{title_of(quantity)}: {'; '.join(told)}")
-    if said:
-        text = f"Do not take from these models what is more than {up(FAIR)} off, at worst, from"
-        judged = "one quantity of a group" if _static(stored) else "displacements alone"
-        yield Paragraph(f"{text} the same references (the matrix judges {judged}):")
-        yield Bullets(tuple(said))
+        far = [f"{n} {percent(e, rough=True)}" for n, e in worst.items() if abs(e) > FAIR]
+        if far:
+            yield title_of(quantity), far
 
 
-def _budgeted(study: Study, stored: Stored) -> Iterator[Block]:
+def _budgeted(study: Study, stored: Stored, groups: Iterable[str]) -> tuple[Block, ...]:
     """What all errors may make of an answer of the model to take in its case."""
-    groups = dict.fromkeys(row["group"] for row in stored.rows["matrix"])
     every = tuple(case.name for case in study.cases)
-    told = [(study.groups.get(group, every), first(study, stored, group)) for group in groups]
-    return budgets(stored, {case: label for cases, label in told if label for case in cases})
-
-
-def _title(stored: Stored, group: str) -> str:
-    rows = [row for row in stored.rows["matrix"] if row["group"] == group]
-    against = rows[0]["against"]
-    if rows[0]["quantity"] != PEAK:
-        group += f": {judged(rows[0])}"
-    return f"{group}; against {against}" if against else f"{group}; no reference answered"
+    taken = {group: choice.first(study, stored, group) for group in groups}
+    by_case = {
+        case: label
+        for group, label in taken.items()
+        if label
+        for case in study.groups.get(group, every)
+    }
+    return budgets(stored, by_case)
 
 
 def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
@@ -177,35 +150,30 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
     row = item[1].get(group)
     if row is None:
         return ABSENT
-    compared, own = row[f"{PEAK}_count"], row["reference"]
     lines, tone = [], "muted"
-    if compared:
+    if row[f"{PEAK}_count"]:
         lines.append(_bias(row, PEAK))
         tone = "muted" if row["synthetic"] else _tone(row)
         if row[f"{RESIDUAL}_count"]:
             lines.append(f"residual {_bias(row, RESIDUAL)}")
-    elif own:
-        known = row["known"]
-        within = "" if known is None else f", numerically within {up(known)}"
-        lines.append(f"the reference{within}")
+    elif row["reference"]:
+        lines.append(PAGE.words("reference", known=row["known"]))
     else:
-        told = "not compared" if row["answered"] else "no answer"
-        lines.append("collapses" if row["collapsed"] else told)
+        silent = "not compared" if row["answered"] else "no answer"
+        lines.append("collapses" if row["collapsed"] else silent)
         tone = "bad" if row["failed"] or row["falls"] or row["stands"] else "muted"
-    lines.append(", ".join(_counts(row)))
-    text = "\n".join(line for line in lines if line)
-    return Cell(text, row[f"{PEAK}_bias"], tone, hatched=bool(row["outside"]))
+    lines.append(PAGE.words("counts", row=row, ends=ends(row)))
+    return Cell("\n".join(lines), row[f"{PEAK}_bias"], tone, hatched=bool(row["outside"]))
 
 
 def _bias(row: Row, quantity: str) -> str:
     bias, low, high = (row[f"{quantity}_{name}"] for name in ("bias", "low", "high"))
-    text, of = percent(bias - 1.0, rough=True), ""
-    if low is None or high > _WIDE * low:
-        if row[f"{quantity}_count"] == 1:
-            return f"{text} (interval unknown)"
-        low, high, of = row[f"{quantity}_least"], row[f"{quantity}_most"], "cases "
-    ends = (percent(end - 1.0, rough=True).removesuffix("\u2009%") for end in (low, high))
-    return f"{text} ({of}{' to '.join(ends)})"
+    wide = low is None or high > _WIDE * low
+    if wide and row[f"{quantity}_count"] == 1:
+        low = None
+    elif wide:
+        low, high = row[f"{quantity}_least"], row[f"{quantity}_most"]
+    return PAGE.words("bias", bias=bias, low=low, high=high, of_cases=wide)
 
 
 def _tone(row: Row) -> str:
@@ -213,8 +181,8 @@ def _tone(row: Row) -> str:
 
     Nothing is worse than to survive or to collapse where the reference does not.
     """
-    ends = row[f"{PEAK}_low"], row[f"{PEAK}_high"]
-    known = [abs(end - 1.0) for end in ends if end is not None]
+    limits = row[f"{PEAK}_low"], row[f"{PEAK}_high"]
+    known = [abs(limit - 1.0) for limit in limits if limit is not None]
     far = max(known, default=abs(row[f"{PEAK}_worst"]))
     sure = row[f"{PEAK}_within"] is not None and not row["against_outside"]
     judged = row["against_outside"] < row[f"{PEAK}_count"]
@@ -223,36 +191,50 @@ def _tone(row: Row) -> str:
     return "bad" if (far > FAIR and judged) or row["falls"] or row["stands"] else "doubt"
 
 
-def _counts(row: Row) -> Iterator[str]:
-    """How many cases were asked, how those without an answer ended, what is outside a domain."""
-    yield count(row["asked"], "case")
-    yield from ends(row)
-    if row["outside"]:
-        yield f"{_of(row['outside'], row['answered'])}outside its domain"
-    if row["synthetic"]:
-        yield "synthetic, shows the form only"
-    if row["against_outside"]:
-        some = _of(row["against_outside"], row[f"{PEAK}_count"])
-        yield f"{some}with the reference outside its own"
+def ends(row: Row) -> list[str]:
+    """How the cases without a number ended, and where the reference ended otherwise."""
+    return [f"{row[name]} {text}" for name, text in (_ENDS | _DISAGREE).items() if row[name]]
 
 
-def _of(some: float, all_of: float) -> str:
-    if all_of == 1:
-        return ""
-    return "all " if some == all_of else f"{some:.0f} "
+def sentence(rows: dict[str, Row]) -> str:
+    """What the numbers of a model say, group by group; groups that say the same stand together."""
+    groups: dict[str, list[str]] = {}
+    for group, row in rows.items():
+        parts = [PAGE.words("number_of", row=row)]
+        parts += [f"{row[name]} {text}" for name, text in _DISAGREE.items() if row[name]]
+        lost = row["refused"] + row["failed"]
+        parts += [f"no answer in {lost} of {row['asked']}"] if lost else []
+        groups.setdefault(", ".join(parts), []).append(group)
+    if len(groups) == 1:
+        (text,) = groups
+        return text[0].upper() + text[1:]
+    return "; ".join(f"{' and '.join(names)}: {text}" for text, names in groups.items())
 
 
-def _why(stored: Stored, labels: set[str]) -> Iterator[str]:
+def _reasons(stored: Stored, labels: set[str]) -> Iterator[str]:
     """The most frequent warnings about domains: which models, and the worst example."""
     kinds: dict[tuple[str, str], list[tuple[CellState, Finding]]] = {}
     for cell in stored.cells.values():
-        if cell.label in labels:
-            for finding in cell.outside:
-                # without a number the sentence is the same everywhere, but may be another model's
-                fixed = finding.text if finding.number is None else ""
-                kinds.setdefault((finding.subject, fixed), []).append((cell, finding))
-    for told in sorted(kinds.values(), key=len, reverse=True)[:_REASONS]:
-        top = max((finding for _, finding in told), key=lambda f: abs(f.number or 0.0))
-        names = several(list(dict.fromkeys(cell.label for cell, _ in told)), 8)
-        cases = len({cell.case for cell, _ in told})
-        yield f"{names} (in {count(cases, 'case')}): {in_labels(stored.study, str(top))}."
+        for finding in cell.outside if cell.label in labels else ():
+            # without a number the sentence is the same everywhere, but may be another model's
+            fixed = finding.text if finding.number is None else ""
+            kinds.setdefault((finding.subject, fixed), []).append((cell, finding))
+    for alike in sorted(kinds.values(), key=len, reverse=True)[:_REASONS]:
+        worst = max((finding for _, finding in alike), key=lambda f: abs(f.number or 0.0))
+        yield PAGE.words(
+            "warning",
+            models=list(dict.fromkeys(cell.label for cell, _ in alike)),
+            cases=len({cell.case for cell, _ in alike}),
+            finding=in_labels(stored.study, worst),
+        )
+
+
+def in_labels(study: Study, finding: Finding) -> Finding:
+    """A finding whose remedy names models by the labels of the study too."""
+    if not finding.instead:
+        return finding
+    labels: dict[str, str] = {}
+    for label, model in study.models.items():
+        labels.setdefault(model.name, label)
+    named = [f"{name} ({labels[name]})" if name in labels else name for name in finding.instead]
+    return finding.taking(named)

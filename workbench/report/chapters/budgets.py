@@ -1,49 +1,155 @@
-"""What all errors together may make of an answer: a sentence on the first page, tables behind."""
+"""What all errors together may make of an answer: sentences and tables."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
+from math import floor, isfinite
 from typing import Any
 
-from workbench.assessment.budget import PEAK
-from workbench.content.budgets import budget_sentence, budget_table
-from workbench.content.tree import Block, Paragraph, Section
+from workbench.assessment.budget import COVERAGE, MODEL_FORM, NUMERICAL, PEAK, SUMS, TOTAL
+from workbench.content.formatting import in_unit, percent
+from workbench.content.page import Page
+from workbench.content.tree import Block, Cell, Column, Section, Table
 from workbench.report.stored import Stored
 
-Row = dict[str, Any]
-_WHAT = (
-    "Half-widths of what scatters add as squares about the measured bias; the strain rate pulls "
-    "one way only and adds in full. The best reference is where a reference would answer, given "
-    "the same input; the total has all terms that are known. Without the "
-    "model form there is neither."
-)
+Row = Mapping[str, Any]
+PAGE = Page(__file__)
+_BAR = 41  # characters
+_LEAST = 0.05  # of the answer, to which bars reach at least
+_COVERAGE = f"{100 * COVERAGE:g} %"
 
 
-def budgets(stored: Stored, taken: Mapping[str, str]) -> Iterator[Block]:
+def budgets(stored: Stored, taken: Mapping[str, str]) -> tuple[Block, ...]:
     """A sentence on the peak of the first answer with a budget by the model `taken` in its case."""
     for (case, label, quantity), rows in _groups(stored).items():
         if quantity == PEAK and taken.get(case) == label:
             sentence = budget_sentence(rows[0]["value"], quantity, rows)
-            yield Paragraph(f"With all errors, {case}, {label}: {sentence}.")
-            return
+            return PAGE.blocks("first_page", case=case, label=label, sentence=sentence)
+    return ()
 
 
 def budget_tables(stored: Stored) -> Section | None:
     """Every term with its reason; None without a budget."""
     tables = [
-        Section(
-            f"terms-{number}",
-            f"{case}, {label}",
-            (budget_table(f"budget-terms-{number}", quantity, rows[0]["value"], rows),),
-        )
+        (case, label, budget_table(f"budget-terms-{number}", quantity, rows[0]["value"], rows))
         for number, ((case, label, quantity), rows) in enumerate(_groups(stored).items(), 1)
     ]
-    if not tables:
-        return None
-    return Section("budgets", "Error budgets", (Paragraph(_WHAT), *tables))
+    return PAGE.section("budgets", tables=tables)
+
+
+def simulated(values: Mapping[str, float], terms: Mapping[str, Sequence[Row]]) -> tuple[Block, ...]:
+    """The budgets of one answer by quantity, with bars; `values` of the answer."""
+    entries = [
+        (
+            budget_sentence(values[quantity], quantity, rows),
+            budget_table(quantity, quantity, values[quantity], rows, bars=True),
+        )
+        for quantity, rows in terms.items()
+    ]
+    return PAGE.blocks("simulated", entries=entries)
 
 
 def _groups(stored: Stored) -> dict[tuple[str, str, str], list[Row]]:
     """Rows of the table by case, label and quantity."""
-    found: dict[tuple[str, str, str], list[Row]] = {}
+    groups: dict[tuple[str, str, str], list[Row]] = {}
     for row in stored.rows["budget"]:
-        found.setdefault((row["case"], row["label"], row["quantity"]), []).append(row)
-    return found
+        groups.setdefault((row["case"], row["label"], row["quantity"]), []).append(row)
+    return groups
+
+
+def budget_table(
+    key: str, quantity: str, value: float, rows: Sequence[Row], *, bars: bool = False
+) -> Table:
+    """Terms and sums of a quantity whose answer is `value` (SI), with `bars` or without."""
+    columns = [
+        Column(
+            "term",
+            width=1.8,
+            of=lambda row: Cell(row["term"], tone="" if row["term"] in SUMS else "muted"),
+        ),
+        Column("from", True, 0.8, partial(_end, "least", quantity)),
+        Column("to", True, 0.8, partial(_end, "most", quantity)),
+        Column("change", True, 1.3, change),
+        Column(
+            "what it is",
+            width=4.4,
+            of=lambda row: "; ".join(filter(None, (row["reason"], row["source"]))),
+        ),
+    ]
+    if bars:
+        columns.insert(4, Column("as a bar", True, of=partial(_bar, *scale(rows))))
+    value_text = in_unit(value, quantity)
+    caption = PAGE.words("terms", quantity=quantity, value=value_text, coverage=_COVERAGE)
+    return Table.of(key, caption, columns, rows)
+
+
+def scale(rows: Sequence[Row]) -> tuple[float, float]:
+    """Ends of an axis that holds all that is finite, zero among it."""
+    ends = [row[end] for row in rows for end in ("low", "high")]
+    known = [end for end in ends if end is not None and isfinite(end)]
+    return min([-_LEAST, *known]), max([_LEAST, *known])
+
+
+def change(row: Row) -> str:
+    """Both ends of a term in words."""
+    if row["low"] is None:
+        return "not known"
+    if _unstated(row):
+        return "not estimated"
+    low, high = (percent(row[end], rough=True) for end in ("low", "high"))
+    return f"{low} to {high if isfinite(row['high']) else 'collapse'}"
+
+
+def budget_sentence(value: float, quantity: str, rows: Sequence[Row]) -> str:
+    """What a budget says, in one sentence: the answer, its interval, the largest part of that."""
+    known = {row["term"]: row for row in rows if row["low"] is not None}
+    text = in_unit(value, quantity, 3)
+    if TOTAL not in known:
+        (form,) = (row for row in rows if row["term"] == MODEL_FORM)
+        return PAGE.words("unknown", quantity=quantity, value=text, reason=form["reason"])
+    parts = [row for name, row in known.items() if name not in SUMS]
+    top = max(parts, key=lambda row: row["high"] - row["low"] + abs(row["shift"]))
+    total, numerical = known[TOTAL], known.get(NUMERICAL)
+    return PAGE.words(
+        "known",
+        quantity=quantity,
+        value=text,
+        low=_at(quantity, total["least"], named=False),
+        high=_at(quantity, total["most"]),
+        coverage=_COVERAGE,
+        lacks=total["lacks"],
+        top=top["term"],
+        change=change(top),
+        numerical="not known" if numerical is None else change(numerical),
+    )
+
+
+def _unstated(row: Row) -> bool:
+    """Whether a reduced model has no numerical uncertainty, which does not say that it is zero."""
+    return bool(row["term"] == NUMERICAL and row["low"] == row["high"])
+
+
+def _at(quantity: str, value: float, *, named: bool = True) -> str:
+    return in_unit(value, quantity, 3, named=named) if isfinite(value) else "collapse"
+
+
+def _end(end: str, quantity: str, row: Row) -> Cell | None:
+    value = row[end]
+    return None if value is None or _unstated(row) else Cell(_at(quantity, value), value)
+
+
+def _bar(low: float, high: float, row: Row) -> str:
+    """A bar from the low to the high end; ``+`` is where the answer moves to, ``|`` the answer."""
+
+    def place(value: float) -> int:
+        return min(floor((value - low) / (high - low) * _BAR), _BAR - 1)
+
+    marks = ["."] * _BAR
+    if row["low"] is not None:
+        last = place(min(row["high"], high))
+        for i in range(place(row["low"]), last + 1):
+            marks[i] = "="
+        marks[place(row["shift"])] = "+"
+        if row["high"] > high:
+            marks[-1] = ">"
+    marks[place(0.0)] = "|"
+    return "".join(marks)

@@ -1,19 +1,26 @@
-"""Everything that is needed to run the study again: models, cases, software."""
+"""What was hit, and everything that is needed to run the study again: models, cases, software."""
 
 import re
 import textwrap
 import tomllib
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from workbench.content import tree
 from workbench.content.bibliography import cited
-from workbench.content.tree import Block, Column, Definitions, Paragraph, Section
-from workbench.models.base import options_of
+from workbench.content.formatting import brief, several
+from workbench.content.page import Page
+from workbench.content.tree import Block, Column, Listing, Section, Table
+from workbench.errors import OutOfDomainError
+from workbench.frames.column_line import column_line
+from workbench.models.base import Model, options_of
+from workbench.report.drawing.layout import Layout
 from workbench.report.stored import Stored
-from workbench.scenarios import to_toml
+from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_toml
 from workbench.study.definition import Case, Study
 from workbench.study.manifest import differences
 
+PAGE = Page(__file__)
+FORMS = 4  # of frames, that are all described
 _PRINTED = 60
 _MOST_CHANGES = 12
 _MOST_ITEMS = 6
@@ -21,100 +28,195 @@ _WIDE = 96  # characters of a line in a listing
 _NUMBERS = re.compile(r"^(\S+ = )\[\n((?:\s+[-+.\deE]+,\n)+)\]", re.MULTILINE)
 
 
-def configuration(study: Study, stored: Stored) -> Section:
+def subject(study: Study) -> tuple[Block, ...]:
+    """The columns and frames that are hit, and by what."""
+    scenarios = [case.scenario for case in study.cases]
+    columns = [each for each in scenarios if isinstance(each, ColumnImpact)]
+    forms: dict[str, list[FrameImpact]] = {}
+    for impact in scenarios:
+        if isinstance(impact, FrameImpact):
+            forms.setdefault(_form(impact.frame), []).append(impact)
+    if not (columns or forms):
+        return ()
+    alike = list(forms.values())
+    return PAGE.blocks(
+        "hit",
+        columns=[_columns(columns)] if columns else [],
+        frames=[_frames(impacts) for impacts in alike[:FORMS]],
+        more=max(len(alike) - FORMS, 0),
+    )
+
+
+def _columns(impacts: Sequence[ColumnImpact]) -> str:
+    columns = [impact.column for impact in impacts]
+    hits = list(dict.fromkeys((each.length_below, each.length_above) for each in columns))
+    few = len(hits) <= 2
+    whole, below = _values([sum(hit) for hit in hits], 1.0, "m"), [hit[0] for hit in hits]
+    springs = [each.restraint_stiffness for each in columns if each.head != "fixed"]
+    return PAGE.words(
+        "columns",
+        sections=_names([each.section.name for each in columns]),
+        steels=_values([each.steel.yield_stress for each in columns], 1e-6, "MPa"),
+        places=[PAGE.words("place", below=a, above=b) for a, b in hits] if few else [],
+        lengths="" if few else PAGE.words("lengths", whole=whole, below=_values(below, 1.0, "m")),
+        supports=list(dict.fromkeys(f"{c.base} below and {c.head} above" for c in columns)),
+        load=_values([each.axial_load for each in columns], 1e-3, "kN"),
+        springs=_values(springs, 1e-6, "kN/mm") if any(springs) else "",
+        striker=_strikers([impact.striker for impact in impacts]),
+    )
+
+
+def _form(frame: Frame) -> str:
+    """What frames of one form have in common."""
+    extent = Layout(frame).extent
+    return f"{extent} {len(frame.members)} {_sections(frame)}"
+
+
+def _sections(frame: Frame) -> str:
+    return _names([member.section.name for member in frame.members])
+
+
+def _frames(impacts: Sequence[FrameImpact]) -> str:
+    """Frames of one form: where they are hit, and by what."""
+    frame = impacts[0].frame
+    extent = Layout(frame).extent
+    heights = [f"{brief(each.frame.node(each.striker.node).y)} m" for each in impacts]
+    return PAGE.words(
+        "frame",
+        width=extent.real,
+        height=extent.imag,
+        members=len(frame.members),
+        sections=_sections(frame),
+        places=_names(heights),
+        striker=_strikers([each.striker for each in impacts]),
+    )
+
+
+def _strikers(strikers: Sequence[Striker]) -> str:
+    restitutions = [each.restitution for each in strikers]
+    return PAGE.words(
+        "striker",
+        masses=_values([each.mass for each in strikers], 1.0, "kg"),
+        velocities=_values([each.velocity for each in strikers], 1.0, "m/s"),
+        restitutions=_values(restitutions, 1.0, "") if any(restitutions) else "",
+    )
+
+
+def hit_distance(study: Study, group: str) -> str:
+    """How far from their joints the struck members of a group were hit, in heights; or nothing."""
+    heights = []
+    names = study.groups.get(group, [case.name for case in study.cases])  # no groups: all are one
+    for case in study.cases:
+        if case.name in names and isinstance(case.scenario, FrameImpact):
+            try:
+                line = column_line(case.scenario)
+            except OutOfDomainError:  # a joint, or a beam that is no line between two
+                continue
+            struck = case.scenario.frame.member(line.members[0])
+            height = min(line.below, line.above) / struck.section.height
+            heights.append(float(f"{height:.2g}"))
+    return _values(heights, 1.0, "section heights") if heights else ""
+
+
+def _names(names: Sequence[str]) -> str:
+    return several(list(dict.fromkeys(names)), 4)
+
+
+def _values(values: Sequence[float], factor: float, unit: str) -> str:
+    """One value, two, or their range."""
+    distinct = sorted({float(f"{factor * value:.3g}") for value in values})
+    ends = distinct if len(distinct) < 3 else [distinct[0], distinct[-1]]
+    join = " and " if len(distinct) == 2 else " to "
+    return f"{join.join(map(brief, ends))} {unit}".strip()
+
+
+def configuration(study: Study, stored: Stored) -> Section | None:
     """Models with options and assumptions, cases as TOML, provenance."""
-    records = stored.provenance
-    blocks: list[Block] = [] if records else [Paragraph("No cell has been answered yet.")]
-    if len(records) > 1:
-        text = "The cells of this report were answered by different software or machines:"
-        blocks.append(Paragraph(text))
-    for record in records:
-        pairs = tuple((name.replace("_", " "), f"`{value}`") for name, value in record.items())
-        blocks.append(Definitions(pairs))
-    software = Section("provenance", "Provenance", tuple(blocks))
-    return Section("configuration", "Configuration", (_models(study), _cases(study), software))
+    first: dict[str, Case] = {}
+    for case in study.cases:
+        first.setdefault(case.scenario.KIND, case)
+    others = [case for case in study.cases if case is not first[case.scenario.KIND]]
+    records = [
+        [(name.replace("_", " "), f"`{value}`") for name, value in record.items()]
+        for record in stored.provenance
+    ]
+    return PAGE.section(
+        "configuration",
+        models=list(_models(study)),
+        one_kind=len(first) == 1,
+        first=[_listing(case) for case in first.values()],
+        differ=_differences(first, others) if others else None,
+        others=[_listing(case, printed=False) for case in others],
+        records=records,
+    )
 
 
-def _models(study: Study) -> Section:
-    sections = []
-    said: dict[tuple[str, ...], str] = {}
+def _models(study: Study) -> Iterator[dict[str, Any]]:
+    """Label, options and sources of every model; assumptions of those alike stand once."""
+    stated: dict[tuple[str, ...], str] = {}
     for label, model in study.models.items():
-        options = [f"`{name} = {_value(value)}`" for name, value in options_of(model).items()]
-        pairs = [
-            ("model", f"`{model.name}`, version {model.version}"),
-            ("options", ", ".join(options) or "none"),
-        ]
-        if label == study.reference:
-            pairs.append(("role", "the reference"))
-        elif label in study.ladder:
-            pairs.append(("role", "a coarser level of the reference"))
-        if model.sources:
-            pairs.append(("sources", " ".join(map(cited, model.sources))))
-        first = said.setdefault(tuple(model.assumptions), label)
-        if first != label:
-            pairs.append(("assumptions", f"those of {first}"))
-        blocks: tuple[Block, ...] = (Definitions(tuple(pairs)),)
-        if first == label:
-            blocks += (tree.Bullets(model.assumptions),)
-        sections.append(Section(f"model-{label}", label, blocks))
-    return Section("models", "Models", tuple(sections))
+        first = stated.setdefault(tuple(model.assumptions), label)
+        alike = first != label
+        pairs = [*_pairs(study, label, model), ("assumptions", f"those of {first}")]
+        yield {
+            "label": label,
+            "pairs": pairs if alike else pairs[:-1],
+            "assumptions": () if alike else model.assumptions,
+        }
 
 
-def _value(value: object) -> str:
+def _pairs(study: Study, label: str, model: Model) -> Iterator[tuple[str, str]]:
+    options = [f"`{name} = {_option(value)}`" for name, value in options_of(model).items()]
+    yield "model", f"`{model.name}`, version {model.version}"
+    yield "options", ", ".join(options) or "none"
+    if label == study.reference:
+        yield "role", "the reference"
+    elif label in study.ladder:
+        yield "role", "a coarser level of the reference"
+    if model.sources:
+        yield "sources", " ".join(map(cited, model.sources))
+
+
+def _option(value: object) -> str:
     if value is None:
         return "default"
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _cases(study: Study) -> Section:
-    """The first case of each kind in full, for all others what differs from it."""
-    texts = {case.name: _compact(to_toml(case.scenario)) for case in study.cases}
-    first: dict[str, Case] = {}
-    for case in study.cases:
-        first.setdefault(case.scenario.KIND, case)
-    others = [case for case in study.cases if case is not first[case.scenario.KIND]]
-    full = "The case is" if len(first) == 1 else "The first case of each kind is"
-    text = f"{full} a scenario file that `workbench simulate` reads."
-    if others:
-        text = f"{full} given in full; the table says how the others differ from it."
-    blocks: list[Block] = [Paragraph(text)]
-    blocks.extend(tree.Listing(case.name, texts[case.name]) for case in first.values())
-    if others:
-        columns = (
-            Column("case", width=1.8, of="name"),
-            Column("differs from", width=1.3, of=lambda case: first[case.scenario.KIND].name),
-            Column(
-                *("in", False, 4.0),
-                lambda case: _changes(texts[first[case.scenario.KIND].name], texts[case.name]),
-            ),
-            Column("models asked", False, 2.0, lambda c: ", ".join(c.models) or "all that apply"),
-        )
-        blocks.append(tree.Table.of("cases", "All other cases.", columns, others, _PRINTED))
-        blocks.extend(tree.Listing(case.name, texts[case.name], printed=False) for case in others)
-    return Section("cases", "Cases", tuple(blocks))
-
-
-def _changes(first: str, other: str) -> str:
-    """Entries in which one scenario file differs from another."""
-    found = [
-        f"`{path} = {_short(new)}`"
-        for path, _, new in differences(tomllib.loads(first), tomllib.loads(other))
-        if path != "name"
-    ]
-    if len(found) > _MOST_CHANGES:
-        return f"{len(found)} entries: its listing is in the HTML report"
-    return ", ".join(found) or "nothing but its name"
+def _listing(case: Case, *, printed: bool = True) -> Listing:
+    return Listing(case.name, _compact(to_toml(case.scenario)), printed)
 
 
 def _compact(toml: str) -> str:
     """The same TOML with lists of numbers along the line instead of below each other."""
 
     def along(found: re.Match[str]) -> str:
-        numbers = " ".join(found.group(2).split())
-        lines = textwrap.wrap(f"[{numbers.removesuffix(',')}]", _WIDE, subsequent_indent="    ")
-        return found.group(1) + "\n".join(lines)
+        numbers = ", ".join(found[2].replace(",", " ").split())
+        return found[1] + "\n".join(textwrap.wrap(f"[{numbers}]", _WIDE, subsequent_indent="    "))
 
     return _NUMBERS.sub(along, toml)
+
+
+def _differences(first: dict[str, Case], others: list[Case]) -> Table:
+    """What differs in the other cases from the first of their kind."""
+    columns = (
+        Column("case", width=1.8, of="name"),
+        Column("differs from", width=1.3, of=lambda case: first[case.scenario.KIND].name),
+        Column("in", width=4.0, of=lambda case: _changes(first[case.scenario.KIND], case)),
+        Column("models asked", width=2.0, of=lambda c: ", ".join(c.models) or "all that apply"),
+    )
+    return Table.of("cases", "", columns, others, _PRINTED)
+
+
+def _changes(first: Case, other: Case) -> str:
+    """Entries in which one scenario file differs from another."""
+    before, after = (tomllib.loads(to_toml(case.scenario)) for case in (first, other))
+    changes = [
+        f"`{path} = {_short(new)}`" for path, _, new in differences(before, after) if path != "name"
+    ]
+    if len(changes) > _MOST_CHANGES:
+        return f"{len(changes)} entries: its listing is in the HTML report"
+    return ", ".join(changes) or "nothing but its name"
 
 
 def _short(value: Any) -> str:

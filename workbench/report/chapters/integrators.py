@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.content.formatting import number
-from workbench.content.tree import ABSENT, Block, Bullets, Cell, Column, Table
+from workbench.content.page import Page
+from workbench.content.tree import ABSENT, Block, Cell, Column, Table
 from workbench.report.stored import Stored
 from workbench.responses import Response
 from workbench.scenarios import ImpactProblem
@@ -17,14 +18,7 @@ GOOD = 0.01  # error of the places over the largest place
 _EXACT, _POOR, _BLOWN = 1e-10, 0.1, 10.0
 _CALM, _CHATTER = 0.1, 0.3  # of a lasting contact; a single blow has 1
 _LESS = "≤\u202f"
-_CAPTION = (
-    "Evaluations of the forces that an error of 1 % takes (largest error of the places over the "
-    "largest place, kept by all finer steps too; ≤: the coarsest step has it); below, the order p "
-    "where errors are below 100 % (of balls those of eight starts in the mean), or exact for round-"
-    "off, and the error of the finest step (beyond 10 % it alone, in % or times). Good: reached; "
-    "doubtful: the finest step is below 10 %; bad: beyond, or no answer. Hatched: impacts missed "
-    "(−) or invented (+) by the finest step."
-)
+PAGE = Page(__file__)
 
 
 class _Entry(NamedTuple):
@@ -42,28 +36,34 @@ class _Entry(NamedTuple):
     chatter: float
 
 
+Entries = dict[str, dict[str, _Entry | None]]  # by scheme and problem
+
+
 def in_short(study: Study, stored: Stored) -> tuple[Block, ...]:
     """What the matrix says, and itself; nothing for a study without integrators."""
-    found: dict[str, dict[str, _Entry | None]] = {}
-    asked = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
-    for case in asked:
+    entries: Entries = {}
+    cases = [case for case in study.cases if isinstance(case.scenario, ImpactProblem)]
+    for case in cases:
         for label in study.models:
             cell = stored.cells.get((case.name, label))
             response = stored.response(case.name, label)
             if response is not None and "ladder.error" in response:
-                found.setdefault(label, {})[case.name] = _entry(response)
+                entries.setdefault(label, {})[case.name] = _entry(response)
             elif cell is not None and cell.outcome == "not-converged":
-                found.setdefault(label, {})[case.name] = None
-    if not any(entry for row in found.values() for entry in row.values()):
+                entries.setdefault(label, {})[case.name] = None
+    if not any(entry for row in entries.values() for entry in row.values()):
         return ()
-    problems = [case.name for case in asked if any(case.name in row for row in found.values())]
+    problems = [case.name for case in cases if any(case.name in row for row in entries.values())]
     columns = (
         Column("scheme", width=2.0, of=lambda item: str(item[0])),
         *(Column(name, width=1.0, of=partial(_cell, name)) for name in problems),
     )
-    return (
-        Bullets((*(_best(name, found) for name in problems), *_told(found))),
-        Table.of("integrators", _CAPTION, columns, found.items()),
+    return PAGE.blocks(
+        "integrators",
+        table=Table.of("integrators", "", columns, entries.items()),
+        best=[(name, _best(name, entries)) for name in problems],
+        wrong=list(_wrong(entries)),
+        chatter=list(_chatter(entries)),
     )
 
 
@@ -117,34 +117,29 @@ def _times(error: float) -> str:
     return f"{100.0 * error:.0f}\u202f%" if error < 0.995 else f"{error:.2g} times"
 
 
-def _best(problem: str, found: dict[str, dict[str, _Entry | None]]) -> str:
-    """The schemes that need least work."""
-    able = [(e.work, n, e) for n, row in found.items() if (e := row.get(problem)) and e.work]
-    if not able:
-        return f"{problem}: no scheme reaches 1 % on this ladder."
-    words = [f"{name} {_words(entry)}" for _, name, entry in sorted(able)[:3]]
-    return f"{problem}: {', '.join(words)} evaluations for 1 %."
+def _best(problem: str, entries: Entries) -> list[str]:
+    """The three schemes that need least work."""
+    able = [(e.work, n, e) for n, row in entries.items() if (e := row.get(problem)) and e.work]
+    return [f"{name} {_words(entry)}" for _, name, entry in sorted(able)[:3]]
 
 
-def _told(found: dict[str, dict[str, _Entry | None]]) -> Iterator[str]:
-    """Who never converges, and who lets the force of a lasting contact chatter."""
-    lost: dict[tuple[str, ...], list[str]] = {}  # schemes by the problems that they get wrong
-    for label, row in found.items():
+def _wrong(entries: Entries) -> Iterator[tuple[list[str], tuple[str, ...], str]]:
+    """Schemes that never converge, by the problems that they get wrong, with the largest error."""
+    schemes: dict[tuple[str, ...], list[str]] = {}
+    for label, row in entries.items():
         wrong = [n for n, e in row.items() if e is None or (e.work is None and e.error > _POOR)]
-        lost.setdefault(tuple(wrong), []).append(label)
-    for places, labels in lost.items():
-        errors = [e.error for n in labels for p in places if (e := found[n][p]) is not None]
-        if places:
-            who, where = ", ".join(labels), ", ".join(places)
-            worst = f"at worst by {_times(max(errors))}" if errors else "no answer"
-            yield f"More than 10 % of the largest place off on {where}: {who}, {worst}."
-    for name in dict.fromkeys(name for row in found.values() for name in row):
-        chatter = {n: e.chatter for n, row in found.items() if (e := row.get(name))}
+        schemes.setdefault(tuple(wrong), []).append(label)
+    for problems, labels in schemes.items():
+        errors = [e.error for n in labels for p in problems if (e := entries[n][p]) is not None]
+        if problems:
+            yield labels, problems, _times(max(errors)) if errors else ""
+
+
+def _chatter(entries: Entries) -> Iterator[tuple[str, float, list[str]]]:
+    """Schemes that let the force of a lasting contact chatter where another does not."""
+    for name in dict.fromkeys(name for row in entries.values() for name in row):
+        chatter = {n: e.chatter for n, row in entries.items() if (e := row.get(name))}
         least = min(chatter.values(), default=0.0)
         loud = {n: c for n, c in chatter.items() if 0.0 < least < _CALM < _CHATTER < c}
         if loud:
-            words = ", ".join(f"{n} {number(c, 2)}" for n, c in loud.items())
-            yield (
-                f"Contact forces on {name} chatter (half the variation of the impulses over their "
-                f"sum; {number(least, 1)} at best): {words}."
-            )
+            yield name, least, [f"{n} {number(c, 2)}" for n, c in loud.items()]

@@ -1,43 +1,29 @@
 """What measured impacts say of the models, where they are from, and that there are none."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from workbench.content.formatting import share, span_cell, title_of, valued
-from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Section, Table
+from workbench.content.page import Page
+from workbench.content.tree import Block, Cell, Column, Section, Table
 from workbench.report.stored import Stored
 from workbench.study.definition import Study
 from workbench.study.validation import MEASURED
 
 MARK = "SYNTHETIC, no tests: "  # before every caption of a report that shows made numbers
-_NONE = (
-    "No tests here: no measured impact on a steel member with all inputs could be found under an "
-    "open licence. `workbench data add` makes tests a side of every study."
-)
-_MADE = (
-    "SYNTHETIC rows, no tests: made numbers that show the form of the comparison. No model is "
-    "validated or refuted by them, and no cell or gate judges one."
-)
-_CAPTION = (
-    "Models over tests: median of test over prediction with its 95 % interval, scatter of that "
-    "ratio and that of the measurement, and how many tests lie inside the stated interval, "
-    "measurement and numerical uncertainty, with the 95 % interval of that share. Few campaigns "
-    "hardly tell how much campaigns differ, and make the interval of the median wide."
-)
+PAGE = Page(__file__)
 
 
-def made(stored: Stored) -> Iterator[Block]:
+def synthetic(stored: Stored) -> tuple[Block, ...]:
     """That numbers are made, where they are."""
-    if stored.synthetic:
-        yield Callout("bad", _MADE)
+    return PAGE.blocks("synthetic") if stored.synthetic else ()
 
 
-def footnote(study: Study, stored: Stored) -> Iterator[Block]:
+def footnote(study: Study, stored: Stored) -> tuple[Block, ...]:
     """That nothing was measured, where a study of impacts has no test."""
     struck = any(hasattr(case.scenario, "striker") for case in study.cases)
-    if struck and (stored.synthetic or not _measured(study)):
-        yield Paragraph(_NONE)
+    return PAGE.blocks("footnote") if struck and (stored.synthetic or not _measured(study)) else ()
 
 
 def _measured(study: Study) -> list[str]:
@@ -61,8 +47,8 @@ def validation(study: Study, stored: Stored) -> Section | None:
         Column("of all, 95 %", True, 1.1, _coverage),
         Column("farthest", width=1.3, of="worst"),
     )
-    tables = (Table.of("validation", _CAPTION, columns, rows), _sources(study, stored))
-    return Section("validation", "Models over tests", tables)
+    table = Table.of("validation", "", columns, rows)
+    return PAGE.section("validation", models=table, sources=_sources(study, stored))
 
 
 def _coverage(row: Mapping[str, Any]) -> Cell | None:
@@ -72,7 +58,7 @@ def _coverage(row: Mapping[str, Any]) -> Cell | None:
 
 def _sources(study: Study, stored: Stored) -> Table:
     """Where the tests are from, as stored with the answers."""
-    found: dict[str, dict[str, Any]] = {}
+    datasets: dict[str, dict[str, Any]] = {}
     counts: dict[str, int] = {}
     for case in study.cases:
         for label in _measured(study):
@@ -81,7 +67,7 @@ def _sources(study: Study, stored: Stored) -> Table:
                 continue
             given = json.loads(response.attrs["data"])
             for entry in given["datasets"]:
-                found[entry["name"]] = entry
+                datasets[entry["name"]] = entry
                 counts[entry["name"]] = counts.get(entry["name"], 0) + len(given["tests"])
     columns = (
         Column("table", width=1.2, of="name"),
@@ -93,4 +79,4 @@ def _sources(study: Study, stored: Stored) -> Table:
         Column("year", width=0.6, of="year"),
         Column("uncertainty", width=2.0, of="uncertainty"),
     )
-    return Table.of("test-sources", "Where the tests are from.", columns, found.values())
+    return Table.of("test-sources", "", columns, datasets.values())

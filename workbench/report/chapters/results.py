@@ -1,6 +1,6 @@
-"""Figures and tables of numbers, and what the answers cost."""
+"""Tables of numbers, how well the reference itself is known, and what the answers cost."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import nan
 from statistics import median
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from workbench.assessment import METRICS, Scope
 from workbench.content.formatting import (
-    count,
+    axis_label,
     duration,
     in_unit,
     interval,
@@ -19,27 +19,31 @@ from workbench.content.formatting import (
     unit_of,
     valued,
 )
-from workbench.content.tree import ABSENT, Block, Cell, Column, Paragraph, Section, Table
+from workbench.content.page import Page
+from workbench.content.tree import ABSENT, Block, Cell, Column, Section, Table
 from workbench.report.stored import BEST, Stored
 from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
-from workbench.study.definition import Study, holds_data
+from workbench.study.definition import DATA, Study, holds_data
 
+PAGE = Page(__file__)
 _PRINTED = 40
 _ONE_LINE = 3  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
+_MEASURED = (*DATA, "stud-measured")
+_BEAMS = ("fiber-reissner", "fiber-corotational", "fiber-shear")
 
 
-def numbers(study: Study, stored: Stored) -> Section:
+def numbers(study: Study, stored: Stored) -> Section | None:
     """Values and deviations of every quantity, curve and history metrics, bias and scatter."""
     tables = {quantity: _values(study, stored, quantity) for quantity in study.quantities}
-    silent = [title_of(quantity) for quantity, table in tables.items() if table is None]
-    blocks: list[Block] = [table for table in tables.values() if table is not None]
-    blocks.extend(_shapes(study, stored))
-    blocks.extend(_bias(stored))
-    if silent:
-        blocks.append(Paragraph(f"No model answered with: {', '.join(silent)}."))
-    return Section("numbers", "Numbers", tuple(blocks))
+    return PAGE.section(
+        "numbers",
+        values=[table for table in tables.values() if table is not None],
+        shapes=list(_shapes(study, stored)),
+        bias=_bias(stored),
+        silent=[title_of(quantity) for quantity, table in tables.items() if table is None],
+    )
 
 
 def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
@@ -47,12 +51,11 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
     if not values:
         return None
     cases = list(dict.fromkeys(case for case, _ in values))
-    labels = [label for label in study.models if any(label == own for _, own in values)]
-    several = len(study.ranked) > 1
-    errors = stored.errors(quantity, "relative_error", BEST if several else study.reference)
+    labels = [label for label in study.models if any(label == other for _, other in values)]
+    governing = len(study.ranked) > 1
+    errors = stored.errors(quantity, "relative_error", BEST if governing else study.reference)
     few = len(cases) <= _WIDEST
     gap = "\n" if len(cases if few else labels) > _ONE_LINE else "\u2002"
-    unit = unit_of(quantity)
 
     def cell(case: str, label: str) -> Cell:
         if (case, label) not in values:
@@ -61,24 +64,26 @@ def _values(study: Study, stored: Stored, quantity: str) -> Table | None:
         text = in_unit(values[case, label], quantity, width=width, named=False)
         if (case, label) in errors:
             row = errors[case, label]
-            ends = row.get("low"), row.get("high")
-            if None not in ends:
+            if None not in (row.get("low"), row.get("high")):
                 text = _sampled(stored, case, label, quantity)
-            said = interval("relative_error", quantity, row["error"], row["uncertainty"], *ends)
-            text += f"{gap}{said.replace(' (uncertainty unknown)', '')}"
+            text += f"{gap}{_interval('relative_error', row)}"
         return Cell(text, values[case, label])
 
-    shown = f"{title_of(quantity).capitalize()}{f' in {unit.text}' if unit.text else ''}"
-    what = "the reference that counts in a case, which has none" if several else study.reference
-    width = "its numerical uncertainty or that of the data"
-    caption = f"{shown}, with {width}, and deviation from {what}."
     rows, columns = labels, [Column("model", width=2.0, of=str)]
     if few:
         columns += (Column(case, True, 1.4, partial(cell, case)) for case in cases)
     else:
         rows, columns = cases, [Column("case", width=2.4, of=str)]
         columns += (Column(label, True, 1.3, partial(cell, label=label)) for label in labels)
+    against = "" if governing else study.reference
+    caption = PAGE.words("values", quantity=quantity, unit=unit_of(quantity).text, against=against)
     return Table.of(f"values-{quantity}", caption, columns, rows, _PRINTED)
+
+
+def _interval(metric: str, row: dict[str, Any]) -> str:
+    """The value of a comparison with what is known of its uncertainty."""
+    ends = row.get("low"), row.get("high")
+    return interval(metric, row["quantity"], row["error"], row["uncertainty"], *ends, unknown="")
 
 
 def _sampled(stored: Stored, case: str, label: str, quantity: str) -> str:
@@ -94,36 +99,36 @@ def _shapes(study: Study, stored: Stored) -> Iterator[Table]:
     """Metrics of histories and curves against the reference."""
     for scope, word in ((Scope.HISTORY, "Histories"), (Scope.CURVE, "Curves")):
         metrics = [name for name, metric in METRICS.items() if metric.scope is scope]
-        found: dict[tuple[str, str, str], dict[str, dict[str, Any]]] = {}
+        rows: dict[tuple[str, str, str], dict[str, dict[str, Any]]] = {}
         for row in stored.rows["comparisons"]:
             if row["against"] == study.reference and row["metric"] in metrics:
                 key = row["case"], row["model"], row["quantity"]
-                found.setdefault(key, {})[row["metric"]] = row
-        if not found:
+                rows.setdefault(key, {})[row["metric"]] = row
+        if not rows:
             continue
         columns = (
             Column("case", width=1.6, of=lambda pair: pair[0][0]),
             Column("model", width=1.7, of=lambda pair: pair[0][1]),
             Column("quantity", width=1.3, of=lambda pair: title_of(pair[0][2])),
-            *(Column(metric_title(name), True, 1.35, partial(_of, name)) for name in metrics),
+            *(Column(metric_title(name), True, 1.35, partial(_metric, name)) for name in metrics),
         )
-        cites = " ".join(f"[@{key}]" for key in dict.fromkeys(METRICS[m].citation for m in metrics))
-        meanings = "; ".join(f"{METRICS[m].title} = {METRICS[m].meaning}" for m in metrics)
-        caption = f"{word} against {study.reference} {cites}: {meanings}."
-        yield Table.of(f"shapes-{scope.value}", caption, columns, found.items(), _PRINTED)
+        caption = PAGE.words(
+            "shapes",
+            scope=word,
+            reference=study.reference,
+            cites=[f"[@{key}]" for key in dict.fromkeys(METRICS[m].citation for m in metrics)],
+            meanings=[f"{METRICS[m].title} = {METRICS[m].meaning}" for m in metrics],
+        )
+        yield Table.of(f"shapes-{scope.value}", caption, columns, rows.items(), _PRINTED)
 
 
-def _of(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
+def _metric(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
     """The cell of a metric in the row of a case, model and quantity."""
     row = pair[1].get(metric)
-    if row is None:
-        return ABSENT
-    ends = row.get("low"), row.get("high")
-    text = interval(metric, row["quantity"], row["error"], row["uncertainty"], *ends)
-    return Cell(text.replace(" (uncertainty unknown)", ""), row["error"])
+    return ABSENT if row is None else Cell(_interval(metric, row), row["error"])
 
 
-def _bias(stored: Stored) -> Iterator[Table]:
+def _bias(stored: Stored) -> Table | None:
     """Bias and scatter over all cases, where there are enough of them and no matrix says more."""
     rows = [] if stored.rows["matrix"] else stored.rows["bias"]
     columns = (
@@ -135,12 +140,49 @@ def _bias(stored: Stored) -> Iterator[Table]:
         Column("95 % interval", True, 1.5, span_cell),
         Column("scatter", True, 0.9, lambda row: share(row["model_scatter"])),
     )
-    caption = (
-        "Bias (expected ratio of model to what it is held against) and relative scatter over all "
-        "cases that both answered with a number: none where one side collapses [@fds-validation]."
+    return Table.of("bias", "", columns, rows, _PRINTED) if rows else None
+
+
+def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
+    """How well the reference is known: the table of its ladder and the figures that show it."""
+    name = study.models[study.reference].name
+    rows = [row for row in stored.rows["ladder"] if _has_level(study, stored, row)]
+    return PAGE.section(
+        "convergence",
+        reference=study.reference,
+        measured=name in _MEASURED,
+        refined=len(study.steps) >= 2,
+        steps=study.steps,
+        alone=study.steps != study.ladder,  # a reference that makes these runs itself
+        beams=name in _BEAMS,
+        figures=list(figures),
+        ladder=Table.of("ladder", "", _ladder_columns(study), rows, 40) if rows else None,
     )
-    if rows:
-        yield Table.of("bias", caption, columns, rows, _PRINTED)
+
+
+def _has_level(study: Study, stored: Stored, row: dict[str, Any]) -> bool:
+    """Whether a row of the ladder has values, or lacks them because a level did not answer."""
+    return any(row[label] is not None for label in study.steps) or any(
+        stored.expects(row["case"], label) and not stored.ok(row["case"], label)
+        for label in (*study.ladder, study.reference)
+    )
+
+
+def _ladder_columns(study: Study) -> Iterator[Column]:
+    def value(name: str) -> Callable[[Any], Cell]:
+        return lambda row: valued(row[name], 4, factor=unit_of(row["quantity"]).factor)
+
+    yield Column("case", width=1.6, of="case")
+    yield Column("quantity", width=1.7, of=lambda row: axis_label(row["quantity"]))
+    for label in study.steps:
+        yield Column(label, True, 1.15, value(label))
+    yield Column("order", True, 0.7, lambda row: valued(row["order"], 3))
+    yield Column("extrapolated", True, 1.1, value("extrapolated"))
+    yield Column(
+        *("numerical uncertainty", True, 1.05),
+        lambda row: share(row["relative"], "" if row["accepted"] == "true" else "doubt"),
+    )
+    yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 
 
 class _Times(NamedTuple):
@@ -152,44 +194,35 @@ class _Times(NamedTuple):
     solving: list[float]
 
 
-_COLUMNS = (
-    Column("model", width=2.0, of="label"),
-    Column("scenario", width=1.6, of="kind"),
-    Column("cases", True, 0.7, lambda times: len(times.whole)),
-    Column("fastest", True, 1.0, lambda times: valued(min(times.whole), duration)),
-    Column("median", True, 1.0, lambda times: valued(median(times.whole), duration)),
-    Column("slowest", True, 1.0, lambda times: valued(max(times.whole), duration)),
-    Column("solving alone", True, 1.2, lambda t: valued(median(t.solving or [nan]), duration)),
-)
-
-
-def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section:
+def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
     """Wall times per model and the figures that set them against errors."""
     rows = list(_times(study, stored))
-    caption = (
-        "Wall time of one answer on one core, after compilation: the whole response with its "
-        "histories, and where the model measures it the median of solving the equations alone."
+    columns = (
+        Column("model", width=2.0, of="label"),
+        Column("scenario", width=1.6, of="kind"),
+        Column("cases", True, 0.7, lambda times: len(times.whole)),
+        Column("fastest", True, 1.0, lambda times: valued(min(times.whole), duration)),
+        Column("median", True, 1.0, lambda times: valued(median(times.whole), duration)),
+        Column("slowest", True, 1.0, lambda times: valued(max(times.whole), duration)),
+        Column("solving alone", True, 1.2, lambda t: valued(median(t.solving or [nan]), duration)),
     )
-    text = (
-        "Wall times depend on the machine and on what else ran on it: "
-        f"{count(len(stored.provenance), 'kind', 'kinds')} of machine and software, listed under "
-        "provenance, answered the cells of this report."
+    return PAGE.section(
+        "cost",
+        table=Table.of("cost-table", "", columns, rows) if rows else None,
+        figures=list(figures),
+        kinds=len(stored.provenance),
     )
-    table: Block = Table.of("cost-table", caption, _COLUMNS, rows)
-    if not rows:
-        table = Paragraph("No model that computes has answered yet.")
-    return Section("cost", "Cost", (table, *figures, Paragraph(text)))
 
 
 def _times(study: Study, stored: Stored) -> Iterator[_Times]:
     times = stored.values("wall_time"), stored.values("solve_time")
     for label, model in study.models.items():
         for kind in dict.fromkeys(case.scenario.KIND for case in study.cases):
-            own = [
+            cells = [
                 (case.name, label)
                 for case in study.cases
                 if kind == case.scenario.KIND and stored.ok(case.name, label)
             ]
-            whole, solving = ([known[key] for key in own if key in known] for known in times)
+            whole, solving = ([known[key] for key in cells if key in known] for known in times)
             if whole and not holds_data(model):
                 yield _Times(label, kind, whole, solving)

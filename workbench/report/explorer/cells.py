@@ -16,7 +16,7 @@ from workbench.arrays import Array
 from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, in_unit, interval
 from workbench.report.chapters.answer import GOOD
-from workbench.report.chapters.wording import FAIR
+from workbench.report.chapters.choice import FAIR
 from workbench.report.drawing.multiples import YIELDS
 from workbench.report.drawing.shapes import Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned

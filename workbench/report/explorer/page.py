@@ -12,7 +12,7 @@ from markupsafe import Markup
 from workbench.content.formatting import count
 from workbench.content.html import STYLE, templates
 from workbench.content.tree import Callout, Cell, Table
-from workbench.report.chapters import answer, measured, wording
+from workbench.report.chapters import answer, choice, measured
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
 from workbench.report.drawing.multiples import REST, YIELDING
@@ -51,7 +51,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     cases = tuple(_cases(study, stored))
     if not any(cell.record for case in cases for cell in case.cells):
         return None
-    made = [block.text for block in measured.made(stored) if isinstance(block, Callout)]
+    made = [block.text for block in measured.synthetic(stored) if isinstance(block, Callout)]
     title = f"{measured.MARK if made else ''}{study.title}"
     matrix, models, text = _matrix(stored, study), _models(study), ""
     shown = {"study": study, "title": title, "made": made, **_seen(study, cases, matrix, models)}
@@ -157,7 +157,7 @@ def _fixed(study: Study, synthetic: bool, matrix: Rows, models: Rows) -> dict[st
         "matrix": [row | {"cells": {c["group"]: c["lines"] for c in row["cells"]}}
                    for row in matrix],
         "parts": [list(part) for part in PARTS],
-        "bounds": [answer.GOOD, wording.FAIR],
+        "bounds": [answer.GOOD, choice.FAIR],
         "colors": {"band": INTERVAL["color"], "rest": REST, "yields": YIELDING},
     }  # fmt: skip
 
@@ -201,7 +201,7 @@ def _matrix(stored: Stored, study: Study) -> Rows:
 
 
 def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, Any]:
-    ends = ", ".join(wording.ends(dict(row))) if row else ""
+    ends = ", ".join(answer.ends(dict(row))) if row else ""
     look = {"tone": cell.tone, "hatched": cell.hatched}
     return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
 

@@ -8,8 +8,8 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from workbench.assessment.budget import COVERAGE, PEAK, SUMS
-from workbench.content.budgets import change, scale
 from workbench.content.formatting import in_unit, title_of
+from workbench.report.chapters.budgets import change, scale
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style
 
