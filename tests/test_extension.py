@@ -71,9 +71,9 @@ METRIC = '''
     low=0.0,
     spread=lambda s, d, own, other: 2.0 * abs(s / d - 1.0) * (own + s / d * other) / d,
 )
-def squared_error(response: Response, reference: Response, quantity: str) -> float:
+def squared_error(pair: Pair) -> float:
     """Relative error squared."""
-    return relative_error(response, reference, quantity) ** 2
+    return (pair.value / pair.reference - 1.0) ** 2
 '''
 USE = """
 import json

@@ -6,27 +6,11 @@ are linear from place to place, so that none of them depends on a resampling ste
 
 import numpy as np
 
-from workbench.assessment.metric import Array, Common, Scope, Swap, metric, on_common_base, present
+from workbench.arrays import Array
+from workbench.assessment.metric import Common, Curves, Scope, Swap, metric, on_common_base
 from workbench.errors import InputError
-from workbench.responses import Response
 
 _SAMPLES = 400  # points along each curve; the distance changes by less than 1e-3 of itself beyond
-
-
-def overlap(response: Response, reference: Response, quantity: str) -> Common:
-    """Both histories of a quantity on the union of their time grids where both are known.
-
-    Raises `InputError` if one is not a history in time or the records do not overlap.
-    """
-    records = []
-    for side, given in (("response", response), ("reference", reference)):
-        values = present(given, quantity, side)
-        if given[quantity].dims != ("time",):
-            allowed = "must be a history over time alone"
-            advice = "choose a hinge first, or use a scalar or curve metric"
-            raise InputError(f"{side}.{quantity}", given[quantity].dims, allowed, advice)
-        records.append((np.asarray(given["time"].values, dtype=float), values))
-    return on_common_base(records[0], records[1], quantity)
 
 
 def product_integral(time: Array, first: Array, second: Array) -> float:
@@ -36,13 +20,14 @@ def product_integral(time: Array, first: Array, second: Array) -> float:
     return float(np.sum(step * (ends + a[:-1] * b[1:] + a[1:] * b[:-1])) / 6.0)
 
 
-def _energies(response: Response, reference: Response, quantity: str) -> tuple[float, float, float]:
-    time, values, held_against = overlap(response, reference, quantity)
+def _energies(common: Common) -> tuple[float, float, float]:
+    """Integrals of the squares of both histories and of their product, over equal factors."""
+    time, values, reference, quantity = common
     # scaled, so that squares neither overflow nor vanish
-    top, top_reference = float(np.max(np.abs(values))), float(np.max(np.abs(held_against)))
+    top, top_reference = float(np.max(np.abs(values))), float(np.max(np.abs(reference)))
     if top == 0.0 or top_reference == 0.0:
         raise InputError(quantity, 0.0, "is zero throughout the overlap", "use difference")
-    a, b = values / top, held_against / top_reference
+    a, b = values / top, reference / top_reference
     return (
         product_integral(time, a, a) * (top / top_reference) ** 2,
         product_integral(time, b, b),
@@ -50,91 +35,80 @@ def _energies(response: Response, reference: Response, quantity: str) -> tuple[f
     )
 
 
-def _magnitude(own: float, held_against: float) -> float:
-    return float(np.sqrt(own / held_against) - 1.0)
+def _magnitude(square: float, reference_square: float) -> float:
+    return float(np.sqrt(square / reference_square) - 1.0)
 
 
-def _phase(own: float, held_against: float, mixed: float) -> float:
-    cosine = mixed / np.sqrt(own * held_against)
+def _phase(square: float, reference_square: float, product: float) -> float:
+    cosine = product / np.sqrt(square * reference_square)
     if cosine > 1.0 - 1e-14:  # equal histories: acos would blow rounding up to 1e-8
         return 0.0
     return float(np.arccos(max(cosine, -1.0)) / np.pi)
 
 
 @metric("Sprague-Geers M", Scope.HISTORY, "sprague-geers", low=-1.0)
-def sprague_geers_magnitude(response: Response, reference: Response, quantity: str) -> float:
+def sprague_geers_magnitude(common: Common) -> float:
     """Ratio of root-mean-square levels less one; blind to phase.
 
-    M = sqrt(Scc/Stt) - 1. Raises `InputError` as `overlap` does, and if one history is zero
-    throughout.
+    M = sqrt(Scc/Stt) - 1. Raises `InputError` if one history is zero throughout.
     """
-    return _magnitude(*_energies(response, reference, quantity)[:2])
+    return _magnitude(*_energies(common)[:2])
 
 
 @metric("Sprague-Geers P", Scope.HISTORY, "sprague-geers", low=0.0, high=1.0, swap=Swap.SAME)
-def sprague_geers_phase(response: Response, reference: Response, quantity: str) -> float:
+def sprague_geers_phase(common: Common) -> float:
     """Angle between both histories over pi; blind to magnitude.
 
     P = acos(Sct / sqrt(Scc Stt)) / pi. Raises `InputError` as the magnitude does.
     """
-    return _phase(*_energies(response, reference, quantity))
+    return _phase(*_energies(common))
 
 
 @metric("Sprague-Geers C", Scope.HISTORY, "sprague-geers", low=0.0)
-def sprague_geers_comprehensive(response: Response, reference: Response, quantity: str) -> float:
+def sprague_geers_comprehensive(common: Common) -> float:
     """Root of M squared plus P squared.
 
     Raises `InputError` as the magnitude does.
     """
-    energies = _energies(response, reference, quantity)
+    energies = _energies(common)
     return float(np.hypot(_magnitude(*energies[:2]), _phase(*energies)))
 
 
-def _residuals(response: Response, reference: Response, quantity: str) -> tuple[Array, Array]:
-    time, values, held_against = overlap(response, reference, quantity)
-    top = float(np.max(np.abs(held_against)))
+def _residuals(common: Common) -> tuple[Array, Array]:
+    time, values, reference, quantity = common
+    top = float(np.max(np.abs(reference)))
     if top == 0.0:
         raise InputError(quantity, 0.0, "of the reference is zero throughout the overlap")
-    return time, (values - held_against) / top
+    return time, (values - reference) / top
 
 
 @metric("mean residual", Scope.HISTORY, "nchrp179")
-def residual_mean(response: Response, reference: Response, quantity: str) -> float:
+def residual_mean(common: Common) -> float:
     """Mean difference over time, over the peak of the reference."""
-    time, residual = _residuals(response, reference, quantity)
+    time, residual = _residuals(common)
     return float(np.trapezoid(residual, time) / (time[-1] - time[0]))
 
 
 @metric("standard deviation of the residual", Scope.HISTORY, "nchrp179", low=0.0)
-def residual_deviation(response: Response, reference: Response, quantity: str) -> float:
+def residual_deviation(common: Common) -> float:
     """Standard deviation of the difference over time, over the peak of the reference."""
-    time, residual = _residuals(response, reference, quantity)
+    time, residual = _residuals(common)
     span = time[-1] - time[0]
     centred = residual - np.trapezoid(residual, time) / span
     return float(np.sqrt(product_integral(time, centred, centred) / span))
 
 
-def _curve(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
-    y = present(response, quantity, side)
-    x = present(response, "displacement", side)
-    if y.ndim != 1 or y.shape != x.shape or len(y) < 2:
-        text = "must be a curve of 2 points or more over displacement"
-        raise InputError(f"{side}.{quantity}", y.shape, text)
-    return x, y
-
-
-def common_range(response: Response, reference: Response, quantity: str) -> Common:
+def common_range(curves: Curves) -> Common:
     """Both curves on the union of their displacements, over the range that both cover.
 
     Raises `InputError` if a curve's displacement does not increase or the ranges do not meet.
     """
-    records = []
-    for side, given in (("response", response), ("reference", reference)):
-        records.append(_curve(given, quantity, side))
-        if np.any(np.diff(records[-1][0]) <= 0.0):
-            shape, advice = records[-1][0].shape, "use arc_length_distance"
-            raise InputError(f"{side}.displacement", shape, "must increase", advice)
-    return on_common_base(records[0], records[1], quantity)
+    for side in ("response", "reference"):
+        x, _ = getattr(curves, side)
+        if np.any(np.diff(x) <= 0.0):
+            advice = "use arc_length_distance"
+            raise InputError(f"{side}.displacement", x.shape, "must increase", advice)
+    return on_common_base(*curves)
 
 
 def absolute_area(x: Array, y: Array) -> float:
@@ -147,42 +121,42 @@ def absolute_area(x: Array, y: Array) -> float:
 
 
 @metric("area between the curves", Scope.CURVE, "jekel2019", low=0.0)
-def area_difference(response: Response, reference: Response, quantity: str) -> float:
+def area_difference(curves: Curves) -> float:
     """Area between both curves over the area under the reference.
 
     Raises `InputError` as `common_range` does, and if the reference is zero throughout.
     """
-    x, values, held_against = common_range(response, reference, quantity)
-    return absolute_area(x, values - held_against) / _area(x, held_against, quantity)
+    common = common_range(curves)
+    return absolute_area(common.at, common.values - common.reference) / _area(common)
 
 
 @metric("difference of work", Scope.CURVE, "jekel2019")
-def work_difference(response: Response, reference: Response, quantity: str) -> float:
+def work_difference(curves: Curves) -> float:
     """Signed area between both curves over the area under the reference.
 
     The work too much. Raises `InputError` as `area_difference` does.
     """
-    x, values, held_against = common_range(response, reference, quantity)
-    return float(np.trapezoid(values - held_against, x)) / _area(x, held_against, quantity)
+    common = common_range(curves)
+    return float(np.trapezoid(common.values - common.reference, common.at)) / _area(common)
 
 
-def _area(x: Array, y: Array, quantity: str) -> float:
-    area = absolute_area(x, y)
+def _area(common: Common) -> float:
+    """Area under the reference."""
+    area = absolute_area(common.at, common.reference)
     if area == 0.0:
-        raise InputError(quantity, 0.0, "of the reference is zero over the common range")
+        raise InputError(common.quantity, 0.0, "of the reference is zero over the common range")
     return area
 
 
 @metric("distance along the curves", Scope.CURVE, "witowski2012", low=0.0)
-def arc_length_distance(response: Response, reference: Response, quantity: str) -> float:
+def arc_length_distance(curves: Curves) -> float:
     """Distance of points at equal shares of arc length, axes scaled by the reference.
 
     Root of the mean square; curves may turn back (unloading). Both end where the shorter one
     reaches its largest displacement. Raises `InputError` if the reference has no extent along an
     axis.
     """
-    x1, y1 = _curve(response, quantity, "response")
-    x2, y2 = _curve(reference, quantity, "reference")
+    (x1, y1), (x2, y2), quantity = curves
     end = min(x1.max(), x2.max())
     x1, y1 = _until(x1, y1, end)
     x2, y2 = _until(x2, y2, end)

@@ -1,4 +1,8 @@
-"""What a metric is: a number with a meaning, a range, a perfect value and a source."""
+"""What a metric is: a number with a meaning, a range, a perfect value and a source.
+
+A metric is computed of what its scope says (`Pair`, `Common`, `Curves`, `Run`); `sides` makes that
+of two responses, once for all metrics of a scope.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,18 +15,50 @@ from workbench.arrays import Array as Array
 from workbench.errors import InputError
 from workbench.responses import Response
 
-Compute = Callable[[Response, Response, str], float]
+Compute = Callable[[Any], float]
 # (value, reference, half-widths of both) -> half-width of the metric, None where it has none
 Spread = Callable[[float, float, float, float], float | None]
 
 
 class Scope(StrEnum):
-    """What a metric compares."""
+    """What a metric compares, and so what it is computed of."""
 
-    SCALAR = "scalar"
-    HISTORY = "history"
-    CURVE = "curve"
-    RUN = "run"  # nothing: the response alone
+    SCALAR = "scalar"  # `Pair`
+    HISTORY = "history"  # `Common`
+    CURVE = "curve"  # `Curves`
+    RUN = "run"  # `Run`: nothing is compared
+
+
+class Pair(NamedTuple):
+    """A scalar `quantity` of both sides, in its unit."""
+
+    value: float
+    reference: float
+    quantity: str
+
+
+class Common(NamedTuple):
+    """Two records on one base: `at` (n,), time in s or displacement in m, and both values (n,)."""
+
+    at: Array
+    values: Array
+    reference: Array
+    quantity: str
+
+
+class Curves(NamedTuple):
+    """A `quantity` over displacement (m) of both sides, each (displacement, values), both (n,)."""
+
+    response: tuple[Array, Array]
+    reference: tuple[Array, Array]
+    quantity: str
+
+
+class Run(NamedTuple):
+    """A response alone."""
+
+    response: Response
+    quantity: str
 
 
 class Swap(StrEnum):
@@ -38,8 +74,8 @@ class Metric:
     """A comparison of one quantity of a response with that of a reference.
 
     Arguments: `name`, key in `METRICS`; `title` and `meaning` for the reader; `compute`, the
-    function ``(response, reference, quantity) -> float``, which raises `InputError` where the
-    metric does not exist (quantity absent, reference zero, no common range); `scope`, what it
+    function of what its scope compares, which raises `InputError` where the metric does not exist
+    (reference zero, no common range); `scope`, what it
     compares; `citation`, key of the bibliography; `perfect`, its value for equal inputs, nearer
     to which is better; `low` and `high`, its range; `unit_power`, 0 if it is a pure number, 1 if
     it carries the unit of the quantity; `swap`, its symmetry; `spread`, which every
@@ -70,8 +106,8 @@ class Metric:
         return self.low < self.perfect < self.high
 
     def __call__(self, response: Response, reference: Response, quantity: str) -> float:
-        """Value of the metric. Raises `InputError` where it does not exist."""
-        return self.compute(response, reference, quantity)
+        """Value of the metric between two responses. Raises `InputError` where it has none."""
+        return self.compute(sides(self.scope, response, reference, quantity))
 
     def half_width(
         self, value: float, reference: float, own: float | None, other: float | None
@@ -111,30 +147,65 @@ def metric(title: str, scope: Scope, citation: str, **more: Any) -> Callable[[Co
     return made
 
 
-def present(response: Response, quantity: str, side: str) -> Array:
-    """Values of a quantity; `side` is how the message of the `InputError` for none calls it."""
+def sides(
+    scope: Scope, response: Response, reference: Response, quantity: str
+) -> Pair | Common | Curves | Run:
+    """What metrics of a scope are computed of, made of two responses.
+
+    Raises `InputError` if a side does not know the quantity, as a scalar, history or curve, or if
+    two histories do not overlap.
+    """
+    if scope is Scope.RUN:
+        return Run(response, quantity)
+    read = {Scope.SCALAR: _scalar, Scope.HISTORY: _history, Scope.CURVE: _curve}[scope]
+    both = read(response, quantity, "response"), read(reference, quantity, "reference")
+    if scope is Scope.SCALAR:
+        return Pair(*both, quantity)
+    return on_common_base(*both, quantity) if scope is Scope.HISTORY else Curves(*both, quantity)
+
+
+def _present(response: Response, quantity: str, side: str) -> Array:
     if quantity not in response:
         raise InputError(f"{side}.{quantity}", None, f"the {side} does not know this quantity")
-    return np.asarray(response[quantity].values, dtype=float)
+    return np.asarray(response.variables[quantity].values, dtype=float)
 
 
-class Common(NamedTuple):
-    """Two records on one base: `at` (n,), time in s or displacement in m, and both values (n,)."""
+def _scalar(response: Response, quantity: str, side: str) -> float:
+    values = _present(response, quantity, side)
+    if values.ndim:
+        text, advice = "must be a scalar quantity", "use a history metric"
+        raise InputError(quantity, values.shape, text, advice)
+    return float(values)
 
-    at: Array
-    values: Array
-    reference: Array
+
+def _history(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
+    values, dims = _present(response, quantity, side), response.variables[quantity].dims
+    if dims != ("time",):
+        text, advice = "must be a history over time alone", "use a scalar or curve metric"
+        raise InputError(f"{side}.{quantity}", dims, text, f"choose a hinge first, or {advice}")
+    return np.asarray(response.variables["time"].values, dtype=float), values
 
 
-def on_common_base(own: tuple[Array, Array], other: tuple[Array, Array], quantity: str) -> Common:
+def _curve(response: Response, quantity: str, side: str) -> tuple[Array, Array]:
+    y = _present(response, quantity, side)
+    x = _present(response, "displacement", side)
+    if y.ndim != 1 or y.shape != x.shape or len(y) < 2:
+        text = "must be a curve of 2 points or more over displacement"
+        raise InputError(f"{side}.{quantity}", y.shape, text)
+    return x, y
+
+
+def on_common_base(
+    response: tuple[Array, Array], reference: tuple[Array, Array], quantity: str
+) -> Common:
     """Two records, each (places, values), on the union of their places where both are known.
 
     Between its places a record is linear. Raises `InputError` if the records do not overlap.
     """
-    (x1, y1), (x2, y2) = own, other
+    (x1, y1), (x2, y2) = response, reference
     start, end = max(x1[0], x2[0]), min(x1[-1], x2[-1])
     if not end > start:
         raise InputError(quantity, (start, end), "the records do not overlap")
     x = np.union1d(x1, x2)
     x = x[(x >= start) & (x <= end)]
-    return Common(x, np.interp(x, x1, y1), np.interp(x, x2, y2))
+    return Common(x, np.interp(x, x1, y1), np.interp(x, x2, y2), quantity)

@@ -4,21 +4,9 @@ from math import hypot
 
 import numpy as np
 
-from workbench.assessment.metric import Scope, Swap, metric, present
+from workbench.assessment.metric import Pair, Run, Scope, Swap, metric
 from workbench.errors import InputError
-from workbench.responses import Response
 from workbench.responses.uncertainty import uncertainty_of
-
-
-def _pair(response: Response, reference: Response, quantity: str) -> tuple[float, float]:
-    values = []
-    for side, given in (("response", response), ("reference", reference)):
-        array = present(given, quantity, side)
-        if array.ndim:
-            text, advice = "must be a scalar quantity", "use a history metric"
-            raise InputError(quantity, array.shape, text, advice)
-        values.append(float(array))
-    return values[0], values[1]
 
 
 @metric(
@@ -29,13 +17,12 @@ def _pair(response: Response, reference: Response, quantity: str) -> tuple[float
     swap=Swap.OPPOSITE,
     spread=lambda value, reference, own, other: hypot(own, other),
 )
-def difference(response: Response, reference: Response, quantity: str) -> float:
+def difference(pair: Pair) -> float:
     """Value - reference, in the unit of the quantity.
 
     E = S - D of ASME V&V 20-2009, eq. 1-5-1.
     """
-    value, held_against = _pair(response, reference, quantity)
-    return value - held_against
+    return pair.value - pair.reference
 
 
 @metric(
@@ -47,15 +34,14 @@ def difference(response: Response, reference: Response, quantity: str) -> float:
         hypot(own / reference, value / reference * other / reference) if reference else None
     ),
 )
-def relative_error(response: Response, reference: Response, quantity: str) -> float:
+def relative_error(pair: Pair) -> float:
     """(value - reference) / |reference|.
 
     Raises `InputError` if the reference is zero.
     """
-    value, held_against = _pair(response, reference, quantity)
-    if held_against == 0.0:
-        raise InputError(quantity, 0.0, "of the reference must not be zero", "use difference")
-    return (value - held_against) / abs(held_against)
+    if pair.reference == 0.0:
+        raise InputError(pair.quantity, 0.0, "of the reference must not be zero", "use difference")
+    return (pair.value - pair.reference) / abs(pair.reference)
 
 
 @metric(
@@ -65,23 +51,23 @@ def relative_error(response: Response, reference: Response, quantity: str) -> fl
     swap=Swap.OPPOSITE,
     spread=lambda value, reference, own, other: hypot(own / value, other / reference),
 )
-def log_ratio(response: Response, reference: Response, quantity: str) -> float:
+def log_ratio(pair: Pair) -> float:
     """ln(value / reference).
 
     Symmetric between too high and too low. Raises `InputError` unless both are positive.
     """
-    value, held_against = _pair(response, reference, quantity)
-    if value <= 0.0 or held_against <= 0.0:
-        raise InputError(quantity, (value, held_against), "must be positive on both sides")
-    return float(np.log(value / held_against))
+    if pair.value <= 0.0 or pair.reference <= 0.0:
+        raise InputError(pair.quantity, pair[:2], "must be positive on both sides")
+    return float(np.log(pair.value / pair.reference))
 
 
 @metric("shortfall", Scope.RUN, "oberkampf-roy2010")
-def shortfall(response: Response, _: Response, quantity: str) -> float:
+def shortfall(run: Run) -> float:
     """1 - value, of a number about the run such as the yield ratio.
 
     A scalar, or an attribute of the response. Raises `InputError` if it carries neither.
     """
+    response, quantity = run
     if quantity in response and not response[quantity].ndim:
         return 1.0 - float(response[quantity])
     if not isinstance(response.attrs.get(quantity), (int, float)):
@@ -90,11 +76,12 @@ def shortfall(response: Response, _: Response, quantity: str) -> float:
 
 
 @metric("numerical uncertainty", Scope.RUN, "roache1994", low=0.0)
-def relative_uncertainty(response: Response, _: Response, quantity: str) -> float:
+def relative_uncertainty(run: Run) -> float:
     """Half-width of the numerical uncertainty / |value|.
 
     Raises `InputError` if it is unknown, or if the scalar is absent or zero.
     """
+    response, quantity = run
     if quantity not in response or response[quantity].ndim:
         raise InputError(f"response.{quantity}", None, "the response does not know this quantity")
     width, value = uncertainty_of(response, quantity), abs(float(response[quantity]))

@@ -8,7 +8,7 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-_LIBRARIES = ("numpy", "scipy", "xarray", "numba", "netCDF4")
+_LIBRARIES = ("numpy", "scipy", "xarray", "numba")
 _ROOT = Path(__file__).resolve().parents[2]
 
 

@@ -14,7 +14,7 @@ from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients
 
-STORE_FORMAT = 2
+STORE_FORMAT = 3
 
 
 @dataclass(frozen=True)

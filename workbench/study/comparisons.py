@@ -12,13 +12,14 @@ Metrics of a response alone are numbers about the run: they have no interval.
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from math import hypot
-from typing import Any
+from typing import Any, NamedTuple
 
 from workbench.assessment import METRICS, Ladder, Metric, Scope, ladder
+from workbench.assessment.metric import sides
 from workbench.errors import Collapse, InputError
 from workbench.responses import Outcome, Response, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
@@ -133,10 +134,18 @@ def own_note(response: Response, quantity: str) -> str:
     return f"refinement of its own, {known['note']}"
 
 
-def _spread(
-    answers: Answers, label: str, quantity: str, evaluate: Callable[[Response], float]
-) -> Known:
-    """Half-width of a metric that one side gives, from its values over the runs of that side."""
+def _runs(answers: Answers, label: str) -> Mapping[str, Response]:
+    """The runs behind one side that tell its numerical uncertainty, its answer last."""
+    response = answers.responses[label]
+    if _refined(response):
+        return dict(numerical.variants(response))
+    if label == answers.study.reference:
+        return {level: answers.responses[level] for level in answers.levels()}
+    return {}
+
+
+def _spread(answers: Answers, label: str, quantity: str, values: Mapping[str, float]) -> Known:
+    """Half-width of a metric that one side gives, from its `values` over the runs of that side."""
     response, what = answers.responses[label], f"the metric over {label}"
     if _refined(response):
         if numerical.CURVES.get(quantity) not in response:
@@ -144,28 +153,16 @@ def _spread(
         directions = numerical.directions_of(response)
         if not directions:
             return None, f"{label}: {_said(json.loads(response.attrs[numerical.BASIS]))}"
-        values = _values(dict(numerical.variants(response)), evaluate)
-        found = numerical.estimate(directions, values)
-        return found.width, f"refinement of {what}: {found.note}"
+        estimate = numerical.estimate(directions, values)
+        return estimate.width, f"refinement of {what}: {estimate.note}"
     if label == answers.study.reference:
-        levels = _values({name: answers.responses[name] for name in answers.levels()}, evaluate)
-        if len(levels) < 2 or len(levels) < len(answers.levels()):
+        if len(values) < 2 or len(values) < len(answers.levels()):
             return None, _no_ladder(label)
-        ladder_found = ladder(list(levels.values()))
-        return ladder_found.uncertainty, f"ladder of {what}: {ladder_found.note}"
+        levels = ladder(list(values.values()))
+        return levels.uncertainty, f"ladder of {what}: {levels.note}"
     if numerical.WIDTHS in response.attrs:
         return None, f"{label}: one mesh only, numerical uncertainty unknown"
     return 0.0, ""
-
-
-def _values(
-    runs: Mapping[str, Response], evaluate: Callable[[Response], float]
-) -> dict[str, float]:
-    values = {}
-    for name, run in runs.items():
-        with suppress(InputError):  # a run that does not know the quantity leaves a gap
-            values[name] = evaluate(run)
-    return values
 
 
 def _refined(response: Response) -> bool:
@@ -201,6 +198,67 @@ class Comparison:
     high: float | None = None
 
 
+class Compared(NamedTuple):
+    """A quantity of two labels as the metrics of a scope take it.
+
+    `both`, of their answers; `runs`, of every run behind the one side and the other, by label.
+    """
+
+    answers: Answers
+    model: str
+    against: str
+    quantity: str
+    both: Any
+    runs: Mapping[str, Mapping[str, Any]]
+
+
+def compared(answers: Answers, model: str, against: str, quantity: str, scope: Scope) -> Compared:
+    """A quantity of two labels of a case. Raises `InputError` if a side cannot know it."""
+    for label in (model, against):
+        if answers.ok(label) is None:
+            raise InputError("answer", answers.case.name, answers.why_not(label))
+    response, reference = answers.responses[model], answers.responses[against]
+    both = sides(scope, response, reference, quantity)
+    runs: dict[str, dict[str, Any]] = {model: {}, against: {}}
+    if scope in (Scope.HISTORY, Scope.CURVE):
+        for label, behind in runs.items():
+            for name, run in _runs(answers, label).items():
+                pair = (run, reference) if label == model else (response, run)
+                with suppress(InputError):  # a run that does not know the quantity leaves a gap
+                    behind[name] = sides(scope, *pair, quantity)
+    return Compared(answers, model, against, quantity, both, runs)
+
+
+def judged(given: Compared, metric: Metric) -> Comparison:
+    """A metric with its uncertainty. Raises `InputError` where it does not exist."""
+    answers, model, against, quantity, both, runs = given
+    value = metric.compute(both)
+    if metric.scope is Scope.RUN:
+        return Comparison(value, 0.0, _OF_THE_RUN)
+    if metric.spread is None:  # histories and curves: from the values with every run of a side
+        widths: list[float | None] = []
+        notes = []
+        for label in (model, against):
+            values = {}
+            for name, run in runs[label].items():
+                with suppress(InputError):
+                    values[name] = metric.compute(run)
+            width, note = _spread(answers, label, quantity, values)
+            widths.append(width)
+            notes.append(note)
+        own, other = widths
+        width = None if own is None or other is None else hypot(own, other)
+        return Comparison(value, width, joined(*notes))
+    own, note = of_side(answers, model, quantity)
+    other, other_note = of_side(answers, against, quantity)
+    sampled = numerical.sampled_interval(answers.responses[model], quantity)
+    ends: list[float] = []
+    if sampled is not None and other == 0.0:
+        ends = sorted(metric.compute(both._replace(value=end)) for end in sampled)
+    width = metric.half_width(both.value, both.reference, own, other)
+    return Comparison(value, width, joined(note, other_note), both.value, both.reference, *ends)
+
+
 def compare(
     answers: Answers, model: str, against: str, quantity: str, metric: Metric
 ) -> Comparison:
@@ -208,30 +266,7 @@ def compare(
 
     Raises `InputError` where the metric does not exist, for instance for an absent quantity.
     """
-    for label in (model, against):
-        if answers.ok(label) is None:
-            raise InputError("answer", answers.case.name, answers.why_not(label))
-    response, reference = answers.responses[model], answers.responses[against]
-    value = metric(response, reference, quantity)
-    if metric.scope is Scope.RUN:
-        return Comparison(value, 0.0, _OF_THE_RUN)
-    if metric.spread is None:  # histories and curves: from the values with every run of a side
-        own, note = _spread(answers, model, quantity, lambda run: metric(run, reference, quantity))
-        other, other_note = _spread(
-            answers, against, quantity, lambda run: metric(response, run, quantity)
-        )
-        width = None if own is None or other is None else hypot(own, other)
-        return Comparison(value, width, joined(note, other_note))
-    pair = float(response[quantity]), float(reference[quantity])
-    own, note = of_side(answers, model, quantity)
-    other, other_note = of_side(answers, against, quantity)
-    notes = joined(note, other_note)
-    sampled = numerical.sampled_interval(response, quantity)
-    ends: list[float] = []
-    if sampled is not None and other == 0.0:
-        moved = (response.assign({quantity: ((), end)}) for end in sampled)
-        ends = sorted(metric(each, reference, quantity) for each in moved)
-    return Comparison(value, metric.half_width(*pair, own, other), notes, *pair, *ends)
+    return judged(compared(answers, model, against, quantity, metric.scope), metric)
 
 
 def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
@@ -245,20 +280,21 @@ def comparison_rows(answers: Answers, best: str | None = None) -> Iterator[Row]:
     curve, scope = "displacement", Scope.HISTORY
     if answers.case.scenario.STATIC:
         curve, scope = "force", Scope.CURVE
-    pairs = [(quantity, METRICS["relative_error"]) for quantity in study.quantities]
-    pairs += [(curve, metric) for metric in METRICS.values() if metric.scope is scope]
+    judging = [(quantity, [METRICS["relative_error"]]) for quantity in study.quantities]
+    judging += [(curve, [metric for metric in METRICS.values() if metric.scope is scope])]
     for against in dict.fromkeys([study.reference, *data, *asked, best or study.reference]):
         for model in answers.responses:
             if model == against or (model in data and against in data):
                 continue
-            for quantity, metric in pairs:
-                try:
-                    found = compare(answers, model, against, quantity, metric)
-                except InputError:
-                    continue  # one side cannot know the quantity: nothing to compare
-                who = {"case": answers.case.name, **answers.case.parameters, "model": model}
-                what = {"against": against, "quantity": quantity, "metric": metric.name}
-                yield {**who, **what, **vars(found)}
+            who = {"case": answers.case.name, **answers.case.parameters, "model": model}
+            for quantity, metrics in judging:
+                what = {"against": against, "quantity": quantity}
+                with suppress(InputError):  # one side cannot know the quantity
+                    given = compared(answers, model, against, quantity, metrics[0].scope)
+                    for metric in metrics:
+                        with suppress(InputError):  # a metric may not exist
+                            of_metric = {"metric": metric.name, **vars(judged(given, metric))}
+                            yield {**who, **what, **of_metric}
 
 
 def ladder_row(answers: Answers, quantity: str) -> Row | None:

@@ -4,14 +4,15 @@
 wall time, provenance, time stamps, and the digest of the file. The file is written first: a
 cell counts as finished when its record is there, the digest agrees, and both say that they answer
 what is asked. A reader of any file sees the old content or the new one, never a half; equal
-content gives equal bytes, in JSON, CSV and netCDF-4 alike. Nothing is written through a link
+content gives equal bytes, in JSON, CSV and netCDF-3 alike. Nothing is written through a link
 inside a store, which may come from elsewhere.
 """
 
 import hashlib
+import io
 import json
 import os
-import tempfile
+import struct
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -19,18 +20,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.io import netcdf_file, netcdf_variable
 
 from workbench.errors import InputError, WorkbenchError
-from workbench.responses import Outcome, Response, response_of
+from workbench.responses import Response, outcome_of, response_of
 from workbench.responses.soundness import check_stored
 
 TEMPORARY = ".partial"
 NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored
-_COMPRESSED_FROM = 256  # values; below, the chunk index costs more than compression saves
 
 # Attributes of a stored response by the ingredients of its key that they repeat.
 _SIGNED = {"scenario": "scenario_hash", "model": "model", "model_version": "model_version"}
@@ -43,11 +43,13 @@ _RECORDED: dict[str, Any] = {
     "provenance": dict,
 }
 
-# What reading a record of any content may raise: not there, no JSON, other shapes, too deep.
-_UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
+# What reading a cell of any content may raise: not there, no JSON, no netCDF, other shapes.
+UNREADABLE = (
+    *(OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError),
+    *(RecursionError, MemoryError, struct.error, WorkbenchError),
+)
 
-# What is stored as it is: types, and the attributes that say otherwise.
-_PLAIN = (np.dtype(np.float64), np.dtype(np.int64), str)
+# Attributes of variables that are not stored as they are.
 _CODED = {"_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates"}
 
 Record = dict[str, Any]
@@ -160,29 +162,45 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
 
 
 def to_netcdf_bytes(response: Response) -> bytes:
-    """A response as the bytes of a netCDF-4 file, without time stamps or fill values.
+    """A response as the bytes of a netCDF-3 file (64-bit offsets), without fill values.
 
-    Raises `WorkbenchError` if there is no room for temporary files.
+    An HDF5 file (netCDF-4) of a response is larger, and takes ten times as long to read.
     """
-    encoding: dict[Any, dict[str, Any]] = {}
-    for name, variable in response.variables.items():
-        encoding[name] = {"_FillValue": None}
-        if variable.dtype.kind == "f" and variable.size >= _COMPRESSED_FROM:
-            encoding[name].update(zlib=True, complevel=4, shuffle=True)
-    try:
-        with tempfile.TemporaryDirectory(prefix="workbench-") as directory:
-            path = Path(directory) / "response.nc"
-            response.to_netcdf(path, engine="netcdf4", format="NETCDF4", encoding=encoding)
-            return path.read_bytes()
-    except (OSError, RuntimeError) as error:  # the netCDF library has errors of both kinds
-        text = "the directory for temporary files cannot be used"
-        raise WorkbenchError(f"{text}: {error}") from error
+    encoding = {name: {"_FillValue": None} for name in response.variables}
+    return bytes(response.to_netcdf(engine="scipy", format="NETCDF3_64BIT", encoding=encoding))
 
 
 def read_netcdf(path: Path) -> Response:
-    """Read a stored response into memory (times stay in seconds)."""
-    with netCDF4.Dataset(path) as stored:
-        return _loaded(stored)
+    """Read a stored response (times stay in seconds). Raises one of `UNREADABLE`."""
+    return _response_in(path.read_bytes())
+
+
+def _response_in(content: bytes) -> Response:
+    """The response in the bytes of a netCDF-3 file."""
+    with netcdf_file(io.BytesIO(content), mmap=False) as stored:
+        held = stored.variables.items()
+        arrays = {name: _array(one) for name, one in held if not _CODED & set(one._attributes)}
+        if len(arrays) == len(held):  # nothing to decode: by the short way, as it was built
+            return response_of(arrays, _words(stored._attributes))
+    source = xr.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False)
+    return source.load().drop_encoding()
+
+
+def _array(stored: netcdf_variable) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
+    """Dimensions, values and attributes of a variable; texts stand as characters in the file."""
+    values, attributes = stored.data, _words(stored._attributes)
+    if stored.typecode() != "c":
+        return stored.dimensions, values.astype(values.dtype.newbyteorder("=")), attributes
+    words = values.view(f"S{values.shape[-1]}").reshape(values.shape[:-1])
+    return stored.dimensions[:-1], np.char.decode(words, attributes.pop("_Encoding")), attributes
+
+
+def _words(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes of a file, its texts decoded."""
+    return {
+        name: value.decode() if isinstance(value, bytes) else value.item()
+        for name, value in attributes.items()
+    }
 
 
 @dataclass(frozen=True)
@@ -250,12 +268,10 @@ class Store:
             sound = all(isinstance(record[name], kinds) for name, kinds in _RECORDED.items())
             if not (same and sound and record["key"] == key):
                 return None
-            with netCDF4.Dataset("stored", memory=content) as stored:
-                agrees = _answers(stored, asked, record["outcome"])
-                response = _loaded(stored)
+            response = _response_in(content)
             check_stored(response)
-            return (record, response) if agrees else None
-        except (*_UNREADABLE, AttributeError, RuntimeError, WorkbenchError):
+            return (record, response) if _answers(response, asked, record["outcome"]) else None
+        except UNREADABLE:
             return None
 
     def put(self, key: str, content: bytes, record: Record) -> None:
@@ -284,26 +300,13 @@ class Store:
         path = self.cells / f"{key}.nc"
         try:
             return read_netcdf(path)
-        except (OSError, ValueError) as error:
+        except UNREADABLE as error:
             raise WorkbenchError(f"stored cell {path.name} cannot be read: {error}") from error
 
 
-def _answers(stored: netCDF4.Dataset, asked: Ingredients, outcome: str) -> bool:
-    """Whether a file says that it answers what is asked, and ended as its record says."""
-    told = stored.__dict__
+def _answers(response: Response, asked: Ingredients, outcome: str) -> bool:
+    """Whether a response says that it answers what is asked, and ended as its record says."""
+    told = response.attrs
     same = all(told[mine] == asked[name] for name, mine in _SIGNED.items())
     options = json.loads(told["options"])
-    return same and options == asked["options"] and Outcome(told["outcome"]) == outcome
-
-
-def _loaded(stored: netCDF4.Dataset) -> Response:
-    """The response in a file that is open (times stay in seconds)."""
-    stored.set_auto_maskandscale(False)
-    held = stored.variables.items()
-    plain = all(one.dtype in _PLAIN and not _CODED & set(one.ncattrs()) for _, one in held)
-    plain &= all(one.ndim or one.dtype is not str for _, one in held)  # a text alone is no array
-    if plain and not stored.groups:  # nothing to decode: by the short way, as it was built
-        arrays = {name: (one.dimensions, one[...], one.__dict__) for name, one in held}
-        return response_of(arrays, stored.__dict__)
-    source = xr.backends.NetCDF4DataStore(stored)  # type: ignore[no-untyped-call]
-    return xr.open_dataset(source, decode_times=False).load().drop_encoding()
+    return same and options == asked["options"] and outcome_of(response) == outcome
