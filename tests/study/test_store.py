@@ -247,7 +247,6 @@ def test_cells_cost_the_same_whatever_their_number(
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=False, reason="22.7 s measured; opening a netCDF file takes 2 ms")
 def test_six_thousand_cells_are_assessed_in_ten_seconds(small: Study, tmp_path: Path) -> None:
     hit = small.cases[0].scenario
     speeds = np.linspace(3.0, 20.0, 3000).tolist()

@@ -157,11 +157,12 @@ def sides(
     """
     if scope is Scope.RUN:
         return Run(response, quantity)
-    read = {Scope.SCALAR: _scalar, Scope.HISTORY: _history, Scope.CURVE: _curve}[scope]
-    both = read(response, quantity, "response"), read(reference, quantity, "reference")
+    given = (response, quantity, "response"), (reference, quantity, "reference")
     if scope is Scope.SCALAR:
-        return Pair(*both, quantity)
-    return on_common_base(*both, quantity) if scope is Scope.HISTORY else Curves(*both, quantity)
+        return Pair(_scalar(*given[0]), _scalar(*given[1]), quantity)
+    if scope is Scope.HISTORY:
+        return on_common_base(_history(*given[0]), _history(*given[1]), quantity)
+    return Curves(_curve(*given[0]), _curve(*given[1]), quantity)
 
 
 def _present(response: Response, quantity: str, side: str) -> Array:
