@@ -23,7 +23,7 @@ from workbench.responses import (
     set_findings,
     warnings_of,
 )
-from workbench.responses.histories import open_share, residual_of
+from workbench.responses.histories import EXTREMES, open_share, residual_of
 
 
 def test_peak_between_samples_is_that_of_the_parabola() -> None:
@@ -208,6 +208,13 @@ def test_states_of_hinges_and_storeys_imply_their_extremes_and_places() -> None:
     }
     elastic = build_response({"plastic_rotation": [[0.0, 0.0]]}, steps=2, hinges=["foot"])
     assert places_of(elastic) == {}
+
+
+def test_an_extreme_over_time_alone_has_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(EXTREMES, "largest_drift", ("velocity", (1,)))
+    response = build_response({"velocity": [0.0, 2.0, 1.0]}, time=[0.0, 0.1, 0.2])
+    assert response["largest_drift"] == 2.0
+    assert places_of(response) == {}
 
 
 @pytest.mark.parametrize("outcome", list(Outcome))

@@ -253,14 +253,19 @@ def scalars_of(response: Response) -> dict[str, float]:
 
 
 def places_of(response: Response) -> dict[str, str]:
-    """The hinge or member of each extreme of a response that is not zero."""
-    found = {}
+    """The hinge or member of each extreme of a response that is not zero.
+
+    Extremes over time alone have none.
+    """
+    places = {}
     for name, (of, signs) in EXTREMES.items():
         if name in response and of in response and float(response[name]) > 0.0:
-            values = response[of].values.reshape(response[of].shape[0], -1)
-            parts = np.max([(sign * values).max(axis=1) for sign in signs], axis=0)
-            found[name] = str(response[response[of].dims[0]].values[int(np.argmax(parts))])
-    return found
+            part = response[of].dims[0]
+            if part in _TEXTS:
+                values = response[of].values.reshape(response[of].shape[0], -1)
+                largest = np.max([(sign * values).max(axis=1) for sign in signs], axis=0)
+                places[name] = str(response[part].values[int(np.argmax(largest))])
+    return places
 
 
 def energy_error(response: Response) -> float | None:

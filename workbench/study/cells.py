@@ -10,6 +10,7 @@ from typing import Any
 from workbench.errors import InputError
 from workbench.models.base import Model, on_one_mesh, options_of
 from workbench.responses import provenance
+from workbench.responses.variables import TABLE_DIGEST
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
 from workbench.study.store import Ingredients
@@ -66,6 +67,7 @@ def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
         "data": str(getattr(model, "data_digest", "")),
         "package": provenance()["workbench"],
         "store_format": STORE_FORMAT,
+        "variables": TABLE_DIGEST,
     }
 
 

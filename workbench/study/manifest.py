@@ -30,6 +30,7 @@ _CHANGES = {
     "package": "workbench version",
     "store_format": "format of the store",
     "reading": "other quantities are read off histories",
+    "variables": "the table of response variables has changed",
 }
 
 
@@ -173,7 +174,7 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
         if name == "options" and isinstance(before, dict):
             reasons.extend(_changes(before, now[name], f"{text} "))
         elif before != after:
-            reasons.append(text if name in ("data", "reading") else f"{text} {before} -> {after}")
+            reasons.append(text if name in ("data", "reading", "variables") else f"{text} {before} -> {after}")
     return "; ".join(reasons)
 
 
