@@ -174,7 +174,9 @@ def _reason(cell: Cell, last: Ingredients | None, store: Store) -> str:
         if name == "options" and isinstance(before, dict):
             reasons.extend(_changes(before, now[name], f"{text} "))
         elif before != after:
-            reasons.append(text if name in ("data", "reading", "variables") else f"{text} {before} -> {after}")
+            reasons.append(
+                text if name in ("data", "reading", "variables") else f"{text} {before} -> {after}"
+            )
     return "; ".join(reasons)
 
 
