@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.impact import restitution as contact
+from workbench.impact import contact
 from workbench.impact.laws import Restitution
 from workbench.impact.march import run
 from workbench.impact.schemes import scheme
@@ -18,7 +18,8 @@ from workbench.impact.schemes.moreau_jean import moreau_jean
 from workbench.impact.schemes.moreau_midpoint import moreau_midpoint
 from workbench.models.four_dof import FourDof
 from workbench.models.impact_systems import ColumnSystem, StructureSystem, column_problem
-from workbench.models.single_dof import SingleDof, kernels
+from workbench.models.single_dof import SingleDof
+from workbench.models.single_dof import spring as kernels
 from workbench.scenarios import ColumnImpact, Striker
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
@@ -62,7 +63,7 @@ class SpringColumn:
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
 @pytest.mark.parametrize(
-    ("integrator", "stepper"), [("midpoint", energy_midpoint()), ("moreau", moreau_midpoint())]
+    ("integrator", "stepper"), [("midpoint", energy_midpoint(1.0)), ("moreau", moreau_midpoint())]
 )
 def test_single_dof(thesis_impact, integrator: str, stepper, restitution: float) -> None:
     h, steps = 2e-5, 400

@@ -10,16 +10,16 @@ import pytest
 
 from workbench.evidence.advice import advise
 from workbench.frames.shear import shear_stiffness
+from workbench.impact.pace import Pace
+from workbench.impact.records import follow
 from workbench.models.base import Model
 from workbench.models.practice.biggs import Biggs, dynamic_reactions
 from workbench.models.practice.catenary import Izzuddin, TrilinearCatenary, YinWang
 from workbench.models.practice.deflected_shape import Beam
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance.kernels import PIECE
-from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof.kernels import RECORD
+from workbench.models.single_dof import SingleDof, march
 from workbench.models.single_dof.pulse import Pushed, push
-from workbench.models.single_dof.pulse_kernels import follow
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
@@ -127,13 +127,13 @@ def test_reactions_after_the_peak_go_with_what_is_left_of_the_resistance(case) -
 def test_masses_of_stages_change_on_either_swing(column) -> None:
     """What a push does to one side, its opposite does to the other."""
     curve = bilinear(column).curve
-    stages = np.array([[0.0, MASS], [0.7 * STRENGTH / STIFFNESS, 0.8 * MASS]])
-    means, swings = np.full(300, 1.5 * STRENGTH), []
+    stages = np.array([[0.0, MASS, 1.0], [0.7 * STRENGTH / STIFFNESS, 0.8 * MASS, 1.0]])
+    means, step, swings = np.full(300, 1.5 * STRENGTH), 2e-4 / OMEGA**0.5, []
+    drive = march.no_striker(curve.elastic_limit, np.inf, MASS)
     for sign in (1.0, -1.0):
-        records = np.zeros(301, RECORD)
-        asked = curve.elastic_limit, np.inf, curve.pieces, records
-        follow(2e-4 / OMEGA**0.5, stages, sign * means, *asked)
-        swings.append(sign * records["velocity"])
+        tables, pace = (curve.pieces, stages, sign * means), Pace.equal(300 * step, step, 300)
+        run = follow(march.pulse, tables, pace, drive, march.RECORD)
+        swings.append(sign * run.records["velocity"])
     assert np.abs(swings[0]).max() > 1.0
     np.testing.assert_allclose(swings[1], swings[0], rtol=1e-9)
 

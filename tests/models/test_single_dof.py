@@ -22,7 +22,8 @@ from workbench.models.resistance import (
     mechanism_of,
     resistance_curve,
 )
-from workbench.models.single_dof import SingleDof, kernels
+from workbench.models.single_dof import SingleDof
+from workbench.models.single_dof.spring import pushed
 from workbench.models.soft_impact import SoftImpact
 from workbench.responses import Outcome, Response, collapse_of, outcome_of, warnings_of
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
@@ -45,9 +46,7 @@ def subjects(response: Response) -> set[str]:
 
 def followed(curve: ResistanceCurve, path: np.ndarray) -> np.ndarray:
     """Force, elastic energy and dissipation of the spring along a path."""
-    records = np.zeros(len(path), kernels.RECORD)
-    kernels.follow(path, curve.elastic_limit, curve.pieces, records)
-    return np.array([records[name] for name in ("force", "elastic", "dissipated")])
+    return pushed(path, curve.elastic_limit, curve.pieces).T
 
 
 def follow(shape: str, path: np.ndarray, **column: object) -> tuple[np.ndarray, np.ndarray]:

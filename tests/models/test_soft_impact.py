@@ -8,9 +8,11 @@ import pytest
 from scipy.linalg import eigh
 
 from workbench.errors import InputError
+from workbench.impact.pace import Pace
+from workbench.impact.records import follow
 from workbench.models.single_dof import SingleDof
-from workbench.models.single_dof.kernels import RECORD
-from workbench.models.soft_impact import SoftImpact, kernels
+from workbench.models.single_dof.march import RECORD
+from workbench.models.soft_impact import SoftImpact, crush, impact
 from workbench.responses import Outcome, energy_error, outcome_of, survives, warnings_of
 from workbench.scenarios import ColumnImpact
 
@@ -70,23 +72,22 @@ def test_what_crushes_limits_the_force_and_takes_the_energy(thesis_impact: Colum
 
 
 def test_the_spring_of_the_striker_flows_unloads_and_never_pulls() -> None:
-    meeting = kernels.Meeting(1.0, 1.0, 1.0, 2.0, 3.0)
-    assert kernels.crush(1.0, 0.0, meeting) == (2.0, 0.0)
-    assert kernels.crush(2.0, 0.0, meeting) == (3.0, 0.5)
-    assert kernels.crush(1.5, 0.5, meeting) == (2.0, 0.5)
-    assert kernels.crush(0.4, 0.5, meeting) == (0.0, 0.5)
-    assert kernels.crush(9.0, 0.0, meeting._replace(crush_force=inf)) == (18.0, 0.0)
+    spring = 2.0, 3.0
+    assert crush(1.0, 0.0, *spring) == (2.0, 0.0)
+    assert crush(2.0, 0.0, *spring) == (3.0, 0.5)
+    assert crush(1.5, 0.5, *spring) == (2.0, 0.5)
+    assert crush(0.4, 0.5, *spring) == (0.0, 0.5)
+    assert crush(9.0, 0.0, 2.0, inf) == (18.0, 0.0)
 
 
 def test_steps_are_of_second_order(weak: ColumnImpact) -> None:
     curve = SoftImpact().curve(weak)
-    meeting = kernels.Meeting(weak.column.properties.impact_mass, 1500.0, 0.1, 2e7, inf)
-    ends = []
+    mass, ends = weak.column.properties.impact_mass, []
+    drive = 1500.0, 0.1, 0.0, 0.0, curve.elastic_limit, 1.0, mass, 2e7, inf
     for steps in (40, 80, 160, 1280):
-        records = np.zeros(steps + 1, RECORD)
-        dt = 0.004 / steps
-        kernels.impact(dt, meeting, curve.elastic_limit, 1.0, curve.pieces, records)
-        ends.append(float(records["displacement"][-1]))
+        pace = Pace.equal(0.004, 0.004 / steps, steps)
+        run = follow(impact, (curve.pieces,), pace, drive, RECORD)
+        ends.append(float(run.records["displacement"][-1]))
     errors = np.abs(np.array(ends[:3]) - ends[3])
     order = np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(errors), 1)[0]
     assert order == pytest.approx(2.0, abs=0.15)

@@ -16,7 +16,8 @@ from workbench.errors import InputError, SolverError
 from workbench.fields import Number
 from workbench.impact.complementarity import CONTRADICTION
 from workbench.impact.laws import Restitution
-from workbench.impact.stepping import SLACK, Law, State, Stepper, gaps_of
+from workbench.impact.pace import SLACK
+from workbench.impact.stepping import Law, State, Stepper, gaps_of
 from workbench.impact.system import PLACE, SPEED, System, energy, numbers
 
 _MOST_STEPS = 20_000_000

@@ -1,9 +1,9 @@
 """How an impact is stepped through: as long as the error allows, or steps of one length.
 
-What the models that step by error share. The trapezoidal rule errs by dt^3 / 12 times the rate of
-the acceleration of the hit point in its displacement. An impact is stepped on to and followed by a
-first, very short step, so that its instant is found. After the first rebound only the phase of an
-elastic vibration is at stake, and longer steps are taken; `late_peak` tells where more was.
+The midpoint rule errs by dt^3 / 12 times the rate of the acceleration of the hit point in its
+displacement. An impact is stepped on to and followed by a first, very short step. After the first
+rebound only the phase of an elastic vibration is at stake, and longer steps are taken; `late_peak`
+tells where more was. All constants of the integrator stand here.
 """
 
 from math import ceil, inf
@@ -14,18 +14,32 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.compiled import njit
 
+# Numbers whose error a step may hold: too close to matter to a peak, too far to be round-off.
+SLACK = 1e-9  # m; in equal steps a smaller gap is round-off, which must not open a lasting contact
+CLOSE = 1e-8  # of the way of the striker in the first step, below which a gap is closed
+CLOSER = 0.999  # of the way to the next impact, stepped on to where it takes a short step
+APART = 1e-9  # of the striker's first velocity; bodies that approach slower do not collide
+SOFT = 1e-3  # of the striker's first velocity; what would rebound slower stays in contact
+RELEASED = 0.95  # of a step in which a contact opens; one that opens later opens at its end
+AT_REST = 1e-4  # of the velocity that the hit gives, above which a peak is stepped on to
+SHORTEST = 1e-6  # of the first step, to which a collision at an instant is stepped on
+# Control of the length: a repeated step costs as much as a good one, so a miss of 30 % is kept.
+REPEATED = 0.7  # a step that should have been shorter than this share of it is taken again,
+CUT, SUCCESSOR = 0.1, 0.3  # by no less than this share; the next one is no shorter than that
+LONGER = 2.0  # times as long a step may be as the one before, if a model says nothing else
+PIECES = 4096  # into which the first step may be cut where equations have no solution
 NEARLY = 0.99  # of the peak; long steps may have missed what is higher
-PIECES = 64  # into which the shortest step may be cut where it does not converge
+EPS = 2.220446049250313e-16
 
 
 class Pace(NamedTuple):
     """How an impact is stepped through; times in s.
 
     `duration` of the record; `first` step, after every impact too; `longest` step; `error` of the
-    displacement of a step over the way that the striker goes in it (infinite: equal steps, each
-    the `longest`), and that once the structure only vibrates; `flow`, how much hinges may flow in a
-    step, in the measure of the model; shortest time between two records, `spacing`; steps at
-    `most`.
+    displacement of a step over the way that the hit point goes in it at the velocity of the hit
+    (infinite: equal steps, each the `longest`), and that once the structure only vibrates; `flow`,
+    how much hinges may flow in a step, in the measure of the model; shortest time between two
+    records, `spacing`; steps at `most`.
     """
 
     duration: float
@@ -37,9 +51,16 @@ class Pace(NamedTuple):
     spacing: float
     most: int
 
+    @classmethod
+    def equal(cls, duration: float, step: float, most: int) -> "Pace":
+        """Equal steps of a `step` (s), which are all recorded."""
+        return cls(duration, step, step, inf, inf, inf, 1.001 * step, most)
+
     @property
     def records(self) -> int:
         """How many records it takes at most: of three, the outer ones are a spacing apart."""
+        if not self.error < inf:
+            return ceil(self.duration / self.longest) + 4
         return 2 * ceil(self.duration / self.spacing) + 4
 
 
@@ -62,9 +83,10 @@ def late_peak(
 @njit(cache=True, error_model="numpy")
 def aimed(pace, time, dt, gap, gamma):
     """The step that does not go beyond the end, the next of equal steps, or the next impact."""
-    dt = min(dt, pace.duration - time)
     if not pace.error < np.inf:
-        return min(dt, (np.floor(time / pace.longest + 1e-6) + 1.0) * pace.longest - time)
+        ahead = (np.floor(time / pace.longest + 1e-6) + 1.0) * pace.longest - time
+        return ahead if dt > (1.0 - 1e-6) * ahead else dt
+    dt = min(dt, pace.duration - time)
     if gap > 0.0 and gamma < 0.0:
         return min(dt, max(-gap / gamma, pace.first))
     return dt
@@ -87,10 +109,32 @@ def met(gap, start, end, dt, allowed):
 
 @njit(cache=True, error_model="numpy")
 def growth(pace, error, rate, dt, flow):
-    """By which factor a smooth step of `dt` may be longer; below 0.7 it is repeated.
+    """By which factor a smooth step of `dt` may be longer; below `REPEATED` it is repeated.
 
     Arguments: tolerated `error` of the displacement over dt (m/s); `rate` of the acceleration
     (m/s3); the measured `flow` of the hinges.
     """
     factor = 0.9 * (error / max(dt * dt / 12.0 * rate, 1e-300)) ** 0.5
     return min(factor, 0.9 * pace.flow / max(flow, 1e-300))
+
+
+@njit(cache=True, error_model="numpy")
+def judge(progress, pace, longer, dt, change, free, flow):
+    """The error controller: factor of the next step over one of `dt` (s); below 0: repeat this one.
+
+    Arguments: `progress`, of `integrator.PROGRESS`; how much `longer` a step may be; `change` of
+    the acceleration (m/s2) since the last step; whether the structure only vibrates, `free`; the
+    measured `flow`. Writes the tolerated error into the progress.
+    """
+    if not (progress.smooth and pace.error < np.inf):
+        return longer
+    if free and progress.time >= progress.calm:
+        progress.error = pace.vibration
+    trend = abs(change)
+    if change * progress.change < 0.0:  # a velocity that rings from step to step keeps ringing
+        trend = 0.5 * abs(change + progress.change)
+    rate = trend / (0.5 * (dt + progress.before))
+    factor = growth(pace, progress.error * progress.scale, rate, dt, flow)
+    if factor < REPEATED and dt > pace.first:
+        return -max(factor, CUT)
+    return min(max(factor, SUCCESSOR), longer)

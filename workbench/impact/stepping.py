@@ -9,9 +9,9 @@ from workbench.arrays import Array
 from workbench.compiled import register_jitable
 from workbench.fields import Number
 from workbench.impact.laws import percussions
+from workbench.impact.pace import SLACK
 from workbench.impact.system import forces, mean_forces, surface
 
-SLACK = 1e-9  # m; a smaller gap is round-off, which must not open a lasting contact
 REACH = Number(0.0, 1.0)  # share of a step that gaps are forecast for
 _ITERATIONS = 40
 _TOLERANCE = 1e-14

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from workbench.arrays import Array, Indices
 from workbench.errors import SolverError
-from workbench.impact import restitution as contact
+from workbench.impact import contact
 from workbench.structures.elements import StepEnergies
 from workbench.structures.time_steps import PointMass, TimeStep
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError
-from workbench.impact import restitution as contact
+from workbench.impact import contact
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.time_steps import (
     TOLERANCE,

@@ -10,7 +10,8 @@ body at rest in velocity v would move by 3 h v / 2 in a step).
 import numpy as np
 
 from workbench.compiled import register_jitable
-from workbench.impact.stepping import SLACK, State, Step, Stepper, gaps_of, impulses_on
+from workbench.impact.pace import SLACK
+from workbench.impact.stepping import State, Step, Stepper, gaps_of, impulses_on
 from workbench.impact.system import commit, forces
 
 

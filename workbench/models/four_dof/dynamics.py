@@ -2,13 +2,13 @@
 
 The impact mass m1 moves with v1 and u1, the head mass m2 (may be zero) with u2; beta1 is massless.
 The striker (mass m_c, position x_c) may touch the hit point: gap g = v1 - x_c >= 0, gap velocity
-gamma, with the contact law of `workbench.impact.restitution`.
+gamma, with the contact law of `workbench.impact.contact`.
 """
 
 from workbench.compiled import njit
 from workbench.hinges.kernels import ELASTIC
-from workbench.impact import restitution as law
-from workbench.impact.stepping import SLACK
+from workbench.impact import contact as law
+from workbench.impact.pace import SLACK
 from workbench.models.four_dof import kinematics as geometry
 from workbench.models.four_dof import panels, statics
 from workbench.models.four_dof.kinematics import ABOVE, BELOW, BETA, U1, U2, V
@@ -196,7 +196,7 @@ def midpoint_step(column, dt, closing, state, work):
     gamma = w[V] - before
     eps = law.rebound(gamma, column.restitution)
     gap = q[V] - state.striker
-    closed = law.touches(gap, gamma, dt) or (closing and gap <= SLACK)
+    closed = gap + 0.5 * dt * gamma <= 0.0 or (closing and gap <= SLACK)
     while True:
         jump, percussion = (1.0 + eps) * gamma, 0.0
         for nested in (False, True):

@@ -19,9 +19,10 @@ from scipy.optimize import brentq
 
 from workbench.arrays import Array
 from workbench.errors import SolverError
+from workbench.impact.pace import Pace
+from workbench.impact.records import follow
 from workbench.models.resistance.kernels import PIECE, sum_up
-from workbench.models.single_dof import kernels
-from workbench.models.single_dof.pulse_kernels import follow
+from workbench.models.single_dof import march
 from workbench.scenarios import Pulse
 
 _PERIOD = 1e-3  # s; any would do
@@ -57,14 +58,11 @@ def ductility(shape: str, length: float, strength: float) -> float:
     limit = 1.0 / _STIFFNESS
     pieces["start"][1], pieces["c"][0, 1], pieces["c"][1, 0] = limit, _STIFFNESS, 1.0
     sum_up(pieces)
-    records = np.zeros(count + 1, kernels.RECORD)
-    status, last, residual, *_ = follow(
-        time[1], np.array([[0.0, 1.0, 1.0]]), pulse.means(time), limit, _FAR, pieces, records
-    )
-    if status != kernels.OK:
-        raise SolverError(f"step {last} of a pulse", residual, "Newton with bisection")
-    top = float(records["displacement"][:-1].max())
-    if records["displacement"][-1] > top * (1.0 + 2e-3):  # not only back where it has been
+    tables = pieces, np.array([[0.0, 1.0, 1.0]]), pulse.means(time)
+    pace, drive = Pace.equal(duration, time[1], count), march.no_striker(limit, _FAR, 1.0)
+    moved = follow(march.pulse, tables, pace, drive, march.RECORD).records
+    top = float(moved["displacement"][:-1].max())
+    if moved["displacement"][-1] > top * (1.0 + 2e-3):  # not only back where it has been
         raise SolverError("the peak", inf, "a record as long as the momentum lasts")
     return top * _STIFFNESS
 

@@ -19,7 +19,7 @@ from workbench.models.base import Answering
 from workbench.models.practice.strength import SECTION, mechanism_load
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
 from workbench.models.single_dof.pulse import Pushed, push
-from workbench.models.soft_impact.model import VEHICLE_STIFFNESS
+from workbench.models.soft_impact import VEHICLE_STIFFNESS
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, Pulse
 

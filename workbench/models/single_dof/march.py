@@ -1,173 +1,297 @@
-"""Stepping through the impact of the one mass: as long as the error allows, or equal steps.
+"""One mass on its spring as the integrator of `workbench.impact` takes it.
 
-The midpoint scheme keeps the energy at any step, so that the error is one of time alone. Once the
-striker cannot come back and the column swings on a straight line, the rest of the record is exact:
-a rotation in the plane of displacement and velocity over frequency.
+Three entries: `impact` with energy-conserving midpoint steps, as long as the error allows or equal;
+`explicit_impact` with Moreau's steps; `pulse`, without a striker under a force over time,
+
+    M(v) v'' + R(v) = F(t),
+
+whose mass belongs to a shape of deflection that changes once the spring has come to the next stage
+(Biggs), and the velocity by a factor that the stage brings; the kinetic energy that this leaves is
+dissipated. Once the striker cannot come back and the column swings on a straight line, the rest of
+the record is exact: a rotation in the plane of displacement and velocity over frequency.
 """
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact import contact_loss, explicit_percussion
-from workbench.impact.pace import PIECES, Pace, aimed, growth, met
-from workbench.impact.stepping import SLACK
-from workbench.models.single_dof.kernels import (
-    COLLAPSE,
-    EPS,
-    MOREAU,
-    NO_CONVERGENCE,
-    OK,
-    TOO_MANY,
-    Blow,
-    midpoint_step,
-    moreau_step,
+from workbench.impact.contact import inner, moreau_step_of
+from workbench.impact.integrator import COMMON, DRIVE, Model, begin, march_of, no_flow
+from workbench.models.single_dof.spring import (
+    Spring,
+    solve_midpoint,
     spring_at_rest,
     spring_energy,
+    spring_moved,
 )
 
+RECORD = np.dtype(
+    [
+        (name, float)
+        for name in (*COMMON, "force", "elastic", "dissipated", "external_work", "plastic")
+    ]
+)
+STATE = np.dtype(
+    [
+        *((name, bool if name == "yielded" else float) for name in Spring._fields),
+        *(("w", float), ("mass", float)),  # velocity and mass that move
+        *(("time", float), ("push", float), ("work", float)),  # of pulses: mean force, its work
+        ("stage", int),
+        *(("x", float), ("contact", float), ("crushed", float)),  # of a striker that crushes
+    ],
+    align=True,
+)
 _POINTS, _MOST_POINTS = 20, 2000  # records of a period of the vibration, and of a whole record
-_LONGER = 2.0  # times as long a step may be as the one before
-_SHORTEST = 1e-6  # of the first step, to which an impact is stepped on
-_CLOSE = 1e-8  # of the way of the striker in that step, below which a gap is closed
-_SOFT = 1e-3  # of the velocity of the striker; what rebounds slower stays in contact
 _NO_MORE = 1.0 + 1e-4  # of the peak
-_AT_REST = 1e-4  # of the velocity after the hit, to which the peak is stepped on
 
 
-@njit(cache=True, error_model="numpy")
-def slope_of(state, pieces):
+class OneMass(NamedTuple):
+    """System: committed and trial state, resistance curve, displacement of collapse (m)."""
+
+    states: Any
+    pieces: Any
+    limit: float
+
+
+class PushedMass(NamedTuple):
+    """As `OneMass`; mean forces (N) of the steps, their length (s).
+
+    And stages (n, 3) of displacement (m), mass (kg) and factor on the velocity.
+    """
+
+    states: Any
+    pieces: Any
+    limit: float
+    means: Any
+    length: float
+    stages: Any
+
+
+@inner
+def spring_of(state):
+    """The spring of a state."""
+    return Spring(
+        *(state.v, state.force, state.top, state.top_force, state.stiffness),
+        *(state.yielded, state.dissipated),
+    )
+
+
+@inner
+def put(state, spring):
+    """Write the spring into a state."""
+    state.v, state.force, state.top = spring.v, spring.force, spring.top
+    state.top_force, state.stiffness = spring.top_force, spring.stiffness
+    state.yielded, state.dissipated = spring.yielded, spring.dissipated
+
+
+@inner
+def hit(s):
+    """Displacement and velocity."""
+    return s.states[0].v, s.states[0].w
+
+
+@inner
+def solve(s, dt, closed, touch, striker):
+    """The step of the mass, with that of a striker in contact."""
+    now = s.states[0]
+    mass, jump = now.mass, 0.0
+    if closed:
+        mass, jump = mass + striker, striker * (now.w - touch)
+    w1, residual = solve_midpoint(dt, now.w, mass, jump, spring_of(now), s.pieces)
+    s.states[1].w = w1
+    return residual <= 1e-9, w1, residual, 1
+
+
+@inner
+def accept(s, dt):
+    """Move the spring."""
+    now = s.states[0]
+    w1 = s.states[1].w
+    put(now, spring_moved(spring_of(now), now.v + 0.5 * dt * (now.w + w1), s.pieces))
+    now.w = w1
+
+
+@inner
+def write(s, records, n):
+    """Force, energies, plastic displacement."""
+    row, now = records[n], s.states[0]
+    row.plastic = now.v - now.force / now.stiffness if now.yielded else 0.0
+    row.kinetic, row.force, row.dissipated = 0.5 * now.mass * now.w**2, now.force, now.dissipated
+    row.elastic, row.external_work = spring_energy(spring_of(now), s.pieces), now.work
+
+
+@inner
+def lost(s):
+    """Whether the displacement of collapse is passed."""
+    return s.states[0].v > s.limit
+
+
+@inner
+def mass_of(s):
+    """The impact mass."""
+    return s.states[0].mass
+
+
+@inner
+def kick(s, dv):
+    """Change the velocity."""
+    s.states[0].w += dv
+
+
+@inner
+def slope_of(now, pieces):
     """Slope of the line on which the spring unloads, or on which it has not yielded yet."""
-    return state.stiffness if state.yielded else pieces[0].c[1]
+    return now.stiffness if now.yielded else pieces[0].c[1]
 
 
-@njit(cache=True, error_model="numpy")
-def swings(motion, state, pieces, mass, peak):
+@inner
+def calm(s, progress):
     """Whether a free column swings on a straight line for good, out of reach of its striker.
 
-    And no farther than to the `peak` that it has had.
+    And no farther than to the peak that it has had.
     """
-    w, x, wx = motion
-    k, first = slope_of(state, pieces), pieces[0]
-    turn = (w * w * mass / k + (state.force / k) ** 2) ** 0.5
-    if state.yielded:
-        straight = state.v <= state.top and k * turn <= state.top_force
+    now, first = s.states[0], s.pieces[0]
+    k = slope_of(now, s.pieces)
+    turn = (now.w * now.w * now.mass / k + (now.force / k) ** 2) ** 0.5
+    if now.yielded:
+        straight = now.v <= now.top and k * turn <= now.top_force
     else:
-        straight = first.c[2] == 0.0 and first.c[3] == 0.0 and turn <= state.top
-        straight = straight and (pieces.size == 1 or state.top <= pieces[1].start)
-    centre = state.v - state.force / k
-    return straight and wx <= 0.0 and x < centre - turn and centre + turn <= _NO_MORE * peak
+        straight = first.c[2] == 0.0 and first.c[3] == 0.0 and turn <= now.top
+        straight = straight and (s.pieces.size == 1 or now.top <= s.pieces[1].start)
+    centre = now.v - now.force / k
+    away = progress.velocity <= 0.0 and progress.place < centre - turn
+    return straight and away and centre + turn <= _NO_MORE * progress.peak
 
 
-@njit(cache=True, error_model="numpy")
-def swing(pace, time, blow, motion, state, k, n, records):
-    """Records after the n-th of a column that swings on the slope k; which is the last one."""
-    w, _, wx = motion
-    last, omega = records[n], (k / blow.mass) ** 0.5
+@inner
+def coast(s, pace, progress, records, n):
+    """Records after the n-th of a column that swings on a straight line; which is the last one."""
+    now = s.states[0]
+    k = slope_of(now, s.pieces)
+    omega, left = (k / now.mass) ** 0.5, pace.duration - progress.time
     step = max(2.0 * np.pi / (_POINTS * omega), 0.5 * pace.spacing, pace.duration / _MOST_POINTS)
-    left = pace.duration - time
-    count = int(np.ceil(left / step))
+    count = max(int(np.ceil(left / step)), 1)
     step = left / count
-    c, s = np.cos(omega * step), np.sin(omega * step)
-    centre, x, y = state.v - state.force / k, state.force / k, w / omega
+    c, sine = np.cos(omega * step), np.sin(omega * step)
+    centre, x, y = now.v - now.force / k, now.force / k, now.w / omega
+    striking = 0.5 * progress.mass * progress.velocity**2
     for i in range(1, count + 1):
-        x, y = c * x + s * y, c * y - s * x
+        x, y = c * x + sine * y, c * y - sine * x
         row = records[n + i]
-        row.time = pace.duration if i == count else time + i * step
-        row.displacement, row.velocity, row.striker_velocity = centre + x, omega * y, wx
-        row.percussion, row.force = 0.0, k * x
-        row.kinetic = 0.5 * (k * y * y + blow.striker * wx * wx)
-        row.elastic, row.dissipated = 0.5 * k * x * x, state.dissipated
-        row.contact_loss = last.contact_loss
+        row.time = pace.duration if i == count else progress.time + i * step
+        row.displacement, row.velocity = centre + x, omega * y
+        row.striker_velocity, row.contact_loss = progress.velocity, progress.contact_loss
+        row.percussion, row.force, row.external_work = 0.0, k * x, 0.0
+        row.kinetic, row.elastic = 0.5 * k * y * y + striking, 0.5 * k * x * x
+        row.dissipated, row.plastic = now.dissipated, records[n].plastic
     return n + count
 
 
-@njit(cache=True, error_model="numpy")
-def impact(scheme, given, elastic_limit, limit, pieces, records):
-    """Follow the impact: (status, last record, time, residual, peak, its time, plastic change).
+@inner
+def drift(s, dt):
+    """Half a step of Moreau's with the velocity."""
+    now, trial = s.states[0], s.states[1]
+    put(trial, spring_moved(spring_of(now), now.v + 0.5 * dt * now.w, s.pieces))
+    return True, trial.v
 
-    `given`: the numbers of `Pace` and `Blow` in a row, which to hand over one by one costs more
-    than many steps. The first collision, whose instant is known, comes before the first step, and
-    its percussion is recorded with that. COLLAPSE when v passes `limit`. The peak (m) is the
-    largest displacement at which the column stood still; what reverse yielding has changed since
-    of the plastic displacement (m) comes last.
+
+@inner
+def push(s, dt):
+    """The velocity that the force in the middle leaves."""
+    s.states[1].w = s.states[0].w - dt * s.states[1].force / s.states[0].mass
+    return s.states[1].w, s.states[0].mass
+
+
+@inner
+def jump(s, dv, dt):
+    """Impulse, and the other half of the step."""
+    trial = s.states[1]
+    trial.w += dv
+    put(trial, spring_moved(spring_of(trial), trial.v + 0.5 * dt * trial.w, s.pieces))
+
+
+@inner
+def accept_trial(s, dt):
+    """What Moreau's step has moved."""
+    put(s.states[0], spring_of(s.states[1]))
+    s.states[0].w = s.states[1].w
+
+
+@inner
+def solve_pushed(s, dt, closed, touch, striker):
+    """The step of the mass under the pulse."""
+    now = s.states[0]
+    now.push = s.means[min(int(now.time / s.length + 1e-6), s.means.size - 1)]
+    spring, impulse = spring_of(now), -dt * now.push
+    w1, residual = solve_midpoint(dt, now.w, now.mass, impulse, spring, s.pieces)
+    s.states[1].w = w1
+    return residual <= 1e-9, w1, residual, 1
+
+
+@inner
+def accept_pushed(s, dt):
+    """Move the spring; the work of the pulse; what the next stage changes."""
+    now, before = s.states[0], s.states[0].v
+    accept(s, dt)
+    now.time += dt
+    now.work += now.push * (now.v - before)
+    while now.stage + 1 < s.stages.shape[0] and abs(now.v) >= s.stages[now.stage + 1, 0]:
+        now.stage += 1
+        kinetic = 0.5 * now.mass * now.w**2
+        now.mass, now.w = s.stages[now.stage, 1], s.stages[now.stage, 2] * now.w
+        now.dissipated += kinetic - 0.5 * now.mass * now.w**2
+
+
+_FULL = Model(
+    *(hit, solve, no_flow, accept, write, lost), mass=mass_of, kick=kick, calm=calm, coast=coast
+)
+_march = march_of(_FULL)
+_explicit = march_of(
+    _FULL._replace(accept=accept_trial, step=moreau_step_of(hit, drift, push, jump))
+)
+_pushed = march_of(Model(hit, solve_pushed, no_flow, accept_pushed, write, lost))
+
+
+@inner
+def at_rest(drive, pieces):
+    """States before anything happens; the drive ends with elastic limit, collapse and mass."""
+    states = np.zeros(2, STATE)
+    put(states[0], spring_at_rest(drive[DRIVE], pieces))
+    states[0].mass = drive[DRIVE + 2]
+    return states
+
+
+@njit(cache=True, error_model="numpy")
+def impact(pieces, drive, progress, records):
+    """Follow an impact: (status, rows).
+
+    Arguments: `pieces` of the resistance; `drive`, `progress` and `records` of `workbench.impact`,
+    the drive with elastic limit (m), displacement of collapse (m) and impact mass (kg).
     """
-    pace = Pace(given[0], given[1], given[2], given[3], given[4], given[5], given[6], int(given[7]))
-    blow = Blow(given[8], given[9], given[10], given[11])
-    state = spring_at_rest(elastic_limit, pieces)
-    mass, striker, velocity, restitution = blow
-    motion, lost, carried, peak, at = (0.0, 0.0, velocity), 0.0, 0.0, 0.0, 0.0
-    row = records[0]
-    row.time = row.displacement = row.velocity = row.force = row.elastic = 0.0
-    row.dissipated = row.contact_loss = row.percussion = 0.0
-    row.striker_velocity, row.kinetic = velocity, 0.5 * striker * velocity**2
-    controlled, smooth, start = pace.error < np.inf, False, 0.0
-    n, steps, time, dt, before, slowing = 0, 0, 0.0, pace.first, 0.0, 0.0
-    while time < pace.duration * (1.0 - 1e-12):
-        w, x, wx = motion
-        gap, gamma = state.v - x, w - wx
-        close = _CLOSE * velocity * pace.first + 4.0 * EPS * abs(x) if controlled else SLACK
-        if (controlled or time == 0.0) and gap <= close and gamma < -1e-9 * velocity:
-            eps = restitution if -gamma * restitution > _SOFT * velocity else 0.0
-            push = explicit_percussion(gamma, gamma, eps, mass, striker)
-            motion = (w + push / mass, x, wx - push / striker)
-            lost += contact_loss(push, gamma, motion[0] - motion[2])
-            carried, smooth, dt = carried + push, False, pace.first
-            start = max(start, motion[0])
-            continue
-        dt = aimed(pace, time, dt, 0.0, gamma)
-        if controlled and gap > close and gamma < 0.0:
-            dt = min(dt, -gap / gamma)
-        steps += 1
-        if steps > pace.most:
-            return TOO_MANY, n, time, 0.0, peak, at, 0.0
-        if scheme == MOREAU:
-            found = moreau_step(dt, motion, blow, state, pieces)
-        else:
-            found = midpoint_step(dt, motion, blow, state, pieces, close)
-        residual, moved, spring, percussion, loss = found
-        if residual > 1e-9:
-            dt *= 0.5
-            if dt < pace.first / PIECES:
-                return NO_CONVERGENCE, n, time, residual, peak, at, 0.0
-            continue
-        acceleration, factor = (moved[0] - w) / dt, _LONGER
-        if controlled:
-            if percussion == 0.0 and dt > _SHORTEST * pace.first:
-                meeting = met(gap, gamma, moved[0] - moved[2], dt, close)
-                if meeting < dt:
-                    dt = max(meeting, _SHORTEST * pace.first)
-                    continue
-            rate = abs(acceleration - slowing) / (0.5 * (dt + before)) if smooth else 0.0
-            factor = growth(pace, pace.error * start, rate, dt, 0.0)
-            passes = min(w, -moved[0]) > _AT_REST * start and spring.v > peak
-            if passes:  # on to the peak
-                factor = min(factor, w / (w - moved[0]))
-            if (factor < 0.7 or passes) and dt > pace.first:
-                dt = max(dt * max(factor, 0.1), pace.first)
-                continue
-        if w > 0.0 >= moved[0]:
-            rise = dt * w / (w - moved[0])
-            if state.v + 0.5 * rise * w > peak:
-                peak, at = state.v + 0.5 * rise * w, time + rise
-        lost, time, before, smooth, slowing = lost + loss, time + dt, dt, True, acceleration
-        motion, state = moved, spring
-        dt = min(max(dt * min(max(factor, 0.3), _LONGER), pace.first), pace.longest)
-        if n > 0 and time - records[n - 1].time <= pace.spacing:
-            carried += records[n].percussion
-        else:
-            n += 1
-        row = records[n]
-        row.time = min(time, pace.duration)
-        row.displacement, row.velocity, row.striker_velocity = state.v, motion[0], motion[2]
-        row.percussion, carried = carried + percussion, 0.0
-        row.kinetic = 0.5 * (mass * motion[0] ** 2 + striker * motion[2] ** 2)
-        row.contact_loss, row.force, row.dissipated = lost, state.force, state.dissipated
-        row.elastic = spring_energy(state, pieces)
-        if state.v > limit:
-            return COLLAPSE, n, time, 0.0, peak, at, 0.0
-        if controlled and percussion == 0.0 and swings(motion, state, pieces, mass, peak):
-            slope = slope_of(state, pieces)
-            n = swing(pace, time, blow, motion, state, slope, n, records)
-            break
-    changed = (state.v - state.top) - (state.force - state.top_force) / state.stiffness
-    return OK, n, time, 0.0, peak, at, changed if state.yielded else 0.0
+    s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
+    return _march(s, begin(drive, progress[0]), progress[0], records)
+
+
+@njit(cache=True, error_model="numpy")
+def explicit_impact(pieces, drive, progress, records):
+    """As `impact`, with Moreau's explicit steps."""
+    s = OneMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1])
+    return _explicit(s, begin(drive, progress[0]), progress[0], records)
+
+
+def no_striker(elastic_limit: float, limit: float, mass: float) -> tuple[float, ...]:
+    """The drive of a pulse after its pace; displacements (m) and the mass at first (kg)."""
+    return 0.0, 0.0, 0.0, 0.0, elastic_limit, limit, mass
+
+
+@njit(cache=True, error_model="numpy")
+def pulse(pieces, stages, means, drive, progress, records):
+    """Follow a pulse in equal steps: (status, rows), as `impact`.
+
+    Arguments: `stages` (n, 3), displacement (m) from which on a mass (kg) moves and the factor on
+    the velocity there, the first from 0 on; `means` (steps,) of the force.
+    """
+    pace = begin(drive, progress[0])
+    s = PushedMass(at_rest(drive, pieces), pieces, drive[DRIVE + 1], means, pace.longest, stages)
+    return _pushed(s, pace, progress[0], records)

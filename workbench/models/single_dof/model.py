@@ -8,10 +8,10 @@ one-dimensional elasto-plastic law. Mass M_B, a third of the column, meets the s
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache, reduce
+from functools import lru_cache
 from math import ceil, inf, pi, sqrt
 from time import perf_counter
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,7 @@ from workbench.errors import CollapseError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Number, checked
 from workbench.impact import collide
 from workbench.impact.pace import Pace
+from workbench.impact.records import Run, follow
 from workbench.models.base import Answering
 from workbench.models.domain import bounce_findings, step_finding
 from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
@@ -33,23 +34,23 @@ from workbench.models.resistance import (
     limits,
 )
 from workbench.models.resistance.panel import PANEL
-from workbench.models.single_dof import kernels, march
+from workbench.models.single_dof import march
 from workbench.models.single_dof.pulse import Pushed, moved_masses, pulse_response
+from workbench.models.single_dof.spring import pushed
 from workbench.responses import (
     Finding,
     Outcome,
     Response,
     build_response,
     peak_contact_force,
-    peak_of,
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 
-_SCHEMES = {"midpoint": kernels.MIDPOINT, "moreau": kernels.MOREAU}
+_ENTRIES = {"midpoint": march.impact, "moreau": march.explicit_impact}
 _FINE_STEPS = 1000  # of Moreau's scheme in the period of the impact mass on the steepest stiffness
-_FIRST, _FEWEST_STEPS = 4.0, 50  # steps after an impact, in such ones; steps of a record
-_ERROR = (1e-3, 1e-4)  # of a step without and with restitution, see `Pace`
+_FIRST, _FEWEST_STEPS = 4e-3, 50  # step after an impact over that period; steps of a record
+_ERROR = (1e-3, 8e-5)  # of a step without and with restitution, see `Pace`
 _INSTANT = 1e-12  # s, of the first collision
 _POINTS, _RECORDS = 20, (500, 80_000)  # parts of a period and of a record that are recorded
 _MOST_STEPS, _MOST_STEPS_ASKED = 400_000, 4_000_000
@@ -60,14 +61,6 @@ _ENDINGS: dict[type[Exception], Outcome] = {
     SolverError: Outcome.NOT_CONVERGED,
 }
 _BATCH = ("peak_displacement", "time_of_peak", "residual_displacement", "peak_force", "impulse")
-
-
-class _Run(NamedTuple):
-    records: Any
-    curve: ResistanceCurve
-    peak: float
-    time_of_peak: float
-    changed: float
 
 
 @dataclass(frozen=True)
@@ -84,14 +77,14 @@ class SingleDof(Answering):
     """
 
     resistance: str = checked(Choice(SHAPES), "analytic")
-    integrator: str = checked(Choice(tuple(_SCHEMES)), "midpoint")
+    integrator: str = checked(Choice(tuple(_ENTRIES)), "midpoint")
     time_step: float | None = checked(Number(1e-8, 1.0, "s"), optional=True)
     rotational_stiffness: float | None = checked(Number(0.1, 1e6), optional=True)
     interaction: str = checked(Choice(INTERACTIONS), SECTION)
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "single-dof"
-    version: ClassVar[int] = 9
+    version: ClassVar[int] = 10
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND, ColumnPushover.KIND, MemberPulse.KIND)
     assumptions: ClassVar[tuple[str, ...]] = (
         "Two rigid bars with elastic-perfectly plastic hinges; linear N-M yield surface, small "
@@ -168,7 +161,7 @@ class SingleDof(Answering):
                 if refusals:
                     raise OutOfDomainError("; ".join(refusals))
                 heavy = self.with_mass(scenario)
-                row = {**_scalars(heavy, self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
+                row = {**_scalars(heavy, *self._march(heavy)), "outcome": Outcome.OK, "failure": ""}
             except tuple(_ENDINGS) as error:
                 row = {"outcome": _ENDINGS[type(error)], "failure": str(error)}
             rows.append(row)
@@ -181,26 +174,17 @@ class SingleDof(Answering):
             return pulse_response(scenario, self.pushed(scenario))
         return self._impact(self.with_mass(scenario))
 
-    def _march(self, scenario: ColumnImpact) -> _Run:
+    def _march(self, scenario: ColumnImpact) -> tuple[Run, ResistanceCurve]:
         """Follow one impact. Raises `SolverError`, `OutOfDomainError`, `CollapseError`."""
         column, striker = scenario.column, scenario.striker
-        bounces = striker.restitution > 0.0
-        curve, limit, pace = _prepared(self, column, scenario.duration, bounces)
-        records = np.empty(pace.records, kernels.RECORD)
-        blow = (striker.mass, striker.velocity, striker.restitution)
-        given = np.array((*pace, column.properties.impact_mass, *blow))
-        scheme = _SCHEMES[self.integrator]
-        status, last, time, residual, peak, at, changed = march.impact(
-            scheme, given, curve.elastic_limit, limit, curve.pieces, records
-        )
-        if status == kernels.COLLAPSE:
-            now = records[last]
-            since = (float(now["displacement"]) - limit) / float(now["velocity"])
-            raise limits.collapsed(curve, column, limit, time - since)
-        if status != kernels.OK:
-            tried = f"Newton with bisection, shorter steps, at most {pace.most} of them"
-            raise SolverError(f"time {time:.4g} s", residual, tried)
-        return _Run(records[: last + 1], curve, peak, at, changed)
+        curve, limit, pace = _prepared(self, column, scenario.duration, striker.restitution > 0.0)
+        blow = striker.mass, striker.velocity, striker.restitution, 0.0
+        drive = *blow, curve.elastic_limit, limit, column.properties.impact_mass
+        run = follow(_ENTRIES[self.integrator], (curve.pieces,), pace, drive, march.RECORD)
+        if run.collapsed:
+            v, w = (float(run.records[name][-1]) for name in ("displacement", "velocity"))
+            raise limits.collapsed(curve, column, limit, run.progress["time"] - (v - limit) / w)
+        return run, curve
 
     def period(self, column: Column) -> float:
         """Shortest period (s) of the impact mass on the resistance. Raises `OutOfDomainError`."""
@@ -210,33 +194,24 @@ class SingleDof(Answering):
     def pace(self, column: Column, duration: float, bounces: bool) -> Pace:
         """How an impact followed for a `duration` (s) is stepped through."""
         period, step = self.period(column), self.time_step
-        if step is None:
-            step = max(period / _FINE_STEPS, duration / _MOST_STEPS)
-            if self.integrator == "midpoint":
-                longest = duration / _FEWEST_STEPS
-                spacing = min(period / _POINTS, duration / _RECORDS[0])
-                spacing = max(spacing, duration / _RECORDS[1])
-                control = (_ERROR[bounces], _ERROR[bounces], inf, spacing, _MOST_STEPS_ASKED)
-                return Pace(duration, min(_FIRST * step, longest), longest, *control)
-        step = duration / max(1, ceil(duration / step))
-        return Pace(duration, step, step, inf, inf, inf, 1.001 * step, _MOST_STEPS_ASKED)
+        if step is None and self.integrator == "midpoint":
+            first, longest = _FIRST * period, duration / _FEWEST_STEPS
+            spacing = min(period / _POINTS, duration / _RECORDS[0])
+            spacing = max(spacing, duration / _RECORDS[1])
+            control = (_ERROR[bounces], _ERROR[bounces], inf, spacing, _MOST_STEPS_ASKED)
+            return Pace(duration, min(first, longest), longest, *control)
+        step = step or max(period / _FINE_STEPS, duration / _MOST_STEPS)
+        return Pace.equal(duration, duration / max(1, ceil(duration / step)), _MOST_STEPS_ASKED)
 
     def _impact(self, scenario: ColumnImpact) -> Response:
         started = perf_counter()
-        run = self._march(scenario)
+        run, curve = self._march(scenario)
         solved = perf_counter() - started
-        records, curve = run.records, run.curve
-        top = float(records["displacement"].max())
-        shear, warnings = limits.reached(curve, scenario.column, top)
-        spent = (records[name] for name in kernels.HISTORIES[-4:])  # energies
-        values: dict[str, Any] = {
-            **{name: records[name] for name in kernels.HISTORIES},
-            "balance_error": reduce(np.subtract, spent, scenario.input_energy),
-            "input_energy": scenario.input_energy,
-            "shear_utilisation": shear,
-            **_scalars(scenario, run),
-        }
-        time = records["time"]
+        values: dict[str, Any] = {**run.histories, "input_energy": scenario.input_energy}
+        time, _ = values.pop("time"), values.pop("plastic")
+        top = float(values["displacement"].max())
+        values["shear_utilisation"], warnings = limits.reached(curve, scenario.column, top)
+        values |= _scalars(scenario, run, curve)
         response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         response.attrs["solve_time"] = solved
         return response
@@ -283,19 +258,15 @@ def _prepared(
     return curve, limits.limit_of(curve, column), model.pace(column, duration, bounces)
 
 
-def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
+def _scalars(scenario: ColumnImpact, run: Run, curve: ResistanceCurve) -> dict[str, float]:
     """Scalar results of an impact; without a peak in the record only those of the contact."""
-    percussion, values = run.records["percussion"].copy(), {}
-    if int(np.argmax(run.records["displacement"])) < len(percussion) - 1:  # it comes back
-        values["peak_displacement"], values["time_of_peak"] = run.peak, run.time_of_peak
-        if scenario.striker.restitution > 0.0:  # free, it may come as far again
-            time, v = run.records["time"], run.records["displacement"]
-            first = peak_of(time, v)["time_of_peak"]
-            if np.diff(np.searchsorted(time, (first, run.time_of_peak))) > 1:
-                values["time_of_peak"] = first
-        values["residual_displacement"] = run.curve.residual(run.peak) + run.changed
+    striker, percussion = scenario.striker, run.records["percussion"].copy()
+    values = run.peak(striker.restitution > 0.0)
+    if values:
+        plastic = run.records["plastic"]  # after the peak reverse yielding takes some back
+        changed = plastic[-1] - plastic.max()
+        values["residual_displacement"] = curve.residual(values["peak_displacement"]) + changed
     # the first collision is recorded with the first step but happens at time 0
-    striker = scenario.striker
     mass = scenario.column.properties.impact_mass
     first = collide(mass, striker.mass, striker.velocity, striker.restitution).percussion
     values["impulse"] = float(percussion.sum())
@@ -307,14 +278,13 @@ def _scalars(scenario: ColumnImpact, run: _Run) -> dict[str, float]:
 
 def _pushed_energies(curve: ResistanceCurve, path: Array, force: Array) -> dict[str, Any]:
     """Energies along a push: work by quadrature of the force, the rest from the spring's law."""
-    records = np.zeros(len(path), kernels.RECORD)
-    kernels.follow(path, curve.elastic_limit, curve.pieces, records)
+    _, elastic, dissipated = pushed(path, curve.elastic_limit, curve.pieces).T
     middle = curve.force(0.5 * (path[1:] + path[:-1]))
     pieces = np.diff(path) * (force[1:] + 4.0 * middle + force[:-1]) / 6.0
     work = np.concatenate([[0.0], np.cumsum(pieces)])
     return {
-        "elastic": records["elastic"],
-        "dissipated": records["dissipated"],
+        "elastic": elastic,
+        "dissipated": dissipated,
         "external_work": work,
         "input_energy": work[-1],
     }

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import CollapseError, SolverError
+from workbench.errors import CollapseError
+from workbench.impact.pace import Pace
+from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, limits
-from workbench.models.single_dof import kernels
-from workbench.models.single_dof.pulse_kernels import follow
+from workbench.models.single_dof import march
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
@@ -71,29 +72,22 @@ def push(
     steps = min(int(np.ceil(duration / longest)), _MOST_STEPS)
     step = duration / steps
     time = np.linspace(0.0, duration, steps + 1)
-    records = np.zeros(steps + 1, kernels.RECORD)
-    status, last, residual, spring, works = follow(
-        step,
-        np.array(pushed.stages),
-        pushed.share * pulse.means(time),
-        curve.elastic_limit,
-        limits.limit_of(curve, column),
-        curve.pieces,
-        records,
-    )
-    if status == kernels.NO_CONVERGENCE:
-        where = f"time {last * step:.4g} s (step of {step:.3g} s)"
-        raise SolverError(where, residual, "Newton with bisection")
-    if status == kernels.COLLAPSE:
-        raise limits.collapsed(curve, column, float(records["displacement"][last]), last * step)
+    tables = curve.pieces, np.array(pushed.stages), pushed.share * pulse.means(time)
+    limit = limits.limit_of(curve, column)
+    drive = march.no_striker(curve.elastic_limit, limit, pushed.stages[0][1])
+    run = follow(march.pulse, tables, Pace.equal(duration, step, steps), drive, march.RECORD)
+    records = run.records
+    if run.collapsed:
+        reached, when = float(records["displacement"][-1]), float(records["time"][-1])
+        raise limits.collapsed(curve, column, reached, when)
     values: dict[str, Any] = {name: records[name] for name in ("displacement", "velocity", "force")}
     if pushed.at_hit:
         values |= {name: records[name] for name in ("kinetic", "elastic", "dissipated")}
+        works = records["external_work"]
         values |= {"external_work": works, "input_energy": np.max(np.abs(works))}
     values["load"] = pushed.share * pulse.force(time)
     if int(np.argmax(records["displacement"])) < steps:  # there is a peak to come back from
-        plastic = spring.v - spring.force / spring.stiffness if spring.yielded else 0.0
-        values["residual_displacement"] = plastic
+        values["residual_displacement"] = float(records["plastic"][-1])
     return time, values
 
 

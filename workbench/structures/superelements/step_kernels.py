@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench.arrays import Array, Indices
 from workbench.compiled import njit
-from workbench.impact import restitution as law
+from workbench.impact import contact as law
 from workbench.structures import kernels
 from workbench.structures.elements import Step
 from workbench.structures.kernels import add_inertia, copy, largest

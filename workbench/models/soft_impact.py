@@ -1,16 +1,27 @@
-"""The column hit by a striker that is not rigid: the model of Eibl and the CEB.
+"""The column hit by a striker that crushes: two masses on two springs, of Eibl and the CEB.
 
 Comité Euro-International du Béton 1988; Heng 2017, section 3.1, figure 3.1.
+
+    m_A x''  + R_1(x - v) = 0            striker, with the spring R_1 of what crushes
+    m_B v''  - R_1(x - v) + R_2(v) = 0   impact mass of the column on its resistance R_2
+
+R_1 is linear up to the crush force, flows there, unloads with its stiffness and cannot pull. The
+leapfrog rule steps through: of second order, its energy bounded below the stability limit.
 """
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from workbench.compiled import njit
 from workbench.errors import SolverError
 from workbench.fields import Choice, Number, checked
+from workbench.impact.contact import inner
+from workbench.impact.integrator import DRIVE, Model, begin, march_of, no_flow
+from workbench.impact.pace import Pace
+from workbench.impact.records import follow
 from workbench.models.base import Answering
 from workbench.models.domain import shear_warnings
 from workbench.models.hit_mass import HIT_MASS, THESIS, with_hit_mass
@@ -23,8 +34,8 @@ from workbench.models.resistance import (
     limits,
 )
 from workbench.models.resistance.panel import PANEL
-from workbench.models.single_dof.kernels import COLLAPSE, HISTORIES, RECORD
-from workbench.models.soft_impact import kernels
+from workbench.models.single_dof import march as one_mass
+from workbench.models.single_dof.spring import spring_moved
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.responses.histories import NO_PEAK, still_grows
 from workbench.scenarios import ColumnImpact
@@ -33,6 +44,66 @@ VEHICLE_STIFFNESS = 3.0e5  # N/m, cars, EN 1991-1-7, Annex C
 _STEPS_PER_PERIOD = 100  # of the highest frequency of both springs
 _FEWEST_STEPS, _MOST_STEPS = 500, 1_000_000
 _BALANCE = 1e-3  # of the input energy, which the ledger may be open
+
+
+class TwoMasses(NamedTuple):
+    """System: as `single_dof.march.OneMass`; stiffness (N/m) and force (N) of what crushes."""
+
+    states: Any
+    pieces: Any
+    limit: float
+    stiffness: float
+    crush_force: float
+
+
+@njit(cache=True, error_model="numpy")
+def crush(approach, crushed, stiffness, crush_force):
+    """Contact force and crushed length of an `approach` x - v (m), `crushed` before."""
+    force = max(stiffness * (approach - crushed), 0.0)
+    if force > crush_force:
+        return crush_force, approach - crush_force / stiffness
+    return force, crushed
+
+
+@inner
+def step(s, progress, dt, may):
+    """A leapfrog step."""
+    now, new = s.states[0], s.states[1]
+    mass, striker = now.mass, progress.mass
+    half = now.w + 0.5 * dt * (now.contact - now.force) / mass
+    spring = spring_moved(one_mass.spring_of(now), now.v + dt * half, s.pieces)
+    new.x = now.x + dt * (progress.velocity - 0.5 * dt * now.contact / striker)
+    new.contact, new.crushed = crush(new.x - spring.v, now.crushed, s.stiffness, s.crush_force)
+    lost = s.crush_force * (new.crushed - now.crushed) if new.crushed > now.crushed else 0.0
+    one_mass.put(new, spring)
+    new.w = half + 0.5 * dt * (new.contact - spring.force) / mass
+    return True, 0.5 * dt * (now.contact + new.contact), new.w, lost
+
+
+@inner
+def accept(s, dt):
+    """What the step has moved."""
+    one_mass.accept_trial(s, dt)
+    now, new = s.states[0], s.states[1]
+    now.x, now.contact, now.crushed = new.x, new.contact, new.crushed
+
+
+@inner
+def write(s, records, n):
+    """As of one mass, with the energy of the striker's spring."""
+    one_mass.write(s, records, n)
+    records[n].elastic += 0.5 * s.states[0].contact ** 2 / s.stiffness
+
+
+_march = march_of(Model(one_mass.hit, None, no_flow, accept, write, one_mass.lost, step=step))
+
+
+@njit(cache=True, error_model="numpy")
+def impact(pieces, drive, progress, records):
+    """Follow an impact as `single_dof.march.impact`; the drive goes on with stiffness and force."""
+    states, own = one_mass.at_rest(drive, pieces), drive[DRIVE:]
+    s = TwoMasses(states, pieces, own[1], own[3], own[4])
+    return _march(s, begin(drive, progress[0]), progress[0], records)
 
 
 @dataclass(frozen=True)
@@ -52,7 +123,7 @@ class SoftImpact(Answering):
     hit_mass: str = checked(HIT_MASS, THESIS)
 
     name: ClassVar[str] = "soft-impact"
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
     answers: ClassVar[tuple[str, ...]] = (ColumnImpact.KIND,)
     assumptions: ClassVar[tuple[str, ...]] = (
         "The striker is a mass behind one spring, linear up to its crush force, that cannot pull; "
@@ -107,31 +178,25 @@ class SoftImpact(Answering):
         if step * frequency > 1.0:
             where = f"steps of {step:.2g} s, at most {_MOST_STEPS:.0e} are kept"
             raise SolverError(where, step * frequency, "a softer striker or a shorter record")
-        records = np.zeros(count + 1, RECORD)
         force = np.inf if self.crush_force is None else self.crush_force
-        meeting = kernels.Meeting(
-            mass, striker.mass, striker.velocity, self.striker_stiffness, force
-        )
-        status, last, spring, _ = kernels.impact(
-            step,
-            meeting,
-            curve.elastic_limit,
-            limits.limit_of(curve, column),
-            curve.pieces,
-            records,
-        )
-        if status == COLLAPSE:
-            raise limits.collapsed(curve, column, float(records["displacement"][last]), last * step)
+        blow, limit = (striker.mass, striker.velocity, 0.0, 0.0), limits.limit_of(curve, column)
+        drive = *blow, curve.elastic_limit, limit, mass, self.striker_stiffness, force
+        pace = Pace.equal(scenario.duration, step, count)
+        run = follow(impact, (curve.pieces,), pace, drive, one_mass.RECORD)
+        records = run.records
+        if run.collapsed:
+            reached, when = float(records["displacement"][-1]), float(records["time"][-1])
+            raise limits.collapsed(curve, column, reached, when)
         solved = perf_counter() - started
         top = float(records["displacement"].max())
         shear, warnings = limits.reached(curve, column, top)
         values: dict[str, Any] = {
-            **{name: records[name] for name in HISTORIES},
+            **run.histories,
             "input_energy": scenario.input_energy,
             "shear_utilisation": shear,
+            "residual_displacement": float(records["plastic"][-1]),
         }
-        plastic = spring.v - spring.force / spring.stiffness if spring.yielded else 0.0
-        values["residual_displacement"] = plastic
+        time, _ = values.pop("time"), values.pop("plastic")
         if shear is not None and self.resistance != PANEL:
             warnings += shear_warnings(column, dict(zip(limits.SEGMENTS, shear, strict=True)))
         if records["percussion"][-1] > 0.0 and records["striker_velocity"][-1] > 0.0:
@@ -141,12 +206,7 @@ class SoftImpact(Answering):
                 text = f"the striker still moves on and pushes at the end, {scenario.duration:g} s"
                 remedy = f"extend time.duration to {longer:.2g} s to find the peak"
                 warnings.append(Finding(NO_PEAK, text, remedy=remedy))
-        response = build_response(
-            values,
-            time=np.linspace(0.0, scenario.duration, count + 1),
-            segments=limits.SEGMENTS,
-            warnings=warnings,
-        )
+        response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         error = energy_error(response)
         if error is not None and error > _BALANCE:
             raise SolverError("the energy balance", error, f"steps of {step:.2g} s")

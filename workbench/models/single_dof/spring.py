@@ -1,6 +1,6 @@
-"""The elasto-plastic spring of the single-degree-of-freedom column, and a step in time.
+"""The elasto-plastic spring of the single-degree-of-freedom column (Heng 2017, section 5.2).
 
-Heng 2017, section 5.2 and chapter 3. The envelope of the spring is a resistance curve, `pieces`.
+The envelope of the spring is a resistance curve, `pieces`.
 """
 
 from typing import NamedTuple
@@ -8,18 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact import contact_loss, explicit_percussion, rebound, touches
-from workbench.impact.stepping import SLACK
+from workbench.impact.pace import EPS
 from workbench.models.resistance.kernels import on_curve, unloading_stiffness, work_between
-
-MIDPOINT, MOREAU = 0, 1
-OK, NO_CONVERGENCE, COLLAPSE, TOO_MANY = range(4)
-HISTORIES = (
-    *("displacement", "velocity", "striker_velocity", "percussion", "force"),
-    *("kinetic", "elastic", "dissipated", "contact_loss"),
-)
-RECORD = np.dtype([(name, float) for name in (*HISTORIES, "time")])
-EPS = 2.220446049250313e-16
 
 
 class Spring(NamedTuple):
@@ -36,15 +26,6 @@ class Spring(NamedTuple):
     stiffness: float
     yielded: bool
     dissipated: float
-
-
-class Blow(NamedTuple):
-    """Masses M_B of the column and M_A of the striker, its velocity and restitution."""
-
-    mass: float
-    striker: float
-    velocity: float
-    restitution: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -173,61 +154,10 @@ def solve_midpoint(dt, w0, mass, jump, state, pieces):
 
 
 @njit(cache=True, error_model="numpy")
-def midpoint_step(dt, motion, blow, state, pieces, close):
-    """One energy-conserving midpoint step (Heng 2017, eqs 3.31-3.33).
-
-    `motion`: velocity of the hit point, position and velocity of the striker; a gap below `close`
-    is none. Contact is eliminated: closed, the striker follows with w_c1 = w1 + eps gamma_0.
-    Returns (residual, motion, state, percussion, energy lost in contact).
-    """
-    (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
-    gamma = w0 - wc0
-    restitution = rebound(gamma, restitution)
-    percussion, w1, residual = 0.0, 0.0, 0.0
-    closed = touches(state.v - xc - close, gamma, dt)
-    if closed:
-        jump = striker * (1.0 + restitution) * gamma
-        w1, residual = solve_midpoint(dt, w0, mass + striker, jump, state, pieces)
-        percussion = -striker * (w1 - w0) - jump
-        closed = percussion >= 0.0
-    if not closed:
-        percussion = 0.0
-        w1, residual = solve_midpoint(dt, w0, mass, 0.0, state, pieces)
-    wc1 = wc0 - percussion / striker
-    v1 = state.v + 0.5 * dt * (w0 + w1)
-    state = spring_moved(state, v1, pieces)
-    motion = (w1, xc + 0.5 * dt * (wc0 + wc1), wc1)
-    return residual, motion, state, percussion, contact_loss(percussion, gamma, w1 - wc1)
-
-
-@njit(cache=True, error_model="numpy")
-def moreau_step(dt, motion, blow, state, pieces):
-    """One explicit step of Moreau's scheme (eqs 3.26-3.30); as `midpoint_step`."""
-    (w0, xc, wc0), (mass, striker, _, restitution) = motion, blow
-    gamma = w0 - wc0
-    state = spring_moved(state, state.v + 0.5 * dt * w0, pieces)
-    xc += 0.5 * dt * wc0
-    w1, wc1, percussion = w0 - dt * state.force / mass, wc0, 0.0
-    if state.v - xc <= SLACK:
-        percussion = explicit_percussion(w1 - wc0, gamma, restitution, mass, striker)
-        w1 += percussion / mass
-        wc1 -= percussion / striker
-    state = spring_moved(state, state.v + 0.5 * dt * w1, pieces)
-    motion = (w1, xc + 0.5 * dt * wc1, wc1)
-    return 0.0, motion, state, percussion, contact_loss(percussion, gamma, w1 - wc1)
-
-
-@njit(cache=True, error_model="numpy")
-def _record(row, state, pieces):
-    """Force and energies of the spring."""
-    row.force, row.dissipated = state.force, state.dissipated
-    row.elastic = spring_energy(state, pieces)
-
-
-@njit(cache=True, error_model="numpy")
-def follow(path, elastic_limit, pieces, records):
-    """Move the spring along displacements `path` (n,), forth and back, with `records` (n,)."""
-    state = spring_at_rest(elastic_limit, pieces)
+def pushed(path, elastic_limit, pieces):
+    """Force, elastic and dissipated energy, (n, 3), along displacements `path` (n,)."""
+    state, out = spring_at_rest(elastic_limit, pieces), np.empty((path.size, 3))
     for n in range(path.size):
         state = spring_moved(state, path[n], pieces)
-        _record(records[n], state, pieces)
+        out[n] = state.force, spring_energy(state, pieces), state.dissipated
+    return out

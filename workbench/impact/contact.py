@@ -1,0 +1,132 @@
+"""The contact law of striker and structure: Newton's restitution on velocities.
+
+Moreau 1988; Heng 2017, section 3.3 and eqs 3.17-3.30. Gap g >= 0, gap velocity gamma = g'; the
+impulse P of a step obeys 0 <= P perp xi = gamma_1 + e gamma_0 >= 0 while the contact is closed.
+Explicit steps and collisions call `explicit_percussion`; implicit steps write xi = 0 into their
+equations with the `rebound` given here (`contact_step_of`, which decides who touches).
+"""
+
+from typing import Any, NamedTuple
+
+from workbench.compiled import njit
+from workbench.impact.pace import APART, RELEASED, SLACK
+
+# Small functions that end in one entry: inlined, without the wrappers that Python would call.
+_WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+inner = njit(error_model="numpy", forceinline=True, **_WRAPPERS)
+
+
+@njit(cache=True, error_model="numpy")
+def rebound(gamma_start: float, restitution: float) -> float:
+    """Restitution that the step uses: e while approaching, 1 while separating.
+
+    Contact is enforced on velocities, so a drifted gap can be closed while the bodies separate.
+    Newton's law with e < 1 would then do positive work on the mean gap velocity and create
+    energy; with 1 the mean gap velocity, and so that work, is zero.
+    """
+    return 1.0 if gamma_start > 0.0 else restitution
+
+
+@njit(cache=True, error_model="numpy")
+def explicit_percussion(
+    gamma_free: float, gamma_start: float, restitution: float, mass: float, striker_mass: float
+) -> float:
+    """Impulse (N s) from the gap velocity without contact; one contact needs no iteration.
+
+    The factor r of Heng 2017, eq. 3.28, must be (w' M^-1 w)^-1, in kg, as here; eq. 3.29 prints
+    its inverse.
+    """
+    xi = gamma_free + rebound(gamma_start, restitution) * gamma_start
+    return max(-xi, 0.0) / (1.0 / mass + 1.0 / striker_mass)
+
+
+@njit(cache=True, error_model="numpy")
+def contact_loss(percussion: float, gamma_start: float, gamma_end: float) -> float:
+    """Energy lost in the contact during the step: minus the work of P on the mean gap velocity."""
+    return -0.5 * percussion * (gamma_start + gamma_end)
+
+
+class Collision(NamedTuple):
+    """Velocities (m/s) of the struck mass and the striker, percussion (N s), energy loss (J)."""
+
+    struck_velocity: float
+    striker_velocity: float
+    percussion: float
+    energy_loss: float
+
+
+def collide(
+    struck_mass: float, striker_mass: float, velocity: float, restitution: float
+) -> Collision:
+    """Collision of a striker with a free mass at rest (masses in kg, velocity in m/s)."""
+    effective = struck_mass * striker_mass / (struck_mass + striker_mass)
+    percussion = (1.0 + restitution) * effective * velocity
+    return Collision(
+        percussion / struck_mass,
+        velocity - percussion / striker_mass,
+        percussion,
+        0.5 * (1.0 - restitution**2) * effective * velocity**2,
+    )
+
+
+def contact_step_of(hit: Any, solve: Any) -> Any:
+    """The step of a model that writes contact into its equations; see `integrator.Model`.
+
+    Result of `step(s, progress, dt, may)`, `may`: whether contact is possible: whether a state of
+    contact fits, impulse (N s), velocity of the hit point at the end, energy lost in contact. Where
+    the contact opens within the step the length up to there is written as `progress.release`.
+    """
+
+    @inner
+    def step(s, progress, dt, may):
+        speed, mass = hit(s)[1], progress.mass
+        gamma = speed - progress.velocity
+        touch = progress.velocity - rebound(gamma, progress.restitution) * gamma
+        closed, refused = may and gamma <= APART * progress.approach, False
+        for _ in range(2 if may else 1):
+            done, end, residual, count = solve(s, dt, closed, touch, mass)
+            progress.residual = residual
+            progress.evaluations += count
+            impulse = mass * (touch - end) if closed else 0.0
+            if done and impulse < 0.0 and progress.pushed > 0.0:  # where the force vanishes
+                bend = 2.0 * (progress.pushed - impulse / dt) / (dt + progress.before)
+                release = progress.pushed / bend - 0.5 * progress.before
+                if progress.least < release < RELEASED * dt:
+                    progress.release = release
+                    return False, 0.0, 0.0, 0.0
+            fits = impulse >= 0.0 if closed else end >= touch
+            # a closed contact that pulls must open, whatever the open solution says of velocities
+            if done and (fits or not may or (refused and not closed)):
+                left = 0.0
+                if closed:
+                    left = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)
+                return True, impulse, end, left
+            refused, closed = refused or done, not closed
+        return False, 0.0, 0.0, 0.0
+
+    return step
+
+
+def moreau_step_of(hit: Any, drift: Any, push: Any, jump: Any) -> Any:
+    """Moreau's explicit midpoint step (Heng 2017, eqs 3.26-3.30; (3.30) adds the old velocity).
+
+    The model's `drift(s, dt) -> done, place` makes a trial moved by half a step; `push(s, dt) ->
+    speed, mass` changes its velocities by the forces there; `jump(s, dv, dt)` changes that of the
+    hit point by dv and moves on to the end of the step.
+    """
+
+    @inner
+    def step(s, progress, dt, may):
+        gamma, striker = hit(s)[1] - progress.velocity, progress.mass
+        done, place = drift(s, dt)
+        if not done:
+            return False, 0.0, 0.0, 0.0
+        speed, mass = push(s, dt)
+        impulse, free = 0.0, speed - progress.velocity
+        if place - progress.place - 0.5 * dt * progress.velocity <= SLACK:
+            impulse = explicit_percussion(free, gamma, progress.restitution, mass, striker)
+        jump(s, impulse / mass, dt)
+        end = free + impulse / mass + impulse / striker
+        return True, impulse, speed + impulse / mass, contact_loss(impulse, gamma, end)
+
+    return step

@@ -1,0 +1,327 @@
+"""THE integrator: follows a structure and its striker through an impact, in compiled code.
+
+A model brings its own bundle of constants, committed and trial state and scratch, the *system* `s`
+(a NamedTuple of arrays and records, defined in a module), and plain compiled functions of it, a
+`Model`. The integrator never looks inside a system: it owns striker, clock, contact, impulses,
+length of steps, peak, timing of records, ends. One step goes like this:
+
+1. `march` asks `hit` where the structure is hit and how fast. Bodies that touch and approach
+   collide at an instant if the hit point has a `mass` of its own (`kick`); else within a step.
+2. The length is that of the controller (`pace.judge`), at most to the next impact (`pace.aimed`).
+3. `contact_step_of` has the model `solve` the step, closed or open, and takes what obeys
+   0 <= P perp gamma_1 + e gamma_0 >= 0: here alone contact is decided.
+4. A step in which the gap closes unforeseen (`pace.met`), that errs too much (`pace.judge`) or
+   passes a peak is taken again, shorter. Nothing is committed until then.
+5. The pending record is written if the new state lies a `spacing` behind the last one, then
+   the model may `accept`, and is asked whether it is `lost` (collapse), or `calm`: then `coast`
+   writes the rest of the record in closed form.
+
+How to put a model on it (`models/single_dof/march.py` is the smallest example)::
+
+    advance = march_of(Model(hit, solve, settle, accept, write, lost), longer=1.5)
+
+    @njit(cache=True, error_model="numpy")          # the entry: arrays and NamedTuples in
+    def impact(table, drive, progress, records):
+        s = System(table[0], ...)
+        pace = begin(drive, progress[0])
+        return advance(s, pace, progress[0], records)
+
+`advance` is specialised for the model when numba compiles the entry, whose cache file holds the
+machine code of all it calls. Functions made by factories are not cached themselves and are called
+by name; systems must not be defined in `__main__`. The entry may be called in a compiled loop over
+many columns, with a `spacing` of infinity and records of three rows for ends and peaks alone.
+From Python, `records.Run` calls an entry and reads what it has written.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from workbench.compiled import njit
+from workbench.impact.contact import contact_loss, contact_step_of, explicit_percussion, inner
+from workbench.impact.pace import (
+    APART,
+    AT_REST,
+    CLOSE,
+    CLOSER,
+    CUT,
+    EPS,
+    LONGER,
+    PIECES,
+    SHORTEST,
+    SLACK,
+    SOFT,
+    Pace,
+    aimed,
+    judge,
+    met,
+)
+
+DONE, NO_CONVERGENCE, COLLAPSE, TOO_MANY, GOING = range(5)
+PROGRESS = np.dtype(  # how far an impact has been followed, all that the integrator owns
+    [
+        *((name, float) for name in ("mass", "restitution", "place", "velocity")),  # of the striker
+        ("contact_loss", float),  # energy lost in contact so far, J
+        ("approach", float),  # velocity of the striker at first, m/s
+        ("scale", float),  # velocity that the hit gives, over which errors are measured
+        *((name, float) for name in ("time", "dt", "before", "least")),  # next, last length, s
+        *((name, float) for name in ("acceleration", "change")),  # of the hit point, last ones
+        ("highest", float),  # place at the end of a step so far, m
+        *((name, float) for name in ("peak", "time_of_peak")),  # largest place of standstill
+        *((name, float) for name in ("error", "calm")),  # tolerated now; none is loose before
+        *((name, float) for name in ("recorded", "carried")),  # time (s), impulse since (N s)
+        *((name, float) for name in ("pushed", "release")),  # last mean contact force (N); a cut
+        ("residual", float),  # of the last solution, over the allowed one
+        *((name, int) for name in ("steps", "evaluations", "cuts")),
+        *((name, bool) for name in ("begun", "smooth")),
+    ]
+)
+COMMON = (  # columns of the records of all models, written here; kinetic energy with the striker
+    *("time", "displacement", "velocity", "striker_velocity", "percussion"),
+    *("contact_loss", "kinetic"),
+)
+DRIVE = len(Pace._fields) + 4  # numbers of a drive that the integrator reads
+
+
+class Model(NamedTuple):
+    """Functions of a model over its system `s`, compiled, bound when numba compiles an entry.
+
+    `hit(s) -> place, speed`: of the hit point, committed, along the strike from its start (m, m/s).
+    `solve(s, dt, closed, touch, striker) -> done, end speed, residual, evaluations`: trial state of
+    a step; a closed contact adds the impulse P = striker (touch - v1) against the structure.
+    `settle(s, dt) -> flow`: completes the trial (plastic flow); measure of flow for the controller.
+    `accept(s, dt)`: the trial becomes the committed state. Only here committed sums may change.
+    `write(s, records, n)`: the model's own columns of row n, of the committed state; `kinetic` is
+    that of the structure.
+    `lost(s) -> bool`: collapse, asked after each accepted step.
+    Optional: `mass(s)`, own mass (kg) of the hit point (0: none), and `kick(s, dv)`, a change of
+    its velocity: for collisions at an instant. `close(s, progress, impulse) -> done`: after an
+    accepted step, may move the structure and the striker (`progress.place`), as Gear, Gupta and
+    Leimkuhler do. `calm(s, progress) -> bool` and `coast(s, pace, progress, records, n) -> rows`:
+    the rest of the record after row n in closed form. `step(s, progress, dt, may) -> done, impulse,
+    end speed, loss`: instead of `solve`, for explicit schemes and contacts of their own.
+    """
+
+    hit: Any
+    solve: Any
+    settle: Any
+    accept: Any
+    write: Any
+    lost: Any
+    mass: Any = None
+    kick: Any = None
+    close: Any = None
+    calm: Any = None
+    coast: Any = None
+    step: Any = None
+
+
+@inner
+def massless(s):
+    """No mass of the hit point alone."""
+    return 0.0
+
+
+@inner
+def no_kick(s, dv):
+    """Nothing: what has no mass of its own does not collide at an instant."""
+
+
+@inner
+def no_closing(s, progress, impulse):
+    """Positions stay as the step leaves them."""
+    return True
+
+
+@inner
+def never(s, progress):
+    """A structure that is stepped through to the end."""
+    return False
+
+
+@inner
+def no_coast(s, pace, progress, records, n):
+    """No closed form."""
+    return n
+
+
+@inner
+def no_flow(s, dt):
+    """Nothing to settle, no measure of flow."""
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def begin(drive, progress):
+    """The pace of an impact, whose progress begins with what drives it.
+
+    The `drive` is a row of numbers, which to hand over one by one costs more than many steps: those
+    of `Pace`; mass (kg; 0: none), velocity (m/s) and restitution of the striker; the time (s)
+    before which no step is as long as in a vibration; then, from `DRIVE` on, what a model adds.
+    """
+    pace = Pace(
+        *(drive[0], drive[1], drive[2], drive[3], drive[4], drive[5], drive[6]), int(drive[7])
+    )
+    if not progress.begun:
+        progress.mass, progress.restitution, progress.calm = drive[8], drive[10], drive[11]
+        progress.velocity = progress.approach = drive[9]
+        progress.scale, progress.error, progress.dt = abs(drive[9]), pace.error, pace.first
+        progress.least = pace.first if pace.error < np.inf else np.inf
+    return pace
+
+
+def march_of(model: Model, longer: float = LONGER) -> Any:
+    """The march of a model: `march(s, pace, progress, records) -> status, rows written`.
+
+    `longer`: times as long a step may be as the one before. The status is GOING where the records
+    (of three rows at least) are full: empty them, read on. The first row of all is the start.
+    """
+    hit, settle, accept, write, lost = (
+        model.hit,
+        model.settle,
+        model.accept,
+        model.write,
+        model.lost,
+    )
+    mass_of, kick, close = model.mass or massless, model.kick or no_kick, model.close or no_closing
+    calm, coast, step = model.calm or never, model.coast or no_coast, model.step
+    step = step or contact_step_of(model.hit, model.solve)
+
+    @inner
+    def record(s, pace, progress, records, n):
+        """Write the committed state as row n."""
+        write(s, records, n)
+        row, (place, speed) = records[n], hit(s)
+        row.time = min(progress.time, pace.duration)
+        row.displacement, row.velocity = place, speed
+        row.striker_velocity, row.contact_loss = progress.velocity, progress.contact_loss
+        row.kinetic += 0.5 * progress.mass * progress.velocity**2
+        row.percussion, progress.carried = progress.carried, 0.0
+        progress.recorded = progress.time
+
+    @inner
+    def meeting(s, pace, progress, dt, gap, gamma, end, slack):
+        """Length of an open step that meets the striker on its way, else dt."""
+        instant = mass_of(s) > 0.0
+        least = SHORTEST * pace.first if instant else pace.first
+        if dt <= least:
+            return dt
+        allowed = slack if instant else pace.error * progress.scale * dt
+        when = met(gap, gamma, end - progress.velocity, dt, allowed)
+        return max(when, least) if when < dt else dt
+
+    @inner
+    def to_peak(progress, dt, place, speed, end):
+        """Share of a step at which the hit point comes to rest, farther than ever; else 1."""
+        passes = min(speed, -end) > AT_REST * progress.scale
+        if passes and place + 0.5 * dt * (speed + end) > progress.peak:
+            return max(speed / (speed - end), CUT)
+        return 1.0
+
+    @inner
+    def march(s, pace, progress, records):
+        n, end_time, controlled = 0, pace.duration * (1.0 - 1e-12), pace.error < np.inf
+        apart = APART * progress.approach
+        if not progress.begun:
+            progress.begun, progress.highest = True, hit(s)[0]
+            record(s, pace, progress, records, 0)
+            n = 1
+        while progress.time < end_time:
+            if n + 2 > records.size:
+                return GOING, n
+            (place, speed), own, mass = hit(s), mass_of(s), progress.mass
+            gap, gamma, slack = np.inf, 0.0, SLACK
+            if mass > 0.0:
+                gap, gamma = place - progress.place, speed - progress.velocity
+            if controlled:
+                slack = CLOSE * progress.approach * pace.first + 4.0 * EPS * abs(progress.place)
+            if (
+                own > 0.0
+                and (controlled or progress.time == 0.0)
+                and gap <= slack
+                and gamma < -apart
+            ):
+                e = progress.restitution
+                e = e if -gamma * e > SOFT * progress.approach else 0.0
+                impulse = explicit_percussion(gamma, gamma, e, own, mass)
+                kick(s, impulse / own)
+                progress.velocity -= impulse / mass
+                after = gamma + impulse / own + impulse / mass
+                progress.contact_loss += contact_loss(impulse, gamma, after)
+                progress.carried += impulse
+                progress.pushed = 0.0
+                progress.smooth, progress.dt, progress.error = False, pace.first, pace.error
+                given = speed + impulse / own
+                progress.scale = given if progress.time == 0.0 else max(given, progress.scale)
+                continue
+            instant = own > 0.0 and controlled
+            dt = aimed(pace, progress.time, progress.dt, 0.0 if instant else CLOSER * gap, gamma)
+            if instant and gap > slack and gamma < 0.0:
+                dt = min(dt, -gap / gamma)
+            ahead = 0.0 if instant else dt * min(gamma, 0.0)
+            progress.steps += 1
+            if progress.steps > pace.most:
+                return TOO_MANY, n
+            done, impulse, end, left = step(s, progress, dt, gap + ahead <= slack)
+            if not done:
+                progress.cuts += 1
+                released, progress.release = progress.release, 0.0
+                progress.dt = released if released > 0.0 else 0.5 * dt
+                if progress.dt < pace.first / PIECES:
+                    return NO_CONVERGENCE, n
+                continue
+            if controlled and impulse == 0.0:
+                shorter = meeting(s, pace, progress, dt, gap, gamma, end, slack)
+                if shorter < dt:
+                    progress.dt = shorter
+                    continue
+            flow, factor = settle(s, dt), 0.0
+            acceleration = (end - speed) / dt
+            change = acceleration - progress.acceleration
+            place1 = place + 0.5 * dt * (speed + end)
+            struck = impulse > 0.0 and gamma < -apart
+            if struck:  # the first step again
+                progress.error = pace.error
+            else:
+                free = place1 < progress.highest and end > 0.0 and impulse == 0.0
+                factor = judge(progress, pace, longer, dt, change, free, flow)
+                share = to_peak(progress, dt, place, speed, end) if controlled else 1.0
+                if share < 1.0 and dt > pace.first:
+                    factor = -min(share, abs(factor))
+                if factor < 0.0:
+                    progress.dt = max(-factor * dt, pace.first)
+                    continue
+                progress.change = change if progress.smooth else 0.0
+                progress.acceleration = acceleration
+            if progress.time > progress.recorded and (
+                progress.time + dt - progress.recorded > pace.spacing
+            ):
+                record(s, pace, progress, records, n)
+                n += 1
+            if speed > 0.0 >= end:
+                rise = dt * speed / (speed - end)
+                if place + 0.5 * rise * speed > progress.peak:
+                    progress.peak = place + 0.5 * rise * speed
+                    progress.time_of_peak = progress.time + rise
+            accept(s, dt)
+            if mass > 0.0:
+                progress.place += dt * (progress.velocity - 0.5 * impulse / mass)
+                progress.velocity -= impulse / mass
+            progress.carried += impulse
+            progress.contact_loss += left
+            progress.pushed, progress.release = impulse / dt, 0.0
+            progress.smooth, progress.before, progress.time = not struck, dt, progress.time + dt
+            progress.highest = max(progress.highest, place1)
+            progress.dt = min(max(dt * factor, pace.first), pace.longest)
+            if not close(s, progress, impulse):
+                return NO_CONVERGENCE, n
+            if lost(s):
+                record(s, pace, progress, records, n)
+                return COLLAPSE, n + 1
+            if impulse == 0.0 and controlled and calm(s, progress):
+                record(s, pace, progress, records, n)
+                return DONE, coast(s, pace, progress, records, n) + 1
+        record(s, pace, progress, records, n)
+        return DONE, n + 1
+
+    return march

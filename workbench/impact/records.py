@@ -1,0 +1,66 @@
+"""What a march has written, read once for all models: histories, peak, why it ended."""
+
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.errors import SolverError
+from workbench.impact.integrator import COLLAPSE, NO_CONVERGENCE, PROGRESS, TOO_MANY
+from workbench.impact.pace import PIECES, Pace
+from workbench.responses.histories import peak_of
+
+
+class Run(NamedTuple):
+    """A followed impact: table of `records`, `progress` at the end, whether it `collapsed`."""
+
+    records: Any
+    progress: Any
+    collapsed: bool
+
+    @property
+    def histories(self) -> dict[str, Array]:
+        """The columns of the records as arrays of their own, time last."""
+        flat = self.records.view(float).reshape(len(self.records), -1).T.copy()
+        return {
+            name: flat[at // 8 : at // 8 + prod(of.shape)].reshape(*of.shape, -1)
+            for name, (of, at) in self.records.dtype.fields.items()
+        }
+
+    def peak(self, bounces: bool = False) -> dict[str, float]:
+        """Largest displacement at which the hit point stood still, and when; empty without one.
+
+        With `bounces` the column may come as far again: then the time is that of the first peak.
+        """
+        v = self.records["displacement"]
+        if int(np.argmax(v)) == len(v) - 1 or not self.progress["peak"] > 0.0:
+            return {}
+        largest = {name: float(self.progress[name]) for name in ("peak", "time_of_peak")}
+        when = largest["time_of_peak"]
+        if bounces:
+            time = self.records["time"]
+            first = peak_of(time, v)["time_of_peak"]
+            if np.diff(np.searchsorted(time, (first, when))) > 1:
+                when = first
+        return {"peak_displacement": largest["peak"], "time_of_peak": when}
+
+
+def follow(
+    entry: Any, tables: tuple[Any, ...], pace: Pace, drive: tuple[float, ...], of: Any
+) -> Run:
+    """Follow one impact by the compiled `entry` of a model.
+
+    Arguments: the `tables` that it takes first; `pace`; the `drive` after it, see
+    `integrator.begin`; the type `of` its records. Raises `SolverError`.
+    """
+    progress, records = np.zeros(1, PROGRESS), np.empty(pace.records, of)
+    status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)
+    reached = progress[0]
+    if status in (NO_CONVERGENCE, TOO_MANY):
+        where = f"time {reached['time']:.6g} s"
+        tried = f"open and closed contact, steps down to 1/{PIECES} of the first"
+        if status == TOO_MANY:
+            tried = f"{pace.most} steps; a softer or heavier structure needs fewer"
+        raise SolverError(where, float(reached["residual"]), tried)
+    return Run(records[:rows], reached, status == COLLAPSE)
