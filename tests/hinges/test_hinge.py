@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import examples
+from generalized_hinge import GeneralizedHinge
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 from workbench.errors import InputError
-from workbench.hinges import GeneralizedHinge, YieldSurface
+from workbench.hinges import YieldSurface
 from workbench.materials import Steel
 from workbench.sections import find
 
@@ -180,23 +181,3 @@ def test_heb_220_fit_gives_the_exponents_of_the_thesis_to_one_decimal() -> None:
 def test_bad_surfaces_are_refused_by_name(values: dict, field: str) -> None:
     with pytest.raises(InputError, match=f"yield_surface.{field}"):
         YieldSurface(**{"squash_load": NP, "plastic_moment": MP, **values})
-
-
-@pytest.mark.parametrize("stiffness", [(0.0, (1.0,)), (1.0, (-1.0,)), (float("inf"), (1.0,))])
-def test_bad_stiffness_is_refused(stiffness) -> None:
-    with pytest.raises(InputError, match="must be positive and finite"):
-        GeneralizedHinge(YieldSurface(NP, MP), *stiffness)
-
-
-@pytest.mark.parametrize("count", [0, 3])
-def test_a_bar_has_one_hinge_or_two(count: int) -> None:
-    with pytest.raises(InputError, match="one entry of one hinge or two of two hinges"):
-        GeneralizedHinge(YieldSurface(NP, MP), K_AXIAL, (K_ROTATION,) * count)
-
-
-def test_bad_deformations_are_refused() -> None:
-    hinge = GeneralizedHinge(YieldSurface(NP, MP), K_AXIAL, (K_ROTATION,))
-    with pytest.raises(InputError, match="shape"):
-        hinge.return_mapping([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
-    with pytest.raises(InputError, match="finite"):
-        hinge.return_mapping([0.0, float("nan")], [0.0, 0.0])

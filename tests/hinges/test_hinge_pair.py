@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from builders import examples
+from generalized_hinge import GeneralizedHinge
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.hinges import GeneralizedHinge, YieldSurface, kernels, pair_kernels
+from workbench.hinges import YieldSurface, kernels, pair_kernels
 
 NP, MP = 3133230.0, 284720.0
 KN, KT = 4.7775e9, 1.2743325e8

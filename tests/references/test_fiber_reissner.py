@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import partial
 
@@ -15,8 +14,8 @@ from workbench.frames.shear import shear_stiffness
 from workbench.models import frame_model
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_reissner import FiberReissner
-from workbench.references.refine import refine
 from workbench.responses import Outcome, outcome_of
+from workbench.responses.uncertainty import directions_of, estimate, variants
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, Striker
 from workbench.sections import find, section_from
 from workbench.testing import check_model
@@ -33,6 +32,14 @@ def peak(response) -> float:
 def force_at(response, displacement) -> np.ndarray:
     assert outcome_of(response) is Outcome.OK, response.attrs["message"]
     return np.interp(displacement, response["displacement"], response["force"])
+
+
+def force_width(response, displacement: float) -> float:
+    """Numerical uncertainty of the force at a displacement, by the rule of all quantities."""
+    values = {name: float(force_at(run, displacement)) for name, run in variants(response)}
+    width = estimate(directions_of(response), values).width
+    assert width is not None
+    return width
 
 
 # -- contract and oracle ---------------------------------------------------------------------
@@ -124,10 +131,8 @@ def test_static_curve_of_the_thesis_column(thesis_impact) -> None:
 def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> None:
     """Of the same curve; on the default mesh perfect plasticity still scatters by 1 to 2 %."""
     push = ColumnPushover("figure 5.8", thesis_impact.column, 0.7)
-    quantities = [f"force at {at} m" for at in AT]
-    response = refine(FiberReissner(), push, quantities, levels=4, localisation=False)
-    widths = json.loads(response.attrs["numerical_uncertainty"])
-    width = np.array([widths[quantity] for quantity in quantities]) / 1e6
+    response = FiberReissner().simulate(push)
+    width = np.array([force_width(response, at) for at in AT]) / 1e6
     force = force_at(response, AT) / 1e6
     assert np.all(np.abs(force - STATIC) <= width)
     assert np.all(width / STATIC < 0.03)  # measured 0.026
@@ -145,9 +150,9 @@ def test_the_default_static_curve_holds_its_own_uncertainty(thesis_impact) -> No
 def test_elastic_pushes_hold_their_uncertainty(column, monkeypatch) -> None:
     """Bending between the hinges is a matter of the inner elements, which the levels coarsen."""
     monkeypatch.setattr(frame_model, "PUSH_STEPS", 100)  # elastic: any number does
-    push, quantity = ColumnPushover("push", column, 0.002), "force at 0.002 m"
-    response = refine(FiberReissner(), push, [quantity], levels=4, localisation=False)
-    width = json.loads(response.attrs["numerical_uncertainty"])[quantity]
+    push = ColumnPushover("push", column, 0.002)
+    response = FiberReissner().simulate(push)
+    width = force_width(response, 0.002)
     force = float(force_at(response, 0.002))
     exact = float(force_at(FiberReissner(levels=1, refinement=3).simulate(push), 0.002))
     assert abs(force - exact) <= 0.32 * width  # measured 0.16

@@ -15,8 +15,7 @@ from workbench.errors import InputError, SolverError
 from workbench.models.base import respond
 from workbench.references.fiber_corotational import FiberCorotational
 from workbench.references.fiber_shear import FiberShear
-from workbench.references.quantities import check_quantities, default_quantities, read
-from workbench.references.refine import refine, refined
+from workbench.references.refine import CurvePoint, default_quantities, read, refined
 from workbench.references.solid import SolidPlaneStress
 from workbench.responses import Finding, Outcome, build_response, outcome_of, warnings_of
 from workbench.responses.uncertainty import combined, directions_of, level_names, variants
@@ -179,9 +178,9 @@ def test_a_failing_coarsest_level_leaves_two_with_a_larger_factor(push) -> None:
 
 
 def test_a_failing_finest_level_is_the_answer(push) -> None:
-    for response in (Known(fails_at=2).simulate(push), refine(Known(fails_at=2), push)):
-        assert outcome_of(response) is Outcome.NOT_CONVERGED
-        assert "numerical_uncertainty" not in response.attrs
+    response = Known(fails_at=2).simulate(push)
+    assert outcome_of(response) is Outcome.NOT_CONVERGED
+    assert "numerical_uncertainty" not in response.attrs
 
 
 def test_a_level_that_doubts_itself_is_not_used(push) -> None:
@@ -206,43 +205,19 @@ def test_meshes_that_cannot_be_coarser_say_so(push) -> None:
     assert "no larger elements" in refinement_warnings(response)[0]
 
 
-def test_a_drifting_sequence_is_stated_and_regularised(push) -> None:
-    widths, table = answer(response := refine(Known(growth=1.3), push, ("input_energy",)))
+def test_a_drifting_sequence_is_stated(push) -> None:
+    widths, _ = answer(response := Known(growth=1.3).simulate(push))
     spread = 50.0 * 0.08 * (1.3**2 - 1.0)
     assert widths["input_energy"] >= 3.0 * spread
-    regular = table["regularised"]["input_energy"]
-    assert regular["converging"]
-    assert regular["extrapolated"] == pytest.approx(50.0 * 1.02 + 10.0)
-    said = refinement_warnings(response)
-    assert "does not converge" in said[0]
-    assert "hardening_ratio = 0.01 converges" in said[1]
-    # measured 3.0e-13
-    assert table["hardening times 10"]["input_energy"] == pytest.approx(9e-3 / 55.001, rel=1e-8)
-    by_itself = Known(growth=1.3).simulate(push)
-    assert "does not converge" in refinement_warnings(by_itself)[0]
-    assert "regularised" not in answer(by_itself)[1]
+    assert "does not converge" in refinement_warnings(response)[0]
 
 
-def test_any_model_with_refinement_can_be_refined(push) -> None:
-    response = refine(Plain(), push)
-    assert answer(response)[0] == {"input_energy": pytest.approx(50.0 * 1.25 * 0.02)}
-    assert json.loads(response.attrs["options"]) == {"refinement": 2}
-    with pytest.raises(InputError, match="levels"):
-        refine(Plain(), push, levels=1)
-    with pytest.raises(InputError, match="refinement"):
-        refine(Bare(), push)
-
-
-@dataclass(frozen=True)
-class Bare:
-    """No option at all."""
-
-    name: ClassVar[str] = "bare"
-
-
-def test_an_absent_quantity_is_unknown_not_zero(push) -> None:
-    widths, _ = answer(refine(Known(), push, ("peak_displacement", "force at 0.3 m")))
-    assert widths == {"peak_displacement": None, "force at 0.3 m": None}
+def test_hardening_gives_a_drifting_sequence_a_limit(push) -> None:
+    """Perfect plasticity has no length of its own; see the option hardening_ratio."""
+    _, table = answer(Known(growth=1.3, hardening_ratio=0.01).simulate(push))
+    energy = table["quantities"]["input_energy"]
+    assert energy["converging"]
+    assert energy["extrapolated"] == pytest.approx(50.0 * 1.02 + 10.0)
 
 
 def test_combination() -> None:
@@ -254,35 +229,25 @@ def test_combination() -> None:
     assert level_names(3) == ("4 h", "2 h", "h")
 
 
-@pytest.mark.parametrize(
-    "quantity", ["colour", "force at noon", "force", "force at 0.1", "force at nan m", ""]
-)
-def test_unknown_quantities_are_refused(push, quantity) -> None:
-    with pytest.raises(InputError, match="quantities"):
-        refine(Known(), push, (quantity,))
-
-
 def test_points_of_static_curves() -> None:
     curve = build_response(
         {"displacement": [0.0, 1.0, 0.5, -2.0, 3.0], "force": [0.0, 10.0, -5.0, -20.0, 30.0]},
         steps=5,
     )
-    asked = ("force at 0.5 m", "force at -1 m", "force at 2 rad", "force at 4 m")
-    assert check_quantities(asked) == asked
-    # first crossings of a cyclic path
-    assert read(curve, asked) == pytest.approx({asked[0]: 5.0, asked[1]: -14.0, asked[2]: 20.0})
+    wanted = {str(at): CurvePoint("force", "displacement", at) for at in (0.5, -1.0, 2.0, 4.0)}
+    # first crossings of a cyclic path; what is absent is unknown, not zero
+    known = {"0.5": 5.0, "-1.0": -14.0, "2.0": 20.0}
+    assert read(curve, {**wanted, "peak_displacement": None}) == pytest.approx(known)
     turning = SimpleNamespace(direction="-rotation", control="displacement")
-    assert default_quantities(turning, curve)[0] == "force at 0.75 rad"
+    assert next(iter(default_quantities(turning, curve))) == "force at 0.75 rad"
     loaded = curve.assign(load_factor=("step", [0.0, 0.5, 1.0, 1.5, 2.0]))
-    under_load = SimpleNamespace(direction="y", control="load")
-    names = default_quantities(under_load, loaded)
-    assert names[-1] == "displacement at load factor 2"
-    assert read(loaded, names[:1]) == {"displacement at load factor 0.5": 1.0}
+    points = default_quantities(SimpleNamespace(direction="y", control="load"), loaded)
+    assert list(points)[-1] == "displacement at load factor 2"
+    assert read(loaded, points)["displacement at load factor 0.5"] == 1.0
     history = build_response(
         {"displacement": [0.0, 1.0], "peak_displacement": 1.0}, time=[0.0, 1.0]
     )
-    assert default_quantities(turning, history) == ("peak_displacement",)
-    assert read(history, ["force at 0.5 m"]) == {}
+    assert default_quantities(turning, history) == {"peak_displacement": None}
 
 
 def test_every_run_keeps_its_curve(push) -> None:

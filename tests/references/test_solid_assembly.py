@@ -12,11 +12,18 @@ from scipy.sparse import eye_array
 from workbench.errors import SolverError
 from workbench.materials import Steel
 from workbench.references.solid.assembly import SolidAssembly
-from workbench.references.solid.mesh import SolidMesh, axial_positions, row_edges, solid_mesh
-from workbench.references.solid.push import apply_load, equilibrium, push
-from workbench.references.solid.supports import Supports, supports_of
+from workbench.references.solid.mesh import (
+    SolidMesh,
+    Supports,
+    axial_positions,
+    row_edges,
+    solid_mesh,
+    supports_of,
+)
 from workbench.scenarios import Column
 from workbench.sections import Section, circular_tube, find, rectangle, rectangular_tube, square
+from workbench.structures.equilibrium import equilibrium
+from workbench.structures.paths import apply_loads, push
 
 Array = NDArray[np.float64]
 STEEL = Steel()
@@ -82,7 +89,7 @@ def forces_under(mesh: SolidMesh, gradient: Array) -> tuple[Array, Array]:
     moved = (gradient - np.eye(2)) @ mesh.places
     sideways = np.isin(np.arange(mesh.size), mesh.dofs[:, 0::2])
     loose = SolidAssembly(mesh, Supports(eye_array(mesh.size, format="csr")), STEEL, 1e-6)
-    loose.residual(np.where(sideways, moved[0], moved[1]))
+    loose.assemble(np.where(sideways, moved[0], moved[1]))
     return loose.force, loose.stress
 
 
@@ -131,24 +138,24 @@ def test_tangent_of_the_assembly_with_rigid_plates(ends: tuple[str, str]) -> Non
     case.spring = (3e8, 1e-3)
     random = np.random.default_rng(1)
     for _ in range(2):  # elastic-plastic, from a state that is already plastic and turned
-        q = case.q + 1e-4 * random.uniform(-1.0, 1.0, len(case.q))
+        q = case.displacement + 1e-4 * random.uniform(-1.0, 1.0, len(case.displacement))
         for plate in case.supports.plates:
             q[plate.turn] += 0.01
-        case.residual(q)
+        case.assemble(q)
         case.commit(q)
-    q = case.q + 1e-5 * random.uniform(-1.0, 1.0, len(case.q))
+    q = case.displacement + 1e-5 * random.uniform(-1.0, 1.0, len(case.displacement))
     direction = random.uniform(-1.0, 1.0, len(q))
-    case.residual(q)
+    case.assemble(q)
     exact = case.tangent @ direction
     step = 1e-9
-    measured = (case.residual(q + step * direction) - case.residual(q - step * direction)) / (
+    measured = (case.assemble(q + step * direction) - case.assemble(q - step * direction)) / (
         2.0 * step
     )
     # measured 1.6e-9
     np.testing.assert_allclose(measured, exact, atol=1e-8 * np.max(np.abs(exact)))
     # symmetric: a . K b = b . K a
     other = random.uniform(-1.0, 1.0, len(q))
-    case.residual(q)
+    case.assemble(q)
     one, two = other @ (case.tangent @ direction), direction @ (case.tangent @ other)
     assert one == pytest.approx(two, rel=1e-11, abs=1e-11 * np.max(np.abs(exact)))
 
@@ -190,34 +197,40 @@ def test_pinned_plate_moves_rigidly_about_the_centroid() -> None:
 def test_axial_load_shortens_the_column_and_stops_at_the_squash_load() -> None:
     case = column(find("HEB 220"), fillets=False, length_below=1.6)
     squash = case.properties.squash_load
-    elastic = assembly_of(case)
-    apply_load(elastic, 0.4 * squash)
+
+    def under(load: float, hardening: float = 1e-6) -> SolidAssembly:
+        """The column, held straight, under an axial load."""
+        solid = assembly_of(case, hardening=hardening)
+        solid.load[solid.supports.head], solid.held = -load, np.array([solid.supports.hit])
+        apply_loads(solid, most_cuts=0, name="axial load")
+        return solid
+
+    elastic = under(0.4 * squash)
     axial = STEEL.elastic_modulus * case.strength_section.area / case.length
-    shortening = -elastic.q[elastic.supports.head]
+    shortening = -elastic.displacement[elastic.supports.head]
     # end plates keep the section from widening: slightly stiffer than the bar
     assert shortening == pytest.approx(0.4 * squash / axial, rel=2e-3)  # measured 1.8e-3
     assert shortening < 0.4 * squash / axial
     # measured 2.9e-6
-    assert elastic.stored() == pytest.approx(0.5 * 0.4 * squash * shortening, rel=6e-6)
-    full = assembly_of(case)
-    apply_load(full, 0.998 * squash)
+    assert elastic.stored == pytest.approx(0.5 * 0.4 * squash * shortening, rel=6e-6)
+    under(0.998 * squash)
     with pytest.raises(SolverError, match="axial load, share"):
-        apply_load(assembly_of(case, hardening=0.0), 1.005 * squash)
+        under(1.005 * squash, hardening=0.0)
 
 
 def test_failed_push_says_where_and_what_was_tried(monkeypatch) -> None:
-    monkeypatch.setattr("workbench.references.solid.push.ITERATIONS", 1)
+    monkeypatch.setattr("workbench.structures.equilibrium.ITERATIONS", 1)
     case = assembly_of(column(square(0.2)))
-    none = np.array([], dtype=np.int64)
     with pytest.raises(SolverError, match=r"displacement .* m: residual .*1/256"):
-        list(push(case, np.array([0.05]), none))
+        list(push(case, case.supports.hit, np.array([0.05]), most_cuts=8))
 
 
 def test_held_unknowns_stay_and_reactions_balance() -> None:
     case = assembly_of(column(square(0.2)))
-    start = case.q.copy()
+    start = case.displacement.copy()
     start[case.supports.hit] = 1e-3
-    found, reactions = equilibrium(case, start, np.array([case.supports.hit]))
+    held = np.array([case.supports.hit])
+    found, reactions = equilibrium(case, case.load, start, held, 1e-8)
     assert found.converged
     mesh = case.mesh
     ends = case.force[mesh.base[0]].sum() + case.force[mesh.head[0]].sum()

@@ -16,10 +16,7 @@ from workbench.materials import Steel
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.references.fiber_shear import FiberShear
 from workbench.references.solid import SolidPlaneStress
-from workbench.references.solid.assembly import SolidAssembly
-from workbench.references.solid.mesh import solid_mesh
-from workbench.references.solid.struck import MovingSolid, nodal_mass, unknown_mass
-from workbench.references.solid.supports import supports_of
+from workbench.references.solid.assembly import SolidAssembly, nodal_mass, solid_column
 from workbench.responses import Outcome, Response, energy_error, outcome_of
 from workbench.responses.uncertainty import WIDTHS
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, MemberPulse, Pulse, Striker
@@ -35,9 +32,7 @@ NEVER = PointMass(1e6, 1.0, 0.0, position=-1.0)  # a striker that comes too late
 
 
 def solid_of(column: Column, refinement: int = -1) -> SolidAssembly:
-    mesh = solid_mesh(column, refinement=refinement)
-    supports = supports_of(mesh, column.base, column.head)
-    return SolidAssembly(mesh, supports, column.steel, 1e-6)
+    return solid_column(column, refinement=refinement)
 
 
 def width_of(response: Response) -> float:
@@ -68,7 +63,7 @@ def test_mass_of_the_unknowns_is_that_of_the_moving_nodes(ends: tuple[str, str])
     column = replace(THESIS, base=ends[0], head=ends[1], head_mass=70.0)
     solid = solid_of(column)
     supports, mesh = solid.supports, solid.mesh
-    mass, nodal = unknown_mass(solid, column), nodal_mass(solid, column)
+    mass, nodal = solid.mass, nodal_mass(solid.mesh, column)
     assert np.all(mass > 0.0)
     lengthwise = np.unique(mesh.dofs[:, 1::2])
     whole = column.properties.mass_per_length * column.length
@@ -86,17 +81,16 @@ def test_mass_of_the_unknowns_is_that_of_the_moving_nodes(ends: tuple[str, str])
 
 def test_a_sudden_load_on_the_head_runs_through_the_bar_as_a_wave() -> None:
     solid = solid_of(BAR)
-    moving = MovingSolid(solid, BAR)
     head = solid.supports.head
     load = 0.2 * BAR.properties.squash_load  # doubled by reflection, far below yield
-    moving.load[head] = -load
+    solid.load[head] = -load
     modulus, area = STEEL.elastic_modulus, BAR.section.area
     speed = np.sqrt(modulus * area / BAR.properties.mass_per_length)
     passage = BAR.length / speed
     spans = [(4.0 * passage, passage / 50.0)]
     seen = [
-        (step.time, -float(moving.displacement[head]))
-        for step in explicit_impact(moving, solid.supports.hit, NEVER, spans)
+        (step.time, -float(solid.displacement[head]))
+        for step in explicit_impact(solid, solid.supports.hit, NEVER, spans)
     ]
     time, shortening = np.array(seen).T
     static = load * BAR.length / (modulus * area)
@@ -114,8 +108,8 @@ def test_frequencies_are_timoshenkos(slenderness: float) -> None:
     length = slenderness * height
     column = Column(rectangle(height, 0.05), length / 2, length / 2, base="pinned", head="pinned")
     solid = solid_of(column, refinement=0)
-    solid.residual(solid.q)
-    root = 1.0 / np.sqrt(unknown_mass(solid, column))
+    solid.assemble(solid.displacement)
+    root = 1.0 / np.sqrt(solid.mass)
     scaled = diags_array(root) @ solid.tangent @ diags_array(root)
     found = np.sqrt(eigsh(scaled, k=6, sigma=0.0, return_eigenvectors=False))[::-1]
     bending = [timoshenko(column, mode) for mode in (1, 2, 3)]
@@ -144,12 +138,11 @@ def timoshenko(column: Column, mode: int) -> float:
 
 def test_momentum_stays_until_the_supports_feel_the_strike() -> None:
     solid = solid_of(replace(THESIS, axial_load=0.0))
-    moving = MovingSolid(solid, THESIS)
     striker = PointMass(1500.0, 15.0)
-    nodal = nodal_mass(solid, THESIS)
+    nodal = nodal_mass(solid.mesh, THESIS)
     sideways = np.unique(solid.mesh.dofs[:, 0::2])
-    for step in explicit_impact(moving, solid.supports.hit, striker, [(6e-5, 1e-5)]):
-        velocity = solid.supports.tied @ moving.velocity
+    for step in explicit_impact(solid, solid.supports.hit, striker, [(6e-5, 1e-5)]):
+        velocity = solid.supports.tied @ solid.velocity
         assert step.striker is not None
         total = step.striker.velocity * 1500.0 + nodal[sideways] @ velocity[sideways]
         # velocities of nodes are half a step older or newer than the impulses
@@ -233,22 +226,21 @@ def pulsed(scenario: MemberPulse) -> float:
     """Peak (m) of a solid under a pulse: a load that is renewed with every record of the driver."""
     column = scenario.column
     solid = solid_of(column)
-    moving = MovingSolid(solid, column)
     sideways = np.zeros(solid.mesh.size)
     sideways[solid.mesh.dofs[:, 0::2]] = 1.0
-    pattern = np.asarray(solid.supports.tied.T @ (nodal_mass(solid, column) * sideways))
+    pattern = np.asarray(solid.supports.tied.T @ (nodal_mass(solid.mesh, column) * sideways))
     if scenario.load == "point":
-        pattern = np.eye(moving.size)[solid.supports.hit]
+        pattern = np.eye(solid.size)[solid.supports.hit]
     else:
-        pattern *= column.length / float(np.sum(nodal_mass(solid, column) * sideways))
+        pattern *= column.length / float(np.sum(nodal_mass(solid.mesh, column) * sideways))
     records = 300
     factors = scenario.pulse.means(np.linspace(0.0, scenario.duration, records + 1))
-    moving.load = factors[0] * pattern
+    solid.load = factors[0] * pattern
     spans = [(scenario.duration, scenario.duration / records)]
     peak = 0.0
-    for number, _ in enumerate(explicit_impact(moving, solid.supports.hit, NEVER, spans), 1):
-        moving.load = factors[min(number, records - 1)] * pattern
-        peak = max(peak, float(solid.q[solid.supports.hit]))
+    for number, _ in enumerate(explicit_impact(solid, solid.supports.hit, NEVER, spans), 1):
+        solid.load = factors[min(number, records - 1)] * pattern
+        peak = max(peak, float(solid.displacement[solid.supports.hit]))
     return peak
 
 
@@ -259,8 +251,7 @@ def test_keeps_the_contract_of_models() -> None:
 
 def test_no_answer_is_an_error_that_says_where() -> None:
     solid = solid_of(BAR)
-    moving = MovingSolid(solid, BAR)
-    inside_out = solid.q.copy()
+    inside_out = solid.displacement.copy()
     inside_out[solid.supports.head] = -3.0
     with pytest.raises(SolverError, match="turned inside out"):
-        moving.resist(inside_out)
+        solid.resist(inside_out)

@@ -8,9 +8,8 @@ tangent. Source: Heng 2017, papers III (flexible bar) and IV (rigid bar).
 from __future__ import annotations
 
 import numpy as np
+from generalized_hinge import GeneralizedHinge
 from scipy.optimize import brentq
-
-from workbench.hinges import GeneralizedHinge
 
 SIGN = np.array([1.0, -1.0])  # the moment on the bar at end 1 is the internal one, turned
 

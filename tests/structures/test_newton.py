@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workbench.structures.newton import newton
+from workbench.structures.equilibrium import newton
 
 
 def scalar(residual, slope):

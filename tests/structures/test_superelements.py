@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from generalized_hinge import GeneralizedHinge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from primal_condensation import flexible, rigid
@@ -21,7 +22,7 @@ from superelement_cases import (
 )
 
 from workbench.errors import InputError
-from workbench.hinges import GeneralizedHinge, YieldSurface
+from workbench.hinges import YieldSurface
 from workbench.hinges.panel_kernels import WEB
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.paths import apply_loads

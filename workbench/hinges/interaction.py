@@ -1,10 +1,13 @@
-"""Rules of plastic interaction of axial force and moment, in n = |N|/N_p and m = |M|/M_p.
+"""Plastic interaction of axial force and moment: super-elliptic surfaces, rules of practice.
 
-The exact curve of the section beside what practice puts in its place. A rule is its moment
-capacity m(n); hinges take it as a convex polyline.
+A rule gives m = |M|/M_p over n = |N|/N_p: the exact curve of the section, and what practice puts in
+its place. Hinges take it as a convex polyline.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -12,12 +15,68 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags
 from workbench.errors import InputError
+from workbench.fields import Declared, Number, checked
+from workbench.materials import Steel
 from workbench.sections import Section
 from workbench.sections.envelope import superellipse_radius, where_it_ends
 from workbench.sections.shapes import CircularTube, Rectangle
 
+_STRENGTH = Number(0.0, 1e12, "", low_included=False)
+_EXPONENT = Number(
+    1.0, 20.0, advice="exponents below 1 make the surface non-convex: flow would not be unique"
+)
 ANGLES = 181  # of the (n, m) plane between 0 and 90 degrees, as in the fit of super-ellipses
 _STRAIGHT = 1e-9  # deviation from a straight line that counts as none
+
+
+@dataclass(frozen=True)
+class YieldSurface(Declared, table="yield_surface"):
+    """Admissible forces |M/M_p|^alpha + |N/N_p|^beta <= 1 (Heng 2017, eqs 2.16 and 2.18-2.19).
+
+    Arguments: `squash_load` in N and `plastic_moment` in N m, for tension and for positive
+    moment; exponents `alpha` (moment) and `beta` (axial force), at least 1;
+    `squash_load_compression` and `plastic_moment_negative`, the other bounds of an asymmetric
+    surface (None: symmetric); as a sum of convex terms it is convex with any two exponents. The
+    exponent gamma of the thesis rescales the plastic multiplier only and is therefore not a
+    parameter. Raises `InputError`.
+    """
+
+    squash_load: float = checked(_STRENGTH)
+    plastic_moment: float = checked(_STRENGTH)
+    alpha: float = checked(_EXPONENT, 1.0)
+    beta: float = checked(_EXPONENT, 1.0)
+    squash_load_compression: float | None = checked(_STRENGTH, optional=True)
+    plastic_moment_negative: float | None = checked(_STRENGTH, optional=True)
+
+    @property
+    def axial_bounds(self) -> tuple[float, float]:
+        """Plastic axial resistance in tension and in compression, in N."""
+        return self.squash_load, self.squash_load_compression or self.squash_load
+
+    @property
+    def moment_bounds(self) -> tuple[float, float]:
+        """Plastic moment for positive and for negative moment, in N m."""
+        return self.plastic_moment, self.plastic_moment_negative or self.plastic_moment
+
+    def utilisation(self, axial_force: ArrayLike, moment: ArrayLike) -> Array:
+        """Left side of the yield condition: below 1 elastic, 1 on the surface (arrays, N, N m)."""
+        force, bending = np.asarray(axial_force, float), np.asarray(moment, float)
+        n = np.where(force >= 0.0, force / self.axial_bounds[0], -force / self.axial_bounds[1])
+        m = np.where(
+            bending >= 0.0, bending / self.moment_bounds[0], -bending / self.moment_bounds[1]
+        )
+        return np.asarray(m**self.alpha + n**self.beta)
+
+    @classmethod
+    def fit(cls, section: Section, steel: Steel, decimals: int | None = None) -> YieldSurface:
+        """The surface of a section, exponents fitted to its exact plastic N-M envelope.
+
+        `decimals` rounds the exponents (never below 1): the thesis states them to one decimal.
+        """
+        alpha, beta = section.interaction_fit()
+        if decimals is not None:
+            alpha, beta = max(1.0, round(alpha, decimals)), max(1.0, round(beta, decimals))
+        return cls(section.squash_load(steel), section.plastic_moment(steel), alpha, beta)
 
 
 def _exact(section: Section, n: Array) -> Array:

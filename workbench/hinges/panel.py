@@ -142,28 +142,3 @@ class ShearSurface(Declared, table="shear_surface"):
             found[i] = panel_kernels.moment_capacity(own, n[i], rho[i])[0]
         inside = (v <= 1.0) & (n <= own["flange_axial"] + rho * own["web_axial"])
         return np.where(inside, found, np.nan)
-
-
-@dataclass(frozen=True)
-class PanelUpdate:
-    """Result of a projection: forces (4,) N, V, M_1, M_2 in N and N m, their tangent (4, 4)."""
-
-    forces: Array
-    tangent: Array
-
-
-def project_panel(surface: ShearSurface, stiffness: ArrayLike, trial: ArrayLike) -> PanelUpdate:
-    """Backward-Euler step of a panel: a bar that slides, with a hinge at each end.
-
-    Arguments: `surface` of both hinges; `stiffness` (4,) against elongation, sliding displacement
-    (N/m) and rotations (N m/rad, 0: a pin); `trial` forces (4,): N, V, M_1, M_2. The tangent is
-    the derivative of the forces by those deformations.
-    """
-    k, own = np.asarray(stiffness, float), surface.record
-    soft = np.divide(1.0, k, out=np.zeros(4), where=k > 0.0)
-    panel = panel_kernels.Panel(
-        np.array([soft[0], soft[2], 0.0, soft[3]]), k[2:] == 0.0, own["stiffness"] / k[1], own
-    )
-    forces, tangent = np.zeros(4), np.zeros((4, 4))
-    panel_kernels.project_panel(panel, np.asarray(trial, float) * soft, forces, tangent)
-    return PanelUpdate(forces, tangent)

@@ -6,16 +6,15 @@ See docs/theory/numerical-uncertainty.md.
 """
 
 import json
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from workbench.errors import InputError
 from workbench.fields import Number
-from workbench.models.base import on_one_mesh, options_of
-from workbench.references.localisation import by_run, drift_text, localisation_of, told
-from workbench.references.quantities import check_quantities, default_quantities, read
+from workbench.models.base import on_one_mesh
 from workbench.responses import (
     Finding,
     Outcome,
@@ -50,6 +49,19 @@ LEAST_COARSENING = 1.5  # of the smallest element from one mesh to the next
 # the yield ratio of a coarse run is an error of its discretisation, which the ladder measures
 DOUBTS = ("time-step", "damping", "no-peak", "energy-balance")
 WELL_KNOWN = 0.015  # relative half-width up to which a sequence may oscillate without a warning
+IN_TIME = ("peak_displacement", "time_of_peak", "residual_displacement")
+SHARES = (0.25, 0.5, 0.75, 1.0)  # of the largest displacement (or load factor) of a static path
+
+
+class CurvePoint(NamedTuple):
+    """A `variable` of a static curve where `abscissa` first reaches the value `at`."""
+
+    variable: str
+    abscissa: str
+    at: float
+
+
+Quantities = Mapping[str, CurvePoint | None]  # by name; None: a scalar of that name
 
 
 def check_levels(refinement: int, levels: int, coarsest: int = COARSEST) -> None:
@@ -59,53 +71,67 @@ def check_levels(refinement: int, levels: int, coarsest: int = COARSEST) -> None
         raise InputError("option.levels", levels, allowed, "take fewer levels")
 
 
+def default_quantities(scenario: Scenario, response: Response) -> Quantities:
+    """Quantities whose numerical uncertainty matters most.
+
+    In time: peak displacement, its time, residual displacement. Static: input energy, resistance
+    (of a frame), and forces at quarters of the displacement, or displacements at quarters of the
+    load factor where the scenario imposes that.
+    """
+    if "time" in response.coords:
+        return dict.fromkeys(name for name in IN_TIME if name in response)
+    scalars: Quantities = dict.fromkeys(n for n in ("input_energy", "resistance") if n in response)
+    if getattr(scenario, "control", "") == "load":
+        curve, name = ("displacement", "load_factor"), "displacement at load factor {:.12g}"
+    elif "force" in response:
+        unit = "rad" if str(getattr(scenario, "direction", "")).endswith("rotation") else "m"
+        curve, name = ("force", "displacement"), f"force at {{:.12g}} {unit}"
+    else:
+        return scalars
+    values = response[curve[1]].values
+    top = float(values[np.argmax(np.abs(values))])
+    points = {name.format(share * top): CurvePoint(*curve, share * top) for share in SHARES}
+    return {**scalars, **points}
+
+
+def read(response: Response, quantities: Quantities) -> dict[str, float]:
+    """Values of scalars and of points of the curve; those that are absent are left out."""
+    values = {}
+    for name, point in quantities.items():
+        if point is not None:
+            value = _first_at(response, point)
+        else:
+            value = float(response[name]) if name in response else None
+        if value is not None:
+            values[name] = value
+    return values
+
+
+def _first_at(response: Response, point: CurvePoint) -> float | None:
+    """Value where the abscissa first gets as far as the point, linear between the steps."""
+    if point.variable not in response or point.abscissa not in response:
+        return None
+    way, at = response[point.abscissa].values * (1.0 if point.at >= 0.0 else -1.0), abs(point.at)
+    reached = np.flatnonzero(way >= at * (1.0 - 1e-9))
+    if reached.size == 0:
+        return None
+    last = int(reached[0])
+    pair = [max(last - 1, 0), last]
+    return float(np.interp(at, way[pair], response[point.variable].values[pair]))
+
+
 def refined(model: Any, scenario: Any, solve: Callable[[Any], Response]) -> Response:
     """The answer of `solve`, with the uncertainty that the option `levels` of the model buys.
 
     For use inside a model's `simulate`. Failures of `solve` are raised. Coarser meshes that fail,
     or that warn of their own accuracy where the answer does not, are left out with all that are
     coarser still; without any the uncertainty is unknown.
+    The response carries two attributes in JSON: `numerical_uncertainty`, quantity to absolute
+    half-width in SI (null: unknown, the reason stands in the other), and `refinement` with the
+    levels, all directions and the statements; and the main curve of every run.
     """
     response = solve(scenario)
     _Refinement(model, scenario, response, model.levels).attach()
-    return response
-
-
-def refine(
-    model: Any,
-    scenario: Scenario,
-    quantities: Sequence[str] | None = None,
-    levels: int = 3,
-    localisation: bool = True,
-) -> Response:
-    """The response of a model with its numerical uncertainty, from any model with refinement.
-
-    Arguments: `model` with the option `refinement`, the finest mesh; `quantities`, scalars of a
-    response, ``"force at 0.05 m"`` or ``"displacement at load factor 0.5"`` (None: all scalars,
-    and in statics points of the curve; warnings speak of peak, its time and residual displacement
-    in time, and of input energy and the curve in statics); `levels`, meshes in all, each at half
-    the element size and steps of the one before; `localisation`, whether the sensitivity to the
-    hardening is found too, and a sequence that does not converge is repeated with hardening that
-    regularises it.
-    The result carries two attributes in JSON: `numerical_uncertainty`, quantity to absolute
-    half-width in SI (null: unknown, the reason stands in the other), and `refinement` with the
-    levels, all directions and the statements; and the main curve of every run. Coarser meshes
-    count as far as they can be relied on, see `refined`. If the finest mesh fails, its outcome is
-    the answer. Raises `InputError` for a model without refinement,
-    fewer than two levels, or quantities that are not known.
-    """
-    options = {field.name for field in fields(model)}
-    if "refinement" not in options:
-        raise InputError("model", model.name, "has no option refinement", "use a reference")
-    if not 2 <= levels <= MOST_LEVELS:
-        raise InputError("levels", levels, f"must be from 2 to {MOST_LEVELS}")
-    asked = None if quantities is None else check_quantities(quantities)
-    started = time.perf_counter()
-    response: Response = on_one_mesh(model).simulate(scenario)
-    if outcome_of(response) is Outcome.OK:
-        _Refinement(model, scenario, response, levels, asked).attach(localisation)
-        response.attrs["options"] = json.dumps(options_of(model), sort_keys=True)
-        response.attrs["wall_time"] = time.perf_counter() - started
     return response
 
 
@@ -117,51 +143,47 @@ class _Refinement:
     scenario: Any
     response: Response
     levels: int
-    asked: tuple[str, ...] | None = None
     statements: list[str] = field(default_factory=list)
     runs: dict[str, Response] = field(default_factory=dict)
 
-    def attach(self, localisation: bool = False) -> None:
+    def attach(self) -> None:
         """Make the runs, and let the response carry what they say."""
         response = self.response
-        main = self.asked or default_quantities(self.scenario, response)
-        others = () if self.asked else scalars_of(response)
-        quantities = tuple(dict.fromkeys([*main, *others]))
+        main = default_quantities(self.scenario, response)
+        quantities = {**main, **dict.fromkeys(scalars_of(response))}
         directions = self._run()
         values = {name: read(run, quantities) for name, run in self.runs.items()}
         values[FINEST] = read(response, quantities)
-        found = {q: estimate(directions, by_run(values, q)) for q in quantities}
+        by_run = {
+            q: {run: known[q] for run, known in values.items() if q in known} for q in quantities
+        }
+        estimates = {q: estimate(directions, by_run[q]) for q in quantities}
         if self.levels == 1:
             self.statements.append("one mesh only (levels = 1): numerical uncertainty unknown")
-        unknown = [q for q in main if found[q].width is None]
-        drifting = [q for q in main if _drifts(found[q])]
+        unknown = [q for q in main if estimates[q].width is None]
+        drifting = [q for q in main if _drifts(estimates[q])]
         warned: list[str] = []
         if unknown and self.levels > 1:
-            reasons = dict.fromkeys(self.statements or [found[q].note for q in unknown])
+            reasons = dict.fromkeys(self.statements or [estimates[q].note for q in unknown])
             without = f"numerical uncertainty of {', '.join(unknown)} is unknown"
             warned.extend(f"{without}: {reason}" for reason in reasons)
         if drifting:
-            warned.append(drift_text(drifting, response))
-        extra: dict[str, Any] = {}
-        if localisation:
-            meshes = self._meshes()
-            extra, said = localisation_of(meshes, self.scenario, values, main, drifting)
-            warned.extend(said)
-        response.attrs[WIDTHS] = json.dumps({q: found[q].width for q in quantities}, sort_keys=True)
+            warned.append(_drift_text(drifting, response))
+        widths = {q: estimates[q].width for q in quantities}
+        response.attrs[WIDTHS] = json.dumps(widths, sort_keys=True)
         response.attrs[BASIS] = json.dumps(
             {
                 "levels": [mesh.refinement for mesh in self._meshes()],
                 "directions": [asdict(direction) for direction in directions],
-                "quantities": {q: told(found[q], by_run(values, q)) for q in quantities},
+                "quantities": {q: _table(estimates[q], by_run[q]) for q in quantities},
                 "quadrature": "fixed by the element, no option: part of space",
                 "statements": list(dict.fromkeys([*self.statements, *warned])),
-                **extra,
             },
             sort_keys=True,
         )
         attach_curves(response, self.runs)
-        own = [Finding("refinement", text) for text in warned]
-        set_findings(response, [*own, *findings_of(response)])
+        doubts = [Finding("refinement", text) for text in warned]
+        set_findings(response, [*doubts, *findings_of(response)])
 
     def _run(self) -> tuple[Direction, ...]:
         """Answer on coarser meshes as far as they can be relied on; the directions they make."""
@@ -212,21 +234,40 @@ class _Refinement:
         if doubts:
             self.statements += [f"{name} cannot be relied on, {f.subject}: {f}" for f in doubts]
             return False
-        if finer is not None and not _coarser(run, finer):
+        sizes = [each.attrs.get("smallest_element") for each in (run, finer) if each is not None]
+        if len(sizes) == 2 and None not in sizes and sizes[0] < LEAST_COARSENING * sizes[1]:
             self.statements.append(f"{name} has no larger elements: there is no coarser mesh")
             return False
         self.runs[name] = run
         return True
 
 
-def _coarser(run: Response, finer: Response) -> bool:
-    """Whether the elements of a run are larger, as far as it tells."""
-    own, other = (response.attrs.get("smallest_element") for response in (run, finer))
-    return own is None or other is None or own >= LEAST_COARSENING * other
-
-
-def _drifts(found: Estimate) -> bool:
+def _drifts(known: Estimate) -> bool:
     """Whether the meshes do not converge, by more than what is small anyway."""
-    if found.found is None or found.found.converging:
+    ladder = known.found
+    if ladder is None or ladder.converging:
         return False
-    return found.found.relative is None or found.found.relative > WELL_KNOWN
+    return ladder.relative is None or ladder.relative > WELL_KNOWN
+
+
+def _drift_text(quantities: Sequence[str], response: Response) -> str:
+    """What to say of quantities of a response that the meshes do not agree on."""
+    text = (
+        f"{', '.join(quantities)}: the sequence of meshes does not converge, three times the "
+        "spread stands for the uncertainty"
+    )
+    if "dissipated" in response and float(response["dissipated"].max()) == 0.0:
+        return text
+    return (
+        f"{text}. Perfect plasticity has no length of its own, strains localise in single "
+        "elements: use a hardening_ratio for an answer that does not depend on the mesh"
+    )
+
+
+def _table(known: Estimate, values: Mapping[str, float]) -> dict[str, Any]:
+    """An estimate and its values, as the attributes of a response hold them."""
+    table: dict[str, Any] = {"values": values, "parts": dict(known.parts), "note": known.note}
+    if known.found is not None:
+        for name in ("order", "extrapolated", "converging", "accepted"):
+            table[name] = getattr(known.found, name)
+    return table

@@ -243,6 +243,12 @@ class PlanarAssembly:
         kernels.band_product(self.band, self.width, x, result)
         return result
 
+    def tangent_row(self, dof: int) -> tuple[Array, Indices]:
+        """Row of a dof in the tangent in `band`, and its columns."""
+        columns = np.arange(max(0, dof - self.width), min(self.size, dof + self.width + 1))
+        band = self.band.reshape(self.size, -1)
+        return band[columns, 2 * self.width + dof - columns], columns
+
     def solve(self, right: Array, held: Indices | None = None) -> Array | None:
         """Solve the tangent against `right` (dofs,) with `held` dofs at zero; None if singular.
 

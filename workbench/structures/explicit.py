@@ -13,15 +13,15 @@ Sources: Belytschko, Liu and Moran 2000, section 6.2; Moreau 1988.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil
-from typing import Protocol
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from workbench.arrays import Array, Indices
+from workbench.arrays import Array
 from workbench.errors import SolverError
 from workbench.impact import contact
 from workbench.structures.elements import StepEnergies
+from workbench.structures.equilibrium import Structure
 from workbench.structures.time_steps import PointMass, TimeStep
 
 SAFETY = 0.9  # of the stability limit: yielding softens, but tension and contact stiffen
@@ -29,28 +29,7 @@ LARGEST_ERROR = 0.02  # of the energy brought in; beyond it the step is taken to
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule
 
 
-class _Moving(Protocol):
-    """What explicit steps ask of a structure: see `PlanarAssembly`."""
-
-    size: int
-    displacement: Array
-    velocity: Array
-    load: Array
-    stored: float
-
-    @property
-    def held(self) -> Indices: ...
-    def mass_times(self, x: Array) -> Array: ...
-    def assemble(self, end: Array, weight: float | None) -> Array: ...  # prepares the tangent
-    def tangent_times(self, x: Array) -> Array: ...
-    def begin_step(self, duration: float) -> None: ...
-    def resist(self, end: Array) -> Array: ...
-    def account(self, end: Array, weight: float) -> StepEnergies: ...
-    def commit(self, end: Array) -> None: ...
-    def kinetic_energy(self) -> float: ...
-
-
-def lumped_mass(assembly: _Moving) -> Array:
+def lumped_mass(assembly: Structure) -> Array:
     """Mass of every dof (dofs,) of an assembly with lumped mass; held dofs get infinite mass.
 
     Raises ValueError if the mass matrix is not diagonal or a free dof has no mass.
@@ -66,7 +45,7 @@ def lumped_mass(assembly: _Moving) -> Array:
     return mass
 
 
-def stable_step(assembly: _Moving) -> float:
+def stable_step(assembly: Structure) -> float:
     """Largest stable time step 2 / omega_max of the committed state, in s."""
     assembly.assemble(assembly.displacement, None)
     root = 1.0 / np.sqrt(lumped_mass(assembly))  # 0 at held dofs
@@ -81,7 +60,7 @@ def stable_step(assembly: _Moving) -> float:
 
 
 def explicit_impact(
-    assembly: _Moving,
+    assembly: Structure,
     dof: int,
     striker: PointMass,
     spans: Sequence[tuple[float, float]],

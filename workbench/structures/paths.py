@@ -14,15 +14,16 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
-from workbench.structures.assembly import COMPONENTS, PlanarAssembly
+from workbench.structures.assembly import COMPONENTS
 from workbench.structures.elements import StepEnergies
 from workbench.structures.equilibrium import (
     DisplacementControl,
+    Structure,
     equilibrium,
     free_pattern,
+    pieces,
     present_factor,
 )
-from workbench.structures.newton import pieces
 
 LEDGER_WEIGHT = 0.5  # the trapezoidal rule, in dissipation as in external work
 MOST_CUTS = 16  # crossing a corner of a yield surface can take as much
@@ -46,7 +47,7 @@ class PathStep(NamedTuple):
 
 
 def follow_displacement(
-    assembly: PlanarAssembly,
+    assembly: Structure,
     pattern: Array,
     dof: int,
     sign: float,
@@ -72,7 +73,7 @@ def follow_displacement(
 
 
 def follow_load(
-    assembly: PlanarAssembly,
+    assembly: Structure,
     pattern: Array,
     factors: Sequence[float],
     dof: int,
@@ -92,23 +93,27 @@ def follow_load(
 
 
 def apply_loads(
-    assembly: PlanarAssembly, steps: int = 5, tolerance: float = 1e-10, most_cuts: int = 10
+    assembly: Structure,
+    steps: int = 5,
+    tolerance: float = 1e-10,
+    most_cuts: int = 10,
+    name: str = "dead load",
 ) -> None:
     """Bring the dead loads of the assembly on in equal steps, halved where needed, and commit.
 
-    Raises `SolverError` when an equilibrium is not found.
+    Raises `SolverError`, which speaks of the load by `name`, when an equilibrium is not found.
     """
     if not np.any(assembly.load):
         return
     course = Course(assembly, assembly.load, 0, 1.0, np.zeros(assembly.size))
     course.factor = 0.0
     shares = np.arange(1, steps + 1) / steps
-    for _ in _load(course, shares, tolerance, most_cuts, inf, "dead load, share"):
+    for _ in _load(course, shares, tolerance, most_cuts, inf, f"{name}, share"):
         pass
 
 
 def push(
-    assembly: PlanarAssembly, dof: int, path: Array, tolerance: float = 1e-8, most_cuts: int = 10
+    assembly: Structure, dof: int, path: Array, tolerance: float = 1e-8, most_cuts: int = 10
 ) -> Iterator[PathStep]:
     """Displacement control by a force: lead `dof` along `path` (m, relative to now).
 
@@ -144,7 +149,7 @@ class Course:
 
     def __init__(
         self,
-        assembly: PlanarAssembly,
+        assembly: Structure,
         pattern: Array,
         dof: int,
         sign: float,

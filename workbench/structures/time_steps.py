@@ -25,7 +25,7 @@ from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.elements import StepEnergies
-from workbench.structures.newton import Solution, newton, pieces
+from workbench.structures.equilibrium import Solution, newton, pieces
 
 TOLERANCE = 1e-8  # of the residual over the largest force
 MOST_CUTS = 12  # how often a step may be halved when Newton's method fails

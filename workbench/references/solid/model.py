@@ -6,34 +6,58 @@ additive von Mises plasticity, so that N <= A f_y holds as in the beam theories.
 out is in: shear yielding of the web, transverse stress at supports and plastic kinks.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
+from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.references.fiber import override_findings
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
-from workbench.references.solid.assembly import SolidAssembly
-from workbench.references.solid.mesh import solid_mesh
-from workbench.references.solid.push import apply_load
-from workbench.references.solid.run import run_pushover
-from workbench.references.solid.struck import run_impact
-from workbench.references.solid.supports import supports_of
-from workbench.responses import Finding, Response
+from workbench.references.solid.assembly import SolidAssembly, solid_column
+from workbench.references.solid.material import SQUEEZED
+from workbench.responses import (
+    Finding,
+    Response,
+    build_response,
+    energy_error,
+    findings_of,
+    set_findings,
+)
 from workbench.responses.uncertainty import SPACE
-from workbench.scenarios import ColumnImpact, ColumnPushover, ColumnScenario, Scenario, frame_of
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    ColumnScenario,
+    Scenario,
+    frame_of,
+)
 from workbench.sections import Section
+from workbench.structures.explicit import explicit_impact
+from workbench.structures.paths import apply_loads, push
+from workbench.structures.time_steps import PointMass
 
 STEPS_PER_SEGMENT = 320  # steps to push by the length of the shorter segment
 LEAST_STEPS = 20
 FIRST_STEP, STEP_GROWTH = 0.125, 1.25  # the knee of the curve comes early
 COARSEST = -1  # refinement: a flange has one row of elements then, half a web too
+TOLERANCE = 1e-8  # of the largest nodal force, or of the squash load if that is smaller
+MOST_CUTS = 8
+RECORDS = 1000  # of an impact
+SEGMENTS = ("below", "above")
+KINKED = 0.05  # nominal strain beyond which forces fall by several per cent with each refinement
+REGULAR = 0.005  # hardening ratio from which on they do not
+LOCALISED = 0.8  # nominal strain at which kinks fold up
+LARGEST_IMBALANCE = 1e-3  # of the work of the push
 
 
 @dataclass(frozen=True)
@@ -111,16 +135,168 @@ class SolidPlaneStress(Declared, table="option"):
         return np.asarray(at[: last + 1] * (final / at[last]))
 
     def _solve(self, scenario: ColumnPushover | ColumnImpact) -> Response:
+        """Bring the axial load on with the column held straight; then push or strike it.
+
+        From then on the restraint spring, unstressed, or the lock of a fixed head acts.
+        """
         column = scenario.column
         with threadpool_limits(1, user_api="blas"):
-            mesh = solid_mesh(column, self.smallest_element, self.refinement)
-            supports = supports_of(mesh, column.base, column.head)
-            assembly = SolidAssembly(mesh, supports, column.steel, self.hardening_ratio)
-            apply_load(assembly, column.axial_load)
+            solid = solid_column(
+                column, self.smallest_element, self.refinement, self.hardening_ratio
+            )
+            head, hit = solid.supports.head, solid.supports.hit
+            solid.load[head], solid.held = -column.axial_load, np.array([hit])
+            apply_loads(solid, tolerance=TOLERANCE, most_cuts=0, name="axial load")
+            solid.held = np.array([head] if column.head == "fixed" else [], dtype=np.int64)
+            if column.head != "fixed":
+                solid.spring = (column.restraint_stiffness, float(solid.displacement[head]))
             if isinstance(scenario, ColumnPushover):
-                return run_pushover(column, assembly, self.path(scenario))
+                return _push(scenario, solid, self.path(scenario))
             longest = (self.time_step or np.inf) / 2.0 ** (self.refinement + self.step_refinement)
-            return run_impact(scenario, assembly, longest)
+            return _strike(scenario, solid, longest)
+
+
+class _States:
+    """What is read off the committed states of a `solid`, one column for each number."""
+
+    def __init__(self, solid: SolidAssembly) -> None:
+        self.solid, self._plastic_before = solid, solid.dissipated
+        self._rows: list[tuple[float, ...]] = []
+
+    def see(self) -> None:
+        """Read the committed state."""
+        solid = self.solid
+        self._rows.append(
+            (
+                float(solid.displacement[solid.supports.hit]),
+                float(solid.velocity[solid.supports.hit]),
+                -float(solid.displacement[solid.supports.head]),
+                solid.stored,
+                solid.dissipated - self._plastic_before,
+                *solid.segment_shear(),
+                solid.largest_strain(),
+                float(np.min(solid.area_ratio())),
+            )
+        )
+
+    def response(
+        self, column: Column, values: Mapping[str, ArrayLike], time: Array | None = None
+    ) -> Response:
+        """The response with these `values`, of an impact at `time` (steps,) in s."""
+        path, velocity, shortening, elastic, dissipated, below, above, strain, area = np.array(
+            self._rows
+        ).T
+        shear = np.max(np.abs([below, above]), axis=1)
+        known: dict[str, Any] = {} if time is None else {"velocity": velocity}
+        known |= {
+            "displacement": path,
+            "shortening": shortening,
+            "elastic": elastic,
+            "dissipated": dissipated,
+            "shear_utilisation": shear / column.properties.shear_resistance,
+        }
+        response = build_response(
+            {**known, **values},
+            time=time,
+            steps=None if time is not None else len(path),
+            segments=SEGMENTS,
+            warnings=localisation(path, strain, area, self.solid.hardening_ratio),
+        )
+        open_by = energy_error(response) or 0.0
+        if open_by > (LARGEST_IMBALANCE if time is None else OPEN_LEDGER):
+            text = f"the energy ledger is open by {open_by:.2g} of the energy brought in"
+            finding = Finding("energy-balance", text, remedy="take a smaller step", number=open_by)
+            set_findings(response, [*findings_of(response), finding])
+        mesh = self.solid.mesh
+        response.attrs.update(
+            elements=len(mesh.dofs),
+            dofs=mesh.size,
+            smallest_element=mesh.smallest,
+            largest_strain=float(np.max(strain)),
+            least_area_ratio=float(np.min(area)),
+        )
+        return response
+
+
+def _push(scenario: ColumnPushover, solid: SolidAssembly, path: Array) -> Response:
+    """Lead the hit section of the loaded solid along `path` (steps,) in m, from zero."""
+    states, start = _States(solid), solid.displacement
+    states.see()
+    steps = []
+    for step in push(solid, solid.supports.hit, path[1:], TOLERANCE, MOST_CUTS):
+        steps.append(step)
+        states.see()
+    work = np.cumsum([0.0, *(step.external_work for step in steps)])
+    values = {
+        "displacement": path,
+        "force": [0.0, *(step.factor for step in steps)],
+        "external_work": work,
+        "input_energy": work[-1] - float(solid.load @ (solid.displacement - start)),
+    }
+    response = states.response(scenario.column, values)
+    response.attrs.update(
+        newton_iterations=sum(step.evaluations for step in steps),
+        cut_steps=sum(step.cuts for step in steps),
+    )
+    return response
+
+
+def _strike(scenario: ColumnImpact, solid: SolidAssembly, step: float) -> Response:
+    """Follow an impact on the loaded solid with explicit steps of at most `step` s.
+
+    They are no longer than the fastest wave takes through the smallest element, so that fronts,
+    contact and yielding are resolved as far as the mesh is.
+    """
+    striker, states = scenario.striker, _States(solid)
+    states.see()
+    hitting = PointMass(striker.mass, striker.velocity, striker.restitution)
+    spans = [(scenario.duration, scenario.duration / RECORDS)]
+    rows = [(0.0, scenario.input_energy, striker.velocity, 0.0, 0.0, 0.0)]
+    for taken in explicit_impact(solid, solid.supports.hit, hitting, spans, step):
+        assert taken.striker is not None
+        energy = taken.kinetic + taken.striker.kinetic_energy
+        contact = taken.impulse, taken.contact_loss, taken.external_work
+        rows.append((taken.time, energy, taken.striker.velocity, *contact))
+        states.see()
+    time, kinetic, speed, percussion, lost, work = np.array(rows).T
+    values = {
+        "kinetic": kinetic,
+        "striker_velocity": speed,
+        "percussion": percussion,
+        "contact_loss": np.cumsum(lost),
+        "external_work": np.cumsum(work),
+        "input_energy": scenario.input_energy,
+    }
+    return states.response(scenario.column, values, time)
+
+
+def localisation(
+    path: Array, strains: Array, areas: Array, hardening_ratio: float
+) -> list[Finding]:
+    """What the mesh decides about: forces once kinks form, everything once they fold up.
+
+    Arguments: displacements `path` (steps,) in m; largest strain, and smallest share of its area
+    that a point keeps, in the states there (steps,).
+    """
+    findings = []
+    kinked = np.flatnonzero(strains > KINKED)
+    if kinked.size and hardening_ratio < REGULAR:
+        text = (
+            f"plastic kinks of the length of an element from {path[kinked[0]]:.4g} m on (nominal "
+            f"strain {strains.max():.3g} at the end): where bending governs, force falls by "
+            "several per cent with each halving of the mesh; compare refinements, or set "
+            "hardening_ratio to 0.01"
+        )
+        findings.append(Finding("mesh", text))
+    folded = np.flatnonzero((strains > LOCALISED) | (areas < SQUEEZED))
+    if folded.size:
+        text = (
+            f"kinks fold up from {path[folded[0]]:.4g} m on: a point reaches the nominal strain "
+            f"{strains.max():.3g} or keeps {areas.min():.2g} of its area; steel would tear or "
+            "buckle locally, and forces beyond are an indication only"
+        )
+        findings.append(Finding("localisation", text))
+    return findings
 
 
 def _values(section: Section, steel: Steel) -> dict[str, float]:

@@ -169,7 +169,7 @@ def _hold_back(body, work):
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def newton(body, motion, work, dt, closed, touch):
-    """Solve a step from `work.x`, as `structures/newton` does.
+    """Solve a step from `work.x`, as `newton` of `structures/equilibrium` does.
 
     A step is taken for its residual only where that falls to `FALLEN`: with halves, steps in which
     all hinges of a joint yield take a sixth more evaluations. The line search follows the tangent
