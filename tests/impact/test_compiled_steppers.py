@@ -24,9 +24,9 @@ from workbench.scenarios import ColumnImpact, Striker
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.impact import PointMass, impact
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import LinearHardening
 
 CLOSE = {"rtol": 0.0, "atol": 1e-10}
 

@@ -10,7 +10,7 @@ import pytest
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.biggs import Biggs
 from workbench.models.practice.deflected_shape import Beam, beam_of
-from workbench.models.practice.strength import mechanism_load, plastic_moment
+from workbench.models.practice.hand_estimate import mechanism_load, plastic_moment
 from workbench.responses import energy_error, warnings_of
 from workbench.scenarios import MemberPulse, Pulse
 

@@ -21,8 +21,7 @@ from workbench.evidence.measured import measured_findings
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_estimate import SAME
 from workbench.frames.column_line import HEAD_MASSES
-from workbench.frames.elastic import ElasticFrame
-from workbench.frames.findings import dead_load_state
+from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame, derive_column
 from workbench.models.four_dof import FourDof
 from workbench.models.superelements import RigidSuperelement

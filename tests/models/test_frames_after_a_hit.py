@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from builders import SQUARE
 
-from workbench.frames.sway import sway_findings, sway_of
-from workbench.frames.timing import slowest_period
+from workbench.frames.collapse_load import sway_collapse, sway_findings
+from workbench.frames.elastic import slowest_period
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement
 from workbench.responses import Outcome, Response, outcome_of, warnings_of
 from workbench.responses.histories import residual_over
@@ -47,11 +47,11 @@ def subjects(response: Response) -> dict[str, float | None]:
 def test_the_way_to_the_fall_is_that_of_a_rigid_plastic_portal() -> None:
     """Two hinges under the beam resist 2 M / h; two columns under P take 2 P w / h of it."""
     hit = portal_on_pins(7.0)
-    sway, moment = sway_of(hit), hit.frame.properties("B0-B1").plastic_moment
+    sway, moment = sway_collapse(hit), hit.frame.properties("B0-B1").plastic_moment
     assert sway is not None
     falling = moment / (DEAD * HEIGHT)  # drift
-    assert sway.share(np.full(3, falling)) == pytest.approx(1.0, rel=1e-4)
-    assert sway_of(portal_on_pins(7.0, dead=0.0)) is None
+    assert sway @ np.full(3, falling) == pytest.approx(1.0, rel=1e-4)
+    assert sway_collapse(portal_on_pins(7.0, dead=0.0)) is None
     # energies: with a tenth less resistance the way to the fall takes what half of it took
     reached = 1.0 - sqrt(1.0 - 0.9**2)
     assert sway_findings(sway, np.full(3, 0.99 * reached * falling)) == []

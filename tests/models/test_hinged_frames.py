@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from builders import thesis_frame
 
-from workbench.frames.fibers import fiber_section, spread_of_yield
+from workbench.frames.shear import fiber_section
 from workbench.materials import Steel
 from workbench.models.frame_model import FrameModel
 from workbench.models.hinged_frames import (
@@ -35,6 +35,7 @@ from workbench.scenarios import (
     regular_frame,
 )
 from workbench.sections import find, square
+from workbench.structures.fibers.section import spread_of_yield
 
 HEB, STEEL = find("HEB 220"), Steel()
 EI = STEEL.elastic_modulus * HEB.second_moment

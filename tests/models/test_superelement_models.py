@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from workbench.errors import InputError
 from workbench.evidence.measured import MOSTLY, measured_findings
-from workbench.frames.findings import dead_load_state
+from workbench.frames.elastic import dead_load_state
 from workbench.models.column_of_frame import derive_column
 from workbench.models.four_dof import FourDof, FourDofShear
 from workbench.models.superelements import FlexibleSuperelement, RigidSuperelement

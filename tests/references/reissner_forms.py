@@ -22,7 +22,7 @@ from skfem.helpers import grad
 from workbench.arrays import Array
 from workbench.references.fiber_reissner import FiberReissner
 from workbench.structures.elements import Bars, Step
-from workbench.structures.reissner_beams import ReissnerBeams
+from workbench.structures.fibers.beams import ReissnerBeams
 
 
 @LinearForm

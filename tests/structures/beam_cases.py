@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, radau_rule
 from workbench.structures.fibers import BeamSection
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.beams import FiberBeams, radau_rule
+from workbench.structures.fibers.laws import LinearHardening
 
 E_STEEL, YIELD = 210e9, 355e6
 KINDS = {

@@ -9,8 +9,8 @@ from reissner_cases import square
 
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import LinearHardening
 
 HEIGHT, SPAN = 4.0, 6.0
 

@@ -8,8 +8,13 @@ import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import MILD_STEEL, LinearHardening, MenegottoPinto, ShearYielding
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import (
+    MILD_STEEL,
+    LinearHardening,
+    MenegottoPinto,
+    ShearYielding,
+)
 
 E, FY, SIDE, LAYERS = 210e9, 355e6, 0.2, 20
 G = E / 2.6

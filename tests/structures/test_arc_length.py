@@ -11,8 +11,8 @@ from reissner_cases import chain, elastic, square
 from workbench.errors import InputError, SolverError
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.fibers.beams import ReissnerBeams
 from workbench.structures.paths import apply_loads, follow_displacement
-from workbench.structures.reissner_beams import ReissnerBeams
 from workbench.structures.superelements import Superelements
 
 LENGTH = 1.2

@@ -13,7 +13,14 @@ from superelement_cases import EA, EI, MP, NP, PLATES
 from workbench.arrays import Array
 from workbench.hinges.interaction import polyline
 from workbench.hinges.pair_kernels import Pair, project_pair
-from workbench.structures.bars import NO_INTERACTION, Bar, HingedBars, PlasticEnd, kernels
+from workbench.structures.bars import (
+    NO_INTERACTION,
+    Bar,
+    BarElements,
+    PlasticEnd,
+    hinged_bars,
+    kernels,
+)
 from workbench.structures.elements import Bars
 
 LENGTH = 4.0
@@ -33,18 +40,18 @@ def group(
     shear: float = np.inf,
     joint: float = np.inf,
     moments: tuple[float, float] = (MP, MP),
-) -> HingedBars:
+) -> BarElements:
     """One bar along x, its start with a `joint`; plastic `moments` of the end by sign."""
     start = PlasticEnd((NP, NP), (MP, MP), curve, joint, hardening)
     end = PlasticEnd((NP, NP), moments, curve, hardening=hardening)
     bar = Bar(start, end, EA, EI, 71.0, shear_stiffness=shear, second_order=second_order)
-    made = HingedBars([[0, 1]], [bar], regularisation=0.0)
+    made = hinged_bars([[0, 1]], [bar], regularisation=0.0)
     places = np.zeros((1, 36), dtype=np.int64)
     made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
     return made
 
 
-def law(bars: HingedBars, trial: Array, back: Array | None = None) -> tuple[Array, Array, Array]:
+def law(bars: BarElements, trial: Array, back: Array | None = None) -> tuple[Array, Array, Array]:
     """Forces, tangent and plastic flow for elastic trial deformations."""
     (own,) = bars.tables
     k, flow = np.empty((3, 3)), np.empty(3)
@@ -162,7 +169,7 @@ def test_tangent_of_gradual_hinges(pinned: bool) -> None:
     curve = np.array([[0.0, 0.001, 0.004, 0.02], [0.0, 0.5, 0.8, 1.0]])
     end = PlasticEnd((NP, NP), (MP, MP), polyline("exact", PLATES), first_yield=0.88, spread=curve)
     start = replace(end, stiffness=0.0) if pinned else end
-    bars = HingedBars([[0, 1]], [Bar(start, end, EA, EI, 71.0)], regularisation=0.0)
+    bars = hinged_bars([[0, 1]], [Bar(start, end, EA, EI, 71.0)], regularisation=0.0)
     places = np.zeros((1, 36), dtype=np.int64)
     bars.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
     (own,) = bars.tables

@@ -11,10 +11,10 @@ from workbench.impact import collide
 from workbench.structures import explicit
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, stable_step
-from workbench.structures.fiber_beams import FiberBeams
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import FiberBeams
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.impact import PointMass, impact
-from workbench.structures.uniaxial import LinearHardening
 
 SPAN = 3.0
 

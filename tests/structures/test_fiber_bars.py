@@ -8,11 +8,19 @@ from superelement_cases import NP
 
 from workbench.hinges.interaction import polyline
 from workbench.sections import square
-from workbench.structures.bars import Bar, FiberBars, PlasticEnd, Rule, hinge_rule, lobatto_rule
+from workbench.structures.bars import (
+    Bar,
+    BarElements,
+    PlasticEnd,
+    Rule,
+    fiber_bars,
+    hinge_rule,
+    lobatto_rule,
+)
 from workbench.structures.bars import fiber_kernels as kernels
 from workbench.structures.elements import Bars
 from workbench.structures.fibers import BeamSection
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.laws import LinearHardening
 
 LENGTH, SHEAR, JOINT = 3.0, 2e8, 5e7
 E, FY = 210e9, 355e6
@@ -24,19 +32,19 @@ def section(hardening: float = 1e-5) -> BeamSection:
     return BeamSection(y, area, LinearHardening(E, FY, hardening * E), 314.0)
 
 
-def group(rule: Rule, fibers: BeamSection, joint: float = np.inf) -> FiberBars:
+def group(rule: Rule, fibers: BeamSection, joint: float = np.inf) -> BarElements:
     """One element along x, its start with a joint."""
     curve = polyline("exact", square(0.2))
     axial = E * fibers.area.sum()
     ends = [PlasticEnd((NP, NP), (1e6, 1e6), curve, stiffness) for stiffness in (joint, np.inf)]
     bar = Bar(*ends, axial, axial * fibers.radius_squared, 314.0, SHEAR, second_order=False)
-    made = FiberBars([[0, 1]], [bar], [rule], [fibers])
+    made = fiber_bars([[0, 1]], [bar], [rule], [fibers])
     places = np.zeros((1, 36), dtype=np.int64)
     made.place(Bars(np.arange(6)[None], places, np.array([[LENGTH, 0.0]]), np.array([LENGTH])))
     return made
 
 
-def law(bars: FiberBars, q, state=None):
+def law(bars: BarElements, q, state=None):
     """Forces, strains, new fiber states and tangent at deformations `q` from a committed state."""
     (own,) = bars.tables
     shape = (own.xi.shape[1], 2, own.sections.y.shape[1])

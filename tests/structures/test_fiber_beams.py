@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from section_cases import response
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams, gauss_rule, radau_rule
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import FiberBeams, gauss_rule, radau_rule
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.paths import apply_loads, push
-from workbench.structures.uniaxial import LinearHardening
 
 SCALE = np.array([1e-3, 1e-3, 6e-3])  # displacements (m) and rotations that make fibers yield
 

@@ -12,10 +12,10 @@ from workbench.errors import SolverError
 from workbench.impact import collide
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import FiberBeams
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.impact import PointMass, impact
-from workbench.structures.uniaxial import LinearHardening
 
 FAR = PointMass(1.0, 0.0, position=-100.0)  # a striker that never arrives
 

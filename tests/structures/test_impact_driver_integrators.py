@@ -17,10 +17,10 @@ from workbench.impact import collide
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.impact import INTEGRATORS, PointMass, TimeStep, impact
 from workbench.structures.paths import apply_loads
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import LinearHardening
 
 GGL = "gear-gupta-leimkuhler"
 STIFFNESS = 210e9 * 1e-3 / 2.0  # of the bar, N/m

@@ -7,8 +7,8 @@ from superelement_cases import full_tangent
 
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams
-from workbench.structures.joints import JointSpring, JointSprings
+from workbench.structures.elements import JointSpring, JointSprings
+from workbench.structures.fibers.beams import FiberBeams
 from workbench.structures.paths import apply_loads, push
 
 SLIM = rectangle(yield_stress=1e12)

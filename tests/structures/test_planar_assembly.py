@@ -6,7 +6,7 @@ from beam_cases import chain, clamp, rectangle
 
 from workbench.errors import InputError
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.fibers.beams import FiberBeams
 from workbench.structures.paths import apply_loads
 
 

@@ -12,14 +12,14 @@ from superelement_cases import EA, EI, MP, NP
 
 from workbench.hinges.interaction import polyline
 from workbench.sections import find
-from workbench.structures.bars import Bar, PlasticEnd, RefinedBars, refined_kernels
+from workbench.structures.bars import Bar, PlasticEnd, beam_kernels, refined_bars
 from workbench.structures.elements import Bars
 
 
 def row(length: float, moment: float = MP):
     """A row of BAR and its squash loads; moments so large that ends stay elastic on demand."""
     end = PlasticEnd((NP, NP), (moment, moment), polyline("aisc", find("HEB 220")))
-    bars = RefinedBars([[0, 1]], [Bar(end, end, EA, EI, 71.0)], regularisation=0.0)
+    bars = refined_bars([[0, 1]], [Bar(end, end, EA, EI, 71.0)], regularisation=0.0)
     places = np.zeros((1, 36), dtype=np.int64)
     bars.place(Bars(np.arange(6)[None], places, np.array([[length, 0.0]]), np.array([length])))
     return bars.tables[0].rows[0], bars.tables[0].squash[0]
@@ -30,8 +30,8 @@ def critical(length: float, reduction: float, mode: str) -> float:
     bar, squash = row(length)
 
     def stiffness(force: float) -> float:
-        share = reduction * refined_kernels.modulus(force / squash[1])
-        k1, k, _ = refined_kernels.stiffness(bar, -force, share)
+        share = reduction * beam_kernels.modulus(force / squash[1])
+        k1, k, _ = beam_kernels.stiffness(bar, -force, share)
         return {"pinned": k1 - k, "propped": k1}[mode]
 
     high = (2.2 if mode == "propped" else 1.2) * pi**2 * EI / length**2
@@ -57,10 +57,10 @@ def test_column_curve_of_aisc(slenderness: float) -> None:
 
 
 def test_tangent_modulus_continues_the_elastic_one() -> None:
-    assert refined_kernels.modulus(0.39) == 1.0
+    assert beam_kernels.modulus(0.39) == 1.0
     assert -2.7243 * 0.39 * log(0.39) == pytest.approx(1.0005, abs=1e-4)
-    assert refined_kernels.modulus(0.7) == pytest.approx(-2.7243 * 0.7 * log(0.7))
-    assert refined_kernels.modulus(0.999) < 0.004
+    assert beam_kernels.modulus(0.7) == pytest.approx(-2.7243 * 0.7 * log(0.7))
+    assert beam_kernels.modulus(0.999) < 0.004
 
 
 @pytest.mark.parametrize("moment", [(0.6, -0.75), (0.8, 0.7), (0.3, 0.9)])
@@ -68,7 +68,7 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     """Equation 2.9: M' = EI/L [phi_A (S1 - S2^2/S1 (1 - phi_B)), phi_A phi_B S2; ...] theta'."""
     length, axial = 4.0, -0.1 * NP
     bar, squash = row(length)
-    k1, k, _ = refined_kernels.stiffness(bar, axial, 1.0)
+    k1, k, _ = beam_kernels.stiffness(bar, axial, 1.0)
     moments = MP * np.array(moment)
     turn = np.linalg.solve([[k1, k], [k, k1]], moments)
     start = np.array([axial * length / EA, 0.0, 0.0])
@@ -80,7 +80,7 @@ def test_rates_are_those_of_the_thesis(moment: tuple[float, float]) -> None:
     # an increment that raises the force state of both ends
     step = 1e-6 * np.linalg.solve([[k1, k], [k, k1]], np.sign(moments) * MP)
     out, step = np.empty(5), np.array([0.0, *step])
-    law = partial(refined_kernels.refined_law, bar, squash, 1.0, start)
+    law = partial(beam_kernels.refined_law, bar, squash, 1.0, start)
     law(start + step, 0.0, moments, turn, out)
     assert out[1:3] - moments == pytest.approx(matrix @ step[1:], rel=1e-4)
     # and back: an end whose force state falls is elastic
@@ -95,21 +95,19 @@ def test_tangent_modulus_acts_on_increments() -> None:
     bar, squash = row(length, moment=100.0 * MP)  # ends elastic, N l^2 / EI = 0.6 at most
     at = [np.array([-share * NP * length / EA, 0.0, 0.0]) for share in (0.3, 0.8)]
     moments, out, none = np.array([0.2, -0.2]) * MP, np.empty(5), np.zeros(2)
-    k1, k, _ = refined_kernels.stiffness(bar, -0.3 * NP, 1.0)
+    k1, k, _ = beam_kernels.stiffness(bar, -0.3 * NP, 1.0)
     turn = moments / (k1 - k)
-    refined_kernels.refined_law(bar, squash, 1.0, *at, 0.0, moments, turn, out)
+    beam_kernels.refined_law(bar, squash, 1.0, *at, 0.0, moments, turn, out)
     # P-delta of a uniformly bent bar takes N l / 6 of each rotation (Przemieniecki 1968)
     assert moments[0] - out[1] == pytest.approx(0.5 * NP * length / 6.0 * turn[0], rel=0.02)
     bent, more = out[1:3].copy(), np.array([0.0, 1e-6, -1e-6])
-    refined_kernels.refined_law(
-        bar, squash, 1.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out
-    )
-    k1, k, _ = refined_kernels.stiffness(bar, -0.8 * NP, -2.7243 * 0.8 * log(0.8))
+    beam_kernels.refined_law(bar, squash, 1.0, at[1], at[1] + more, 0.0, bent, out[3:].copy(), out)
+    k1, k, _ = beam_kernels.stiffness(bar, -0.8 * NP, -2.7243 * 0.8 * log(0.8))
     state = 0.8 + 8.0 / 9.0 * bent[0] / (100.0 * MP)
     phi = 4.0 * state * (1.0 - state)
     added = phi * (k1 - k**2 / k1 * (1.0 - phi) - phi * k)  # equation 2.9, both ends alike
     assert out[1] - bent[0] == pytest.approx(1e-6 * added, rel=1e-4)
-    refined_kernels.refined_law(bar, squash, 1.0, at[0], at[0], 0.0, none, none, out)
+    beam_kernels.refined_law(bar, squash, 1.0, at[0], at[0], 0.0, none, none, out)
     assert np.all(out[1:] == 0.0)
 
 
@@ -120,6 +118,6 @@ def test_forces_stay_on_the_surface() -> None:
     for _ in range(200):
         end = rng.standard_normal(3) * np.array([0.02, 0.1, 0.1])
         none = np.zeros(2)
-        refined_kernels.refined_law(bar, squash, 1.0, np.zeros(3), end, 0.0, none, none, out)
+        beam_kernels.refined_law(bar, squash, 1.0, np.zeros(3), end, 0.0, none, none, out)
         n, m = abs(out[0]) / NP, np.abs(out[1:3]).max() / MP
         assert max(n + 8.0 / 9.0 * m, 0.5 * n + m) <= 1.0 + 1e-6

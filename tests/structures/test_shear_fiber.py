@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from section_cases import stress_path
 
 from workbench.errors import InputError
-from workbench.structures.uniaxial import LinearHardening, ShearYielding
-from workbench.structures.uniaxial.kernels import sheared
+from workbench.structures.fibers.kernels import sheared
+from workbench.structures.fibers.laws import LinearHardening, ShearYielding
 
 E, FY = 210e9, 355e6
 G = E / 2.6

@@ -7,7 +7,7 @@ import pytest
 from beam_cases import E_STEEL, KINDS, YIELD, chain, clamp, of_kind, plates, rectangle
 
 from workbench.errors import SolverError
-from workbench.structures.meshing import graded_lengths
+from workbench.structures.assembly import graded_lengths
 from workbench.structures.paths import apply_loads, push
 
 ELASTIC = 1e12  # yield stress that is never reached, Pa

@@ -10,8 +10,8 @@ from verification_cases import FORMULATIONS, NEVER, group, hold, orders, slender
 
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.structures.paths import push
-from workbench.structures.uniaxial import LinearHardening
 
 
 def extremum(at: np.ndarray, values: np.ndarray, number: int) -> float:

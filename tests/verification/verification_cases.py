@@ -8,10 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams
 from workbench.structures.fibers import BeamSection
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.beams import FiberBeams, ReissnerBeams
+from workbench.structures.fibers.laws import LinearHardening
 
 FORMULATIONS = ("reissner", "corotational")
 E, FY, SIDE, LAYERS, MASS = 210e9, 355e6, 0.2, 20, 314.0

@@ -44,7 +44,7 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
         pair = ends.get(node.name, [])
         if len(pair) == 2 and node.name not in kept and _straight_on(frame, node.name, pair):
             follows[pair[0]], follows[pair[1]] = pair[1], pair[0]
-    found: list[Chain] = []
+    lines: list[Chain] = []
     done: set[str] = set()
     for member in frame.members:
         if member.name in done:
@@ -60,8 +60,8 @@ def chains(frame: Frame, kept: Collection[str] = ()) -> list[Chain]:
                 nodes.insert(0 if at_start else len(nodes), far.end if came_in else far.start)
             outer[at_start] = end
         done.update(names)
-        found.append(Chain(tuple(names), tuple(nodes), (outer[True], outer[False])))
-    return found
+        lines.append(Chain(tuple(names), tuple(nodes), (outer[True], outer[False])))
+    return lines
 
 
 def eventful(scenario: FrameScenario) -> set[str]:

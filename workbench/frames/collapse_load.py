@@ -1,12 +1,19 @@
-"""Collapse load of a rigid-plastic frame on its undeformed shape, by the static theorem.
+"""Plastic collapse of a frame: limit load, and the margin against P-Delta sway collapse.
 
-End forces (N and both end moments) of every member and the load factor are the unknowns of a
-linear programme: equilibrium is an equality, yielding bounds N and M apart, without interaction.
-The largest factor is the collapse load (Livesley 1975, chapter 3).
+Limit load of the rigid-plastic frame on its undeformed shape, by the static theorem: end forces (N
+and both end moments) of every member and the load factor are the unknowns of a linear programme.
+Equilibrium is an equality, yielding bounds N and M apart, without interaction; the largest factor
+is the collapse load (Livesley 1975, chapter 3).
+
+The rigid-plastic sway of a frame resists R - c w at a drift w, c what its dead loads take of it:
+beyond w = R / c it falls. The energy that it takes up to w is R w - c w^2 / 2; so a share q of R is
+missing for the same energy to reach R / c where (1 - q)^2 = 1 - (1 - c w / R)^2. Near the end
+little energy is left in much drift, and models that differ by some percent in what yields differ
+in whether the frame stands.
 """
 
 from collections.abc import Collection, Sequence
-from math import inf
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -14,11 +21,17 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
 from workbench.arrays import Array
-from workbench.frames.structure import nodal_loads
-from workbench.scenarios import Frame, Load, Member
+from workbench.errors import OutOfDomainError
+from workbench.frames.column_line import column_line
+from workbench.frames.elastic import dead_load_state
+from workbench.frames.structure import nodal_loads, upright_names
+from workbench.responses import Finding
+from workbench.scenarios import Frame, FrameImpact, Load, Member
 from workbench.structures.assembly import COMPONENTS
 
 UNBOUNDED = 3  # status of `linprog`
+SUBJECT = "near-collapse"
+MISSING = 0.1  # of the resistance: what limits at yield and their spread leave open
 
 
 def collapse_factor(
@@ -33,8 +46,8 @@ def collapse_factor(
     Springs to the ground and locks never yield. Infinite if nothing that yields is in the way;
     None if the strength does not reach for the dead loads alone.
     """
-    found = collapse_mechanism(frame, pattern, dead, members)
-    return None if found is None else found.factor
+    mechanism = collapse_mechanism(frame, pattern, dead, members)
+    return None if mechanism is None else mechanism.factor
 
 
 class CollapseMechanism(NamedTuple):
@@ -94,8 +107,13 @@ def collapse_mechanism(
     bounds.append((None, None))
     balance[:, -1] = -force * nodal_loads(frame, pattern).ravel()
     units = np.resize([force, force, moment], len(balance))
-    free = _free(frame)
-    found = linprog(
+    free = [
+        3 * i + k
+        for i, node in enumerate(frame.nodes)
+        for component, k in COMPONENTS.items()
+        if component not in node.resisted  # by a support, a spring or a lock
+    ]
+    optimum = linprog(
         np.append(np.zeros(unknowns - 1), -1.0),
         A_eq=(balance / units[:, None])[free],
         b_eq=(nodal_loads(frame, dead).ravel() / units)[free],
@@ -103,19 +121,13 @@ def collapse_mechanism(
         method="highs",
     )
     shape = np.zeros(len(balance))
-    if found.status == UNBOUNDED:
+    if optimum.status == UNBOUNDED:
         return CollapseMechanism(inf, shape.reshape(-1, 3))
-    if not found.success or found.x[-1] < 0.0:
+    if not optimum.success or optimum.x[-1] < 0.0:
         return None
-    shape[free] = found.eqlin.marginals / units[free]
+    shape[free] = optimum.eqlin.marginals / units[free]
     work = float(nodal_loads(frame, pattern).ravel() @ shape)
-    return CollapseMechanism(float(found.x[-1] * force), (shape / work).reshape(-1, 3))
-
-
-def _free(frame: Frame) -> list[int]:
-    """Dofs that nothing but members holds."""
-    nodes = enumerate(frame.nodes)
-    return [3 * i + k for i, node in nodes for c, k in COMPONENTS.items() if c not in node.resisted]
+    return CollapseMechanism(float(optimum.x[-1] * force), (shape / work).reshape(-1, 3))
 
 
 def _equilibrium(frame: Frame, member: Member) -> Array:
@@ -131,10 +143,56 @@ def _equilibrium(frame: Frame, member: Member) -> Array:
 
 def member_strength(frame: Frame, member: Member) -> tuple[float, float, Array]:
     """Tension and compression resistance; sagging and hogging plastic moments at both ends."""
-    own = frame.properties(member).strength
+    strength = frame.properties(member).strength
     joints = [frame.joint(name) for name in (member.joint_start, member.joint_end)]
-    ends = np.array([joint.weaker(own) for joint in joints])
+    ends = np.array([joint.weaker(strength) for joint in joints])
     pinned = [joint.rotational_stiffness == 0.0 for joint in joints]
     ends[pinned, 2:] = 0.0
     tension, compression = ends[:, :2].min(axis=0)
     return float(tension), float(compression), ends[:, 2:]
+
+
+def sway_collapse(scenario: FrameImpact) -> Array | None:
+    """Share of the way to P-Delta collapse per drift of each upright member (uprights,).
+
+    For the storey above or below the struck column; its mechanism is that of a force at the head of
+    the column, or at the struck joint. None if dead loads take none of its resistance.
+    """
+    frame, striker = scenario.frame, scenario.striker
+    if not frame.loads or striker.direction[-1] != "x":
+        return None
+    try:
+        node = column_line(scenario).head
+    except OutOfDomainError:
+        node = striker.node
+    push = Load(node, x=-1.0 if striker.direction.startswith("-") else 1.0)
+    mechanism = collapse_mechanism(frame, [push], frame.loads)
+    if mechanism is None or not 0.0 < mechanism.factor < inf:
+        return None
+    work = mechanism.works(frame, dead_load_state(frame).axial)
+    names = [member.name for member in frame.members]
+    upright = [names.index(name) for name in upright_names(frame)]
+    softening, turns = work.sum(), np.abs(mechanism.turns(frame))[upright]
+    if softening <= 0.0 or not np.any(turns > 0.0):
+        return None
+    # drifts over those of the mechanism, weighted by what the dead loads do on them
+    weights = np.maximum(work[upright], 0.0)
+    shares = np.divide(weights, turns, out=np.zeros_like(turns), where=turns > 0.0)
+    return np.asarray(shares / weights.sum() * float(softening / mechanism.factor))
+
+
+def sway_findings(per_drift: Array | None, drift: Array) -> list[Finding]:
+    """Warning of a frame that stands, but with little resistance less would collapse.
+
+    Arguments: `per_drift` of `sway_collapse`; largest `drift` of each upright member (uprights,).
+    """
+    reached = 0.0 if per_drift is None else float(per_drift @ drift)
+    missing = 0.0 if reached >= 1.0 else 1.0 - sqrt(reached * (2.0 - reached))
+    if missing >= MISSING:
+        return []
+    text = (
+        f"the frame has swayed {reached:.2f} of the drift at which its dead loads bring it down: "
+        f"{100.0 * missing:.2g} % less resistance and this hit does, and models differ by as much"
+    )
+    remedy = "try a few percent more velocity"
+    return [Finding(SUBJECT, text, remedy=remedy, number=reached)]

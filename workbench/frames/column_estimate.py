@@ -15,8 +15,7 @@ from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
-from workbench.frames.elastic import ElasticFrame
-from workbench.frames.findings import dead_load_state
+from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.responses import Finding
 from workbench.scenarios import (
     Column,
@@ -98,13 +97,13 @@ class ColumnEstimate:
             return None
         energy = self._energy
         limits = self.column_resistance, min(self.frame_resistance, self.column_resistance)
-        own, whole = (
+        alone, whole = (
             sqrt(2.0 * energy * soft)
             if energy < 0.5 * limit**2 * soft
             else 0.5 * limit * soft + energy / limit
             for soft, limit in zip((column, frame), limits, strict=True)
         )
-        return 1.0 - own / whole
+        return 1.0 - alone / whole
 
     def findings(self) -> Iterator[Finding]:
         """What was estimated, and what that leaves out."""
@@ -197,11 +196,11 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
 
 def column_like(scenario: FrameImpact) -> ColumnImpact | None:
     """The struck column of a frame by the rules that go without saying, None if it is none."""
-    own = scenario.striker
-    found = _column_of_unit(scenario.frame, own.node, own.direction)
-    if found is None:
+    striker = scenario.striker
+    column = _column_of_unit(scenario.frame, striker.node, striker.direction)
+    if column is None:
         return None
-    return replace(found, striker=Striker(own.mass, own.velocity, own.restitution))
+    return replace(column, striker=Striker(striker.mass, striker.velocity, striker.restitution))
 
 
 @lru_cache(maxsize=64)
@@ -237,11 +236,11 @@ def _column(
             )
         line = line.turned()
     axial, bent = _dead_state(line)
-    own = frame.member(line.members[0])
+    member = frame.member(line.members[0])
     extra = frame.node(scenario.striker.node).mass
     try:
         column = Column(
-            own.section,
+            member.section,
             line.below,
             line.above,
             frame.steel,
@@ -251,7 +250,7 @@ def _column(
             axial_load=-axial,
             restraint_stiffness=0.0 if flexibility in (0.0, inf) else 1.0 / flexibility,
             head_mass=0.0 if flexibility == 0.0 else mass_of_head(head_mass, line, shape),
-            **{key: getattr(own, key) for key in OVERRIDES},
+            **{key: getattr(member, key) for key in OVERRIDES},
         )
         if extra > 0.0:
             column = replace(column, impact_mass=column.properties.impact_mass + extra)
@@ -300,6 +299,6 @@ def _dead_state(line: ColumnLine) -> tuple[float, float]:
         raise OutOfDomainError("under its dead loads the frame moves without resistance")
     axial, moments = elastic.end_forces(moved)
     names = [member.name for member in frame.members]
-    own = [2 * names.index(name) + side for name in line.members for side in (0, 1)]
+    hinges = [2 * names.index(name) + side for name in line.members for side in (0, 1)]
     plastic = frame.properties(line.members[0]).plastic_moment
-    return float(np.mean(axial[own])), float(np.max(np.abs(moments[own]))) / plastic
+    return float(np.mean(axial[hinges])), float(np.max(np.abs(moments[hinges]))) / plastic

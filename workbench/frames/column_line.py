@@ -70,25 +70,31 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     the lower one. Raises `OutOfDomainError` where what is hit is no column between two joints.
     """
     frame, struck = scenario.frame, scenario.striker.node
-    chain = next((found for found in chains(frame) if struck in found.nodes[1:-1]), None)
+    chain = next((each for each in chains(frame) if struck in each.nodes[1:-1]), None)
     if chain is None:
         raise OutOfDomainError(
             f"the striker hits node {struck}, which is not between the two ends of a straight "
             "member: a column is hit between its joints"
         )
     members, line = [frame.member(name) for name in chain.members], chain.nodes
-    _check_alike(frame, members)
-    _check_inside(frame, line[1:-1], struck)
-    at = line.index(struck)
-    lengths = [frame.length(member) for member in members]
     ends = frame.node(line[0]), frame.node(line[-1])
     chord = np.array([ends[1].x - ends[0].x, ends[1].y - ends[0].y])
-    axis = chord / np.hypot(*chord)
-    _check_across(scenario, axis)
-    joints = chain.joints(frame)
-    stiffness = frame.steel.elastic_modulus * frame.properties(members[0]).second_moment
-    unit = stiffness / sum(lengths)
-    found = ColumnLine(
+    axis, joints = chord / np.hypot(*chord), chain.joints(frame)
+    _refuse_what_no_column_has(scenario, members, line, axis)
+    lengths, at = [frame.length(member) for member in members], line.index(struck)
+    properties = frame.properties(members[0])
+    unit = frame.steel.elastic_modulus * properties.second_moment / sum(lengths)
+    fixed = [
+        _is_fixed(frame, end, chain.members, joint, unit)
+        for end, joint in zip(ends, joints, strict=True)
+    ]
+    for name in joints:
+        if frame.joint(name).weaker(properties.strength) != properties.strength:
+            raise OutOfDomainError(
+                f"joint {name} at the end of the column is weaker than the column, whose hinges "
+                "all have its own strength"
+            )
+    column = ColumnLine(
         frame,
         chain.members,
         line[0],
@@ -96,60 +102,39 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
         (float(axis[0]), float(axis[1])),
         sum(lengths[:at]),
         sum(lengths[at:]),
-        (
-            _is_fixed(frame, ends[0], chain.members, joints[0], unit),
-            _is_fixed(frame, ends[1], chain.members, joints[1], unit),
-        ),
+        (fixed[0], fixed[1]),
         sum(1.0 / k for name in joints if (k := frame.joint(name).axial_stiffness) is not None),
     )
-    _check_joints(frame, members, joints)
-    return found if _rank(ends[0]) <= _rank(ends[1]) else found.turned()
+    ranks = [(not {"u", "v"} <= set(node.held), node.y, node.x) for node in ends]
+    return column if ranks[0] <= ranks[1] else column.turned()
 
 
-def _rank(node: Node) -> tuple[bool, float, float]:
-    """The end of least rank is the base."""
-    return (not {"u", "v"} <= set(node.held), node.y, node.x)
-
-
-def _check_alike(frame: Frame, members: list[Member]) -> None:
+def _refuse_what_no_column_has(
+    scenario: FrameImpact, members: list[Member], line: Sequence[str], axis: Array
+) -> None:
+    """Raise `OutOfDomainError` for changing sections, loads between the ends, oblique strikes."""
+    frame, striker = scenario.frame, scenario.striker
     kinds = {(m.section, *(getattr(m, key) for key in OVERRIDES)) for m in members}
     if len(kinds) > 1:
         raise OutOfDomainError(
             f"members {', '.join(m.name for m in members)} differ in their sections: a column has "
             "one all along"
         )
-
-
-def _check_inside(frame: Frame, nodes: Sequence[str], struck: str) -> None:
-    for name in nodes:
+    for name in line[1:-1]:
         node = frame.node(name)
         loaded = any(load.node == name for load in frame.loads)
-        if loaded or node.rotary_inertia > 0.0 or (node.mass > 0.0 and name != struck):
+        if loaded or node.rotary_inertia > 0.0 or (node.mass > 0.0 and name != striker.node):
             raise OutOfDomainError(
                 f"node {name} inside the column carries a dead load or a mass of its own: a "
                 "column has them at its head only"
             )
-
-
-def _check_across(scenario: FrameImpact, axis: Array) -> None:
-    along_x = scenario.striker.direction.endswith("x")
-    lengthwise = abs(float(axis[0] if along_x else axis[1]))
+    lengthwise = abs(float(axis[0 if striker.direction.endswith("x") else 1]))
     if lengthwise > OBLIQUE:
         how = "along" if lengthwise > 1.0 - OBLIQUE else "obliquely to"
         raise OutOfDomainError(
-            f"the strike in direction {scenario.striker.direction} is {how} the axis of the "
-            "member: a column is hit across its axis"
+            f"the strike in direction {striker.direction} is {how} the axis of the member: a "
+            "column is hit across its axis"
         )
-
-
-def _check_joints(frame: Frame, members: list[Member], joints: tuple[str, str]) -> None:
-    own = frame.properties(members[0]).strength
-    for name in joints:
-        if frame.joint(name).weaker(own) != own:
-            raise OutOfDomainError(
-                f"joint {name} at the end of the column is weaker than the column, whose hinges "
-                "all have its own strength"
-            )
 
 
 def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: float) -> bool:
@@ -190,24 +175,20 @@ def mass_of_head(rule: str, line: ColumnLine, shape: Array | None) -> float:
     far stiffer along its axis than the beams that hold it, and moves with the head. Deflected
     shape: generalised mass of the frame without the column in the deflection that its spring has.
     """
+    frame = line.frame
     if rule == "none":
         return 0.0
-    if rule != "deflected-shape":
-        nodes = [line.head] if rule == "joint" else _line_above(line)
-        return _mass_of(line.frame, nodes, line.members)
-    if shape is None:
-        raise OutOfDomainError(
-            "head_mass = deflected-shape: without the column nothing resists a movement of its "
-            "head along it, so that there is no such shape; take another rule"
-        )
-    return float(shape @ ElasticFrame(line.frame, line.rest).mass @ shape)
-
-
-def _mass_of(frame: Frame, nodes: list[str], without: tuple[str, ...]) -> float:
-    """Point masses of `nodes` and half a member's mass per end there."""
+    if rule == "deflected-shape":
+        if shape is None:
+            raise OutOfDomainError(
+                "head_mass = deflected-shape: without the column nothing resists a movement of its "
+                "head along it, so that there is no such shape; take another rule"
+            )
+        return float(shape @ ElasticFrame(frame, line.rest).mass @ shape)
+    nodes = [line.head] if rule == "joint" else _line_above(line)
     total = sum(frame.node(name).mass for name in nodes)
     for member in frame.members:
-        if member.name not in without:
+        if member.name not in line.members:
             ends = (member.start in nodes) + (member.end in nodes)
             mass = frame.properties(member).mass_per_length * frame.length(member)
             total += 0.5 * ends * mass

@@ -1,13 +1,9 @@
 """Where models of frames stop applying: dead loads, buckling, plastic shear demand."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
-import numpy as np
-
-from workbench.arrays import Array
 from workbench.frames.collapse_load import member_strength
-from workbench.frames.elastic import ElasticFrame
+from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
 from workbench.responses import Finding
@@ -23,7 +19,6 @@ from workbench.scenarios import (
 BUCKLING_WARNING = 2.0  # critical factor below which second-order effects dominate
 _MUCH_SHARED = 0.08  # of the energy, lost in the first collision with the elements beside it
 _SHARE = 0.1  # of the mass, that may be missing
-HALVES = 2  # of a member: its buckling load is 0.8 % too large with pinned ends, 1.3 % clamped
 
 
 def frame_findings(scenario: FrameScenario) -> list[Finding]:
@@ -57,10 +52,10 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
 
 def _massless_findings(frame: Frame) -> list[Finding]:
     """Warning of dead loads whose mass no node has, so that the ground does not shake it."""
-    own = {node.name: node.mass for node in frame.nodes}
-    missing = sum(max(mass - own[node], 0.0) for node, mass in frame.load_masses.items())
+    masses = {node.name: node.mass for node in frame.nodes}
+    missing = sum(max(mass - masses[node], 0.0) for node, mass in frame.load_masses.items())
     steel = sum(frame.properties(m).mass_per_length * frame.length(m) for m in frame.members)
-    there = steel + sum(own.values())
+    there = steel + sum(masses.values())
     if missing <= _SHARE * there:
         return []
     text = (
@@ -97,26 +92,6 @@ def _dead_load_findings(frame: Frame) -> list[Finding]:
         )
         findings.append(Finding("buckling", text, number=state.factor, instead=()))
     return findings
-
-
-class DeadLoadState(NamedTuple):
-    """Axial forces (members,) in N, tension positive, and the critical factor on the dead loads.
-
-    The factor is infinite without compression, and None for a mechanism.
-    """
-
-    axial: Array
-    factor: float | None
-
-
-def dead_load_state(frame: Frame) -> DeadLoadState:
-    """First-order axial forces and buckling factor under the dead loads of a frame."""
-    elastic = ElasticFrame(frame, springs=False, parts=HALVES)
-    moved = None if elastic.is_mechanism else elastic.displacement(elastic.load(frame.loads))
-    if moved is None:
-        return DeadLoadState(np.zeros(len(frame.members)), None)
-    axial, _ = elastic.end_forces(moved)
-    return DeadLoadState(axial[::2], elastic.buckling_factor(axial))
 
 
 def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Finding]:

@@ -119,9 +119,9 @@ class Record:
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
         slid = () if self._rows["sliding"][0] is None else ("sliding",)
-        told = "axial_force", "moment", "plastic_rotation", *slid
+        names = "axial_force", "moment", "plastic_rotation", *slid
         return {
-            **self.columns(*self.structure.watched, *told),
+            **self.columns(*self.structure.watched, *names),
             "shear_utilisation": self.shear_utilisation(),
             "drift": self.drift if len(self.drift) and not self.structure.is_column else None,
             **self._snapshots.values(),

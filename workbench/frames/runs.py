@@ -9,12 +9,12 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.errors import CollapseError, SolverError
 from workbench.frames.chains import named
+from workbench.frames.collapse_load import sway_collapse, sway_findings
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
+from workbench.frames.elastic import slowest_period
 from workbench.frames.record import Record
 from workbench.frames.shear import SOLID_BOUND, shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
-from workbench.frames.sway import sway_findings, sway_of
-from workbench.frames.timing import slowest_period
 from workbench.responses import Finding, Response, build_response, energy_error
 from workbench.responses.histories import residual_over, still_grows
 from workbench.scenarios import (
@@ -53,7 +53,7 @@ def run_impact(
     node, direction = striker.node, striker.direction
     length = _follow(record, scenario, steps)
     push = record.told(0.0, "impulse")
-    rest, told = _remaining(record, scenario, direction, push)
+    rest, doubts = _remaining(record, scenario, direction, push)
     values = {
         **rest,
         **record.columns("displacement", "velocity", "elastic"),
@@ -65,11 +65,11 @@ def run_impact(
         "contact_loss": record.total("contact_loss"),
         "input_energy": brought,
     }
-    warnings = told + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
+    warnings = doubts + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
     if not structure.is_column:
         key = f"sway {node} {direction}"
         if key not in structure.found:
-            structure.found[key] = sway_of(scenario)
+            structure.found[key] = sway_collapse(scenario)
         warnings += sway_findings(structure.found[key], record.drift)
     time = record.column("at")
     response = _response(record, scenario, values, warnings, time=time, time_step=length)
@@ -161,8 +161,8 @@ def _remaining(
         ended.append(spent)
     shares = zip(ended, OVER, strict=False)
     start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
-    value, told = residual_over(time, moved, start, slow)
-    return {"residual_displacement": value}, told
+    value, doubts = residual_over(time, moved, start, slow)
+    return {"residual_displacement": value}, doubts
 
 
 def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:
@@ -171,8 +171,8 @@ def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) 
         try:
             record.take(taken, taken.time)
         except CollapseError as error:  # members that slid mean little before they fell
-            told = tuple(_shear_reached(record, scenario))
-            raise CollapseError(error.collapse, error.reason, told) from error
+            findings = tuple(_shear_reached(record, scenario))
+            raise CollapseError(error.collapse, error.reason, findings) from error
     return float(record.told(0.0, "length").max())
 
 

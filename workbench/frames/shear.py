@@ -1,4 +1,4 @@
-"""Shear of members: elastic stiffness, plastic demand, and from where on yielding weakens them."""
+"""Sections of members: fibers, elastic shear stiffness; plastic shear demand and its bounds."""
 
 from collections.abc import Collection, Mapping
 from functools import lru_cache
@@ -9,10 +9,24 @@ from workbench.materials import Steel
 from workbench.responses import Finding
 from workbench.scenarios import Frame, FramePulse, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
+from workbench.structures.fibers.laws import LinearHardening
+from workbench.structures.fibers.section import BeamSection
 
 SHEAR_LOSS = 0.05  # of the resistance, by shear yielding
 ROUND_OFF = 1e-9
 SOLID_BOUND = 0.45  # V/Vpl at which a solid square has lost that, study `shear_domain`
+
+
+def fiber_section(frame: Frame, member: Member, layers: int, hardening_ratio: float) -> BeamSection:
+    """Fibers of a member's strength section, rigid in shear, with its material and mass.
+
+    Arguments: `layers` over the depth; kinematic hardening over the elastic modulus.
+    """
+    steel = frame.steel
+    y, area = frame.strength_section(member).fibers(layers)
+    modulus = steel.elastic_modulus
+    law = LinearHardening(modulus, steel.yield_stress, hardening_ratio * modulus)
+    return BeamSection(y, area, law, frame.properties(member).mass_per_length)
 
 
 def shear_stiffness(section: Section, steel: Steel) -> float:
@@ -74,9 +88,9 @@ def _end_moment(frame: Frame, member: Member, at_start: bool) -> float:
     free = not others and "rotation" not in node.held and node.spring_rotation == 0.0
     if joint.rotational_stiffness == 0.0 or free:
         return 0.0
-    own = frame.properties(member).plastic_moment
+    moment = frame.properties(member).plastic_moment
     given = [joint.plastic_moment, joint.plastic_moment_negative]
-    return min(own, max((m for m in given if m is not None), default=own))
+    return min(moment, max((m for m in given if m is not None), default=moment))
 
 
 def shear_findings(

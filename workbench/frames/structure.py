@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, Self, TypeVar, cast
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from workbench.arrays import Array, Indices
 from workbench.scenarios import Frame, Load
 from workbench.scenarios.frame_parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
-from workbench.structures.elements import ElementGroup, MemberElements
+from workbench.structures.elements import ElementGroup
 from workbench.structures.paths import apply_loads
 
 Whole = TypeVar("Whole")
@@ -34,7 +34,7 @@ class MemberReader(ABC):
     each member start.
     """
 
-    def __init__(self, elements: MemberElements, first: Indices) -> None:
+    def __init__(self, elements: ElementGroup, first: Indices) -> None:
         self.elements, self.first = elements, first
         self._ends: Indices = np.stack([first[:-1], first[1:] - 1], axis=1).ravel()
         self._signs: Array = np.resize([-1.0, 1.0], len(self._ends))
@@ -55,7 +55,7 @@ class MemberReader(ABC):
     def reading(self, elements: ElementGroup) -> Self:
         """The same reader of a copy of the elements."""
         other = copy(self)
-        other.elements = cast(MemberElements, elements)
+        other.elements = elements
         return other
 
     @abstractmethod
@@ -148,7 +148,7 @@ class FrameStructure:
         assembly = _again(self.assembly)
         assembly.groups = tuple(map(_again, assembly.groups))
         structure, members = _again(self), _again(self.members)
-        members.elements = cast(MemberElements, assembly.groups[0])
+        members.elements = assembly.groups[0]
         vars(structure).update(assembly=assembly, members=members)
         return structure
 
@@ -172,10 +172,10 @@ class FrameStructure:
         forces, names = np.zeros(self.assembly.size), member_names(self.frame)
         elements, sign = self.members.elements, -1.0 if direction.startswith("-") else 1.0
         for name in members:
-            own = self.members.of_member(names.index(name))
-            for end in elements.nodes[own].T:
+            part = self.members.of_member(names.index(name))
+            for end in elements.nodes[part].T:
                 dofs = self.assembly.dofs(end, COMPONENT[direction.lstrip("+-")])
-                np.add.at(forces, dofs, 0.5 * sign * elements.lengths[own])
+                np.add.at(forces, dofs, 0.5 * sign * elements.lengths[part])
         return forces
 
 

@@ -115,8 +115,8 @@ def _parts(
             counts[number] = multiple * ceil(_NEIGHBOURS / multiple)
     heights = _LONGEST if mass < inf else 0.5 * _LONGEST
     for number, member in struck:
-        height, own = member.section.height, frame.properties(member).mass_per_length
-        longest = min(heights * height, 1.5 * _SHARED * mass / own)
+        height, per_length = member.section.height, frame.properties(member).mass_per_length
+        longest = min(heights * height, 1.5 * _SHARED * mass / per_length)
         pairs = frame.length(member) / max(longest, height) / multiple
         counts[number] = multiple * min(ceil(pairs - 1e-9), _MOST_PARTS // multiple)
     return tuple(counts)
@@ -147,13 +147,13 @@ def cut_members(
     points = [[node.x, node.y] for node in frame.nodes]
     nodes: list[tuple[int, int]] = []
     pieces: list[Piece] = []
-    for member, own in zip(frame.members, parts, strict=True):
-        inner = range(len(points), len(points) + own - 1)
+    for member, count in zip(frame.members, parts, strict=True):
+        inner = range(len(points), len(points) + count - 1)
         line = [number[member.start], *inner, number[member.end]]
         from_, to = np.array(points[line[0]]), np.array(points[line[-1]])
-        points.extend((from_ + (to - from_) * k / own).tolist() for k in range(1, own))
+        points.extend((from_ + (to - from_) * k / count).tolist() for k in range(1, count))
         nodes.extend(pairwise(line))
-        pieces.extend(_piece(frame, member, own, k) for k in range(own))
+        pieces.extend(_piece(frame, member, count, k) for k in range(count))
     return np.array(points), nodes, pieces
 
 
@@ -211,9 +211,9 @@ def joint_surface(member: YieldSurface, joint: Joint) -> YieldSurface:
 
     A joint has no interaction curve of its own: EN 1993-1-8, 6.2.7.1(3) takes a straight line.
     """
-    own = (*member.axial_bounds, *member.moment_bounds)
-    tension, compression, positive, negative = weaker = joint.weaker(own)
-    if weaker == own:
+    bounds = (*member.axial_bounds, *member.moment_bounds)
+    tension, compression, positive, negative = weaker = joint.weaker(bounds)
+    if weaker == bounds:
         return member
     return YieldSurface(
         tension, positive, squash_load_compression=compression, plastic_moment_negative=negative

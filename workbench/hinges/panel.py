@@ -61,30 +61,30 @@ class ShearSurface(Declared, table="shear_surface"):
         area = upright * (shape.height - (2.0 if self.depth == "clear" else 1.0) * flange)
         b, flange = self.section.flange_plates
         clear, between = shape.height - 2.0 * flange, shape.height - flange
-        own = np.zeros(1, panel_kernels.WEB)[0]
-        own["shear"], own["stiffness"] = (
+        web = np.zeros(1, panel_kernels.WEB)[0]
+        web["shear"], web["stiffness"] = (
             area * self.steel.shear_yield_stress,
             area * self.steel.shear_modulus,
         )
-        own["web_axial"], own["web_moment"] = upright * clear * f_y, upright * clear**2 * f_y / 4.0
-        own["flange_axial"], own["flange_moment"] = (
+        web["web_axial"], web["web_moment"] = upright * clear * f_y, upright * clear**2 * f_y / 4.0
+        web["flange_axial"], web["flange_moment"] = (
             2.0 * b * flange * f_y,
             b * flange * between * f_y,
         )
-        own["half_web"], own["half_height"] = clear / 2.0, shape.height / 2.0
-        own["flanges"] = 2.0 * b * f_y
-        return own
+        web["half_web"], web["half_height"] = clear / 2.0, shape.height / 2.0
+        web["flanges"] = 2.0 * b * f_y
+        return web
 
     def _solid(self, shape: Rectangle) -> Any:
         """The record of a solid rectangle: all web, 5/6 of it stiff in shear."""
         area, f_y = shape.height * shape.width, self.steel.yield_stress
-        own = np.zeros(1, panel_kernels.WEB)[0]
-        own["shear"] = area * self.steel.shear_yield_stress
-        own["stiffness"] = 5.0 / 6.0 * area * self.steel.shear_modulus
-        own["web_axial"], own["web_moment"] = area * f_y, area * shape.height * f_y / 4.0
-        own["half_web"] = own["half_height"] = shape.height / 2.0
-        own["solid"] = True
-        return own
+        web = np.zeros(1, panel_kernels.WEB)[0]
+        web["shear"] = area * self.steel.shear_yield_stress
+        web["stiffness"] = 5.0 / 6.0 * area * self.steel.shear_modulus
+        web["web_axial"], web["web_moment"] = area * f_y, area * shape.height * f_y / 4.0
+        web["half_web"] = web["half_height"] = shape.height / 2.0
+        web["solid"] = True
+        return web
 
     @property
     def shear_resistance(self) -> float:
@@ -134,11 +134,11 @@ class ShearSurface(Declared, table="shear_surface"):
 
     def moment_capacity(self, axial_force: ArrayLike, shear_force: ArrayLike) -> Array:
         """M_c (N m) beside axial and shear forces (N) of any shapes that fit; NaN outside."""
-        own = self.record
-        n, v = np.broadcast_arrays(np.abs(axial_force), np.abs(shear_force) / own["shear"])
+        web = self.record
+        n, v = np.broadcast_arrays(np.abs(axial_force), np.abs(shear_force) / web["shear"])
         rho = np.sqrt(np.maximum(1.0 - v**2, 0.0))
-        found = np.empty(n.shape)
+        moments = np.empty(n.shape)
         for i in np.ndindex(n.shape):
-            found[i] = panel_kernels.moment_capacity(own, n[i], rho[i])[0]
-        inside = (v <= 1.0) & (n <= own["flange_axial"] + rho * own["web_axial"])
-        return np.where(inside, found, np.nan)
+            moments[i] = panel_kernels.moment_capacity(web, n[i], rho[i])[0]
+        inside = (v <= 1.0) & (n <= web["flange_axial"] + rho * web["web_axial"])
+        return np.where(inside, moments, np.nan)

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
+from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
 from workbench.frames.findings import hit_mass_findings
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.frames.structure import FrameStructure, stand_frame
@@ -18,7 +19,6 @@ from workbench.frames.superelements import (
     joint_inertias,
     struck_parts,
 )
-from workbench.frames.timing import Spans, spans_to, time_to_peak, wave_times
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
@@ -75,13 +75,13 @@ class BarFrames(FrameModel):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, and too few elements under a striker or a line load."""
-        told = as_frame(scenario)
-        parts = self.parts(told)
-        findings = super().domain(scenario) + hit_mass_findings(told, parts)
-        if not isinstance(told, FramePulse) or not told.members:
+        event = as_frame(scenario)
+        parts = self.parts(event)
+        findings = super().domain(scenario) + hit_mass_findings(event, parts)
+        if not isinstance(event, FramePulse) or not event.members:
             return findings
-        names = [member.name for member in told.frame.members]
-        fewest = min(parts[names.index(name)] for name in told.members)
+        names = [member.name for member in event.frame.members]
+        fewest = min(parts[names.index(name)] for name in event.members)
         if fewest < FEWEST_LOADED:
             text = (
                 "a line load acts at the ends of elements, half of what stands on each: with "

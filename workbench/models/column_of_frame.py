@@ -167,20 +167,20 @@ def _as_bars(
 
 def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     """The frame of the derived column, its spring a light bar from the head to the ground."""
-    told = frame_scenario(estimate.column)
-    assert isinstance(told, FrameImpact)
-    column, frame = estimate.column.column, told.frame
+    event = frame_scenario(estimate.column)
+    assert isinstance(event, FrameImpact)
+    column, frame = estimate.column.column, event.frame
     stiffness = column.restraint_stiffness
     extra = estimate.hit_mass
     nodes = [replace(n, mass=extra) if n.name == "hit" else n for n in frame.nodes]
     if stiffness == 0.0 or column.head == "fixed":
-        return replace(told, frame=replace(frame, nodes=tuple(nodes)))
+        return replace(event, frame=replace(frame, nodes=tuple(nodes)))
     modulus = frame.steel.elastic_modulus
     length = float(np.clip(BAR_AREA * modulus / stiffness, SHORTEST, LONGEST))
     # an axial wave takes as long along the bar as along the shorter segment
-    own = column.properties
-    wave = own.mass_per_length * min(column.length_below, column.length_above) ** 2
-    mass = stiffness * wave / (modulus * own.area * length)
+    properties = column.properties
+    wave = properties.mass_per_length * min(column.length_below, column.length_above) ** 2
+    mass = stiffness * wave / (modulus * properties.area * length)
     largest = OVERRIDES["squash_load"].high
     try:
         bar = Member(
@@ -199,4 +199,4 @@ def _with_bar(estimate: ColumnEstimate, limit: float | None) -> FrameImpact:
     nodes = [replace(n, spring_y=0.0) if n.name == "head" else n for n in nodes]
     nodes.append(Node(ANCHOR, 0.0, column.length + length, support="clamped"))
     members = (*frame.members, bar)
-    return replace(told, frame=replace(frame, nodes=tuple(nodes), members=members))
+    return replace(event, frame=replace(frame, nodes=tuple(nodes), members=members))

@@ -95,19 +95,19 @@ def _secants(
     A = np.zeros((4, 4))  # M_base, M_hit, M_head, slope at the hit point; over the rotations
     turned = np.zeros((4, 2))  # by v = 1, and by a line load of 1 N/m
     for bar, (length, clamped) in enumerate(bars):
-        own, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
+        columns, rows = [2 * bar, 1], (2 * bar, 2 * bar + 1)  # moments of the bar, its rotations
         one, two = bar_functions(load * length**2 / bending)
         shear = 1.0 / (shear_stiffness * length)
         one, two = one * length / bending + shear, shear - two * length / bending
-        A[rows[0], own] = one, two
-        A[rows[1], own] = two, one
+        A[rows[0], columns] = one, two
+        A[rows[1], columns] = two, one
         A[rows[1], 3] = 1.0 if bar == 0 else -1.0
         turned[rows, 0] = 1.0 / length
         sagged = line_function(load * length**2 / bending) * length**3 / bending
         turned[rows, 1] = sagged, -sagged
         if not clamped:
             A[rows[0]] = 0.0
-            A[rows[0], own[0]] = 1.0
+            A[rows[0], columns[0]] = 1.0
             turned[rows[0]] = 0.0
     by_v, by_line = np.linalg.solve(A, turned).T
     if line:  # its half at the hit point does the work of the moments and of the axial load

@@ -11,13 +11,13 @@ from typing import ClassVar
 
 from workbench.arrays import Array
 from workbench.fields import Number, checked
-from workbench.frames.fibers import fiber_section
+from workbench.frames.shear import fiber_section
 from workbench.frames.superelements import Piece
 from workbench.hinges.interaction import polyline
 from workbench.models.bar_frames import Cut
 from workbench.models.hinged_frames import BarHinges
 from workbench.scenarios import Frame
-from workbench.structures.bars import Bar, BarElements, FiberBars, Rule, hinge_rule, lobatto_rule
+from workbench.structures.bars import Bar, BarElements, Rule, fiber_bars, hinge_rule, lobatto_rule
 
 COMMON = (
     "Plane sections, elastic-perfectly plastic fibers; bending moments exactly linear between the "
@@ -59,13 +59,13 @@ class ForceBased(BarHinges):
             fiber_section(frame, piece.member, self.layers, self.hardening_ratio)
             for piece in cut[2]
         ]
-        own = []
+        elastic = []
         for bar, section in zip(bars, sections, strict=True):
             axial = float(section.law.elastic_modulus * section.area.sum())
             bending = axial * section.radius_squared
-            own.append(replace(bar, axial_stiffness=axial, bending_stiffness=bending))
+            elastic.append(replace(bar, axial_stiffness=axial, bending_stiffness=bending))
         rules = [self.rule(piece) for piece in cut[2]]
-        return FiberBars(cut[1], own, rules, sections, self.first_order)
+        return fiber_bars(cut[1], elastic, rules, sections, self.first_order)
 
 
 @dataclass(frozen=True)

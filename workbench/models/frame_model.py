@@ -15,10 +15,10 @@ from threadpoolctl import ThreadpoolController
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError, SolverError
 from workbench.fields import Declared
+from workbench.frames.elastic import Spans
 from workbench.frames.record import Record
 from workbench.frames.runs import OPEN_LEDGER, run_driven, run_impact, run_static
 from workbench.frames.structure import FrameStructure
-from workbench.frames.timing import Spans
 from workbench.models.base import respond
 from workbench.models.domain import member_findings
 from workbench.responses import Finding, Response, findings_of, set_findings
@@ -75,8 +75,8 @@ def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
         return scenario
     if "frame" not in scenario.kept:
         scenario.kept["frame"] = frame_scenario(scenario)
-    told: FrameScenario = scenario.kept["frame"]
-    return told
+    event: FrameScenario = scenario.kept["frame"]
+    return event
 
 
 def as_column(structure: FrameStructure) -> FrameStructure:
@@ -169,7 +169,7 @@ class FrameModel(ABC, Declared, table="option"):
         response = respond(self, scenario, self.solve)
         if isinstance(scenario, FrameImpact) and "shear_utilisation" in response:
             settled, known = self.settled(scenario, response), findings_of(response)
-            left = [found for found in known if found.subject not in settled]
+            left = [finding for finding in known if finding.subject not in settled]
             if len(left) < len(known):
                 set_findings(response, left)
         return response

@@ -16,9 +16,8 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.fibers import fiber_section, spread_of_yield
-from workbench.frames.findings import dead_load_state
-from workbench.frames.shear import shear_demand, shear_stiffness
+from workbench.frames.elastic import dead_load_state
+from workbench.frames.shear import fiber_section, shear_demand, shear_stiffness
 from workbench.frames.structure import FrameStructure
 from workbench.frames.superelements import Piece, cut_members, joint_surface, series
 from workbench.hinges import YieldSurface
@@ -38,10 +37,11 @@ from workbench.structures.bars import (
     NO_INTERACTION,
     Bar,
     BarElements,
-    HingedBars,
     PlasticEnd,
-    RefinedBars,
+    hinged_bars,
+    refined_bars,
 )
+from workbench.structures.fibers.section import spread_of_yield
 
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
 FIRST = ("plastic-hinge",)
@@ -64,20 +64,20 @@ class BarHinges(BarFrames):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, and of events that a model is not made for."""
-        told, said = as_frame(scenario), []
-        if isinstance(told, FrameImpact) and not self.stretches:
-            reach = catenary_reach(told)
+        event, findings = as_frame(scenario), []
+        if isinstance(event, FrameImpact) and not self.stretches:
+            reach = catenary_reach(event)
             if reach > CATENARY:
                 text = (
                     f"the hit bends the struck member by up to {reach:.2g} Mp/Npl, into catenary "
                     "action, in which hinges elongate as they turn, and do not in this model"
                 )
-                said.append(Finding("catenary", text, number=reach, instead=FIRST))
+                findings.append(Finding("catenary", text, number=reach, instead=FIRST))
         if self.loses_moment:
-            said += axial_findings(told.frame, self.loses_moment)
-        if self.in_cycles and _reverses(told):
-            said.append(Finding("cycles", self.in_cycles, instead=FIRST))
-        return super().domain(scenario) + said
+            findings += axial_findings(event.frame, self.loses_moment)
+        if self.in_cycles and _reverses(event):
+            findings.append(Finding("cycles", self.in_cycles, instead=FIRST))
+        return super().domain(scenario) + findings
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
         """Also catenary action, which joints that give way may have kept from any member."""
@@ -98,8 +98,8 @@ class BarHinges(BarFrames):
 
     def structure(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
-        told = as_frame(scenario)
-        frame, parts = told.frame, self.parts(told)
+        event = as_frame(scenario)
+        frame, parts = event.frame, self.parts(event)
         cut = cut_members(frame, parts)
         group = self.group(frame, cut, [self._bar(frame, piece) for piece in cut[2]])
         return self.stand(frame, cut, group, parts)
@@ -120,12 +120,12 @@ class BarHinges(BarFrames):
 
     def _end(self, frame: Frame, piece: Piece, side: int) -> PlasticEnd:
         properties, joint = frame.properties(piece.member), piece.joints[side]
-        own = YieldSurface(properties.squash_load, properties.plastic_moment)
-        weaker = joint_surface(own, joint)
+        surface = YieldSurface(properties.squash_load, properties.plastic_moment)
+        weaker = joint_surface(surface, joint)
         return PlasticEnd(
             weaker.axial_bounds,
             weaker.moment_bounds,
-            self.curve(frame, piece, weaker != own),
+            self.curve(frame, piece, weaker != surface),
             series(joint.rotational_stiffness),
             self.hardening(piece),
         )
@@ -140,7 +140,7 @@ class BarHinges(BarFrames):
 
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
-        return HingedBars(cut[1], bars, self.regularisation, self.first_order)
+        return hinged_bars(cut[1], bars, self.regularisation, self.first_order)
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ class RefinedPlasticHinge(BarHinges):
     def group(self, frame: Frame, cut: Cut, bars: list[Bar]) -> BarElements:
         """The elements."""
         reduction = IMPERFECT if self.imperfect else 1.0
-        return RefinedBars(cut[1], bars, reduction, self.regularisation, self.first_order)
+        return refined_bars(cut[1], bars, reduction, self.regularisation, self.first_order)
 
 
 def _reverses(scenario: FrameScenario) -> bool:
@@ -298,8 +298,12 @@ def catenary_reach(scenario: FrameImpact) -> float:
     frame, demand = scenario.frame, shear_demand(scenario)
     struck = [m for m in frame.members if scenario.striker.node in (m.start, m.end)]
     force = sum(demand[m.name] * frame.properties(m).shear_resistance for m in struck)
-    own = frame.properties(struck[0])
-    return scenario.input_energy * own.squash_load / max(force * own.plastic_moment, 1e-300)
+    properties = frame.properties(struck[0])
+    return (
+        scenario.input_energy
+        * properties.squash_load
+        / max(force * properties.plastic_moment, 1e-300)
+    )
 
 
 def axial_findings(frame: Frame, effect: str) -> list[Finding]:

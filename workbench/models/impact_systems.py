@@ -15,8 +15,8 @@ from workbench.scenarios import Column
 from workbench.sections import find
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.fibers import BeamSection
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import LinearHardening
 
 _MOVING = np.array([V, U1, U2])
 

@@ -21,6 +21,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
+from workbench.frames.elastic import wave_times
 from workbench.frames.runs import run_impact
 from workbench.frames.shear import shear_findings
 from workbench.frames.struck import StruckRecord
@@ -34,7 +35,6 @@ from workbench.frames.superelements import (
     joint_surface,
     series,
 )
-from workbench.frames.timing import wave_times
 from workbench.hinges import ShearSurface, YieldSurface, has_webs
 from workbench.impact.pace import NEARLY, Pace, late_peak
 from workbench.materials import Steel
@@ -108,9 +108,9 @@ class _HingedBars(BarFrames):
 
     def _standing(self, scenario: FrameScenario | ColumnScenario) -> FrameStructure:
         """The same, kept for many runs."""
-        told = as_frame(scenario)
-        parts = tuple(self.parts(told))
-        return _standing(self, told.frame, parts, isinstance(scenario, COLUMNS))
+        event = as_frame(scenario)
+        parts = tuple(self.parts(event))
+        return _standing(self, event.frame, parts, isinstance(scenario, COLUMNS))
 
     def solve(self, scenario: FrameScenario | ColumnScenario) -> Response:
         """As all; compiled steps leave the kept structure as it is, and need no libraries."""
@@ -145,12 +145,12 @@ class _HingedBars(BarFrames):
 
     def domain(self, scenario: FrameScenario | ColumnScenario) -> list[Finding]:
         """Findings of all member models, of shear only where members are rigid in it."""
-        told = as_frame(scenario)
-        findings, (rigid, of_webs) = super().domain(scenario), _about_webs(self, told.frame)
-        if len(rigid) < len(told.frame.members):
-            known = ("shear", DIRECT_SHEAR if getattr(told, "members", ()) else "")
+        event = as_frame(scenario)
+        findings, (rigid, of_webs) = super().domain(scenario), _about_webs(self, event.frame)
+        if len(rigid) < len(event.frame.members):
+            known = ("shear", DIRECT_SHEAR if getattr(event, "members", ()) else "")
             findings = [finding for finding in findings if finding.subject not in known]
-            findings += shear_findings(told, rigid) if rigid else []
+            findings += shear_findings(event, rigid) if rigid else []
         return findings + of_webs
 
     def about_webs(self, frame: Frame) -> tuple[set[str], list[Finding]]:
@@ -164,8 +164,10 @@ class _HingedBars(BarFrames):
         alike: dict[tuple[ShearSurface, float, float], list[str]] = {}
         for name, web in webs.items():
             if web is not None:
-                own = frame.properties(name)
-                alike.setdefault((web, own.plastic_moment, own.squash_load), []).append(name)
+                properties = frame.properties(name)
+                alike.setdefault(
+                    (web, properties.plastic_moment, properties.squash_load), []
+                ).append(name)
         for (web, *_), names in alike.items():
             more = f" (and {len(names) - 1} alike)" if len(names) > 1 else ""
             findings += panel_findings(web, frame.properties(names[0]), f"member {names[0]}{more}")
@@ -198,15 +200,15 @@ class _HingedBars(BarFrames):
         dof, sign = structure.dof(striker.node, striker.direction)
         calm = before = 0.0
         while True:
-            own = structure.seen()
-            record = StruckRecord(own, striker.node, striker.direction, scenario.duration)
+            view = structure.seen()
+            record = StruckRecord(view, striker.node, striker.direction, scenario.duration)
             steps = clock.timed(
-                follow_impact(own.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
+                follow_impact(view.assembly, dof, mass, pace, record.limits, sign=sign, calm=calm)
             )
             error, least = self.largest_error, self.least_yield_ratio
             response = run_impact(scenario, record, steps, error, least)
-            told = [response.variables[name].values for name in _SEEN]
-            late, highest = late_peak(pace, calm, *told), float(told[1].max())
+            histories = [response.variables[name].values for name in _SEEN]
+            late, highest = late_peak(pace, calm, *histories), float(histories[1].max())
             gone = highest < NEARLY * before  # what small steps looked for: it may come yet later
             if calm >= pace.duration or not (late or gone):
                 return response

@@ -14,19 +14,20 @@ import numpy as np
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
 from workbench.frames.chains import named
+from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.frames.structure import FrameStructure, stand_frame
-from workbench.frames.timing import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.materials import Steel
 from workbench.models.base import respond
 from workbench.models.frame_model import FrameModel, as_frame
 from workbench.references.fiber_mesh import (
+    FiberMembers,
     FrameMesh,
     MeshRule,
+    joint_springs,
     member_lengths,
     mesh_findings,
     mesh_frame,
 )
-from workbench.references.members import FiberMembers, joint_springs
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
 from workbench.responses import Finding, Response
 from workbench.scenarios import (
@@ -102,17 +103,17 @@ class FiberReference(FrameModel):
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all member models, and what fibers or mesh do not follow."""
-        told = as_frame(scenario)
+        event = as_frame(scenario)
         followed = ("buckling", "shear") if self.shear_yields else ("buckling",)
         return [
             *(f for f in super().domain(scenario) if f.refusal or f.subject not in followed),
-            *joint_findings(told.frame),
+            *joint_findings(event.frame),
             *override_findings(
-                told.frame,
+                event.frame,
                 partial(fiber_values, layers=self.layers),
                 "fibers come from the section alone and leave overrides out",
             ),
-            *mesh_findings(told, self.lengths(told), self.sampled),
+            *mesh_findings(event, self.lengths(event), self.sampled),
         ]
 
     def simulate(self, scenario: Scenario) -> Response:
@@ -121,23 +122,27 @@ class FiberReference(FrameModel):
 
     def lengths(self, scenario: ColumnScenario | FrameScenario) -> list[Array]:
         """Element lengths (m) of every member; of a column below and above the hit point."""
-        told = as_frame(scenario)
+        event = as_frame(scenario)
         return member_lengths(
-            told, self.mesh_rule(told), self.smallest_element, self.largest_element, self.refinement
+            event,
+            self.mesh_rule(event),
+            self.smallest_element,
+            self.largest_element,
+            self.refinement,
         )
 
     def time_spans(self, scenario: ColumnImpact | FrameImpact) -> Spans:
         """End times and time steps (s) of the parts of the record, refinement applied."""
-        told = as_frame(scenario)
-        assert isinstance(told, FrameImpact)
+        event = as_frame(scenario)
+        assert isinstance(event, FrameImpact)
         share = 0.5**self.halvings
         if self.time_step is not None:
-            return [(told.duration, self.time_step * share)]
-        waves = line_wave_times(told.frame)
+            return [(event.duration, self.time_step * share)]
+        waves = line_wave_times(event.frame)
         wave_steps = WAVE_STEPS if len(waves) > 1 else LONE_STEPS
-        coarsest = min(self.longer * max(waves) / wave_steps, told.duration / LEAST_STEPS)
-        peak = time_to_peak(told, shear_flexible=True)
-        return spans_to(peak, told.duration, self.longer * peak / PEAK_STEPS, coarsest, share)
+        coarsest = min(self.longer * max(waves) / wave_steps, event.duration / LEAST_STEPS)
+        peak = time_to_peak(event, shear_flexible=True)
+        return spans_to(peak, event.duration, self.longer * peak / PEAK_STEPS, coarsest, share)
 
     def structure(self, scenario: ColumnScenario | FrameScenario) -> FrameStructure:
         """The frame, or the column as one, under its dead loads. Raises `SolverError`."""
@@ -209,14 +214,14 @@ def override_findings(
     """
     differing: dict[str, list[str]] = {}  # what is said, and of which members
     for member in frame.members:
-        for key, own in values(frame.strength_section(member), frame.steel).items():
+        for key, value in values(frame.strength_section(member), frame.steel).items():
             given = getattr(member, key)
-            if given is not None and abs(given / own - 1.0) > SAME:
-                differing.setdefault(f"{key} = {given:.5g} against {own:.5g}", []).append(
+            if given is not None and abs(given / value - 1.0) > SAME:
+                differing.setdefault(f"{key} = {given:.5g} against {value:.5g}", []).append(
                     member.name
                 )
     if not differing:
         return []
-    told = [f"{said} ({named(names)})" for said, names in differing.items()]
-    more = f" and {len(told) - 4} more" if len(told) > 4 else ""
-    return [Finding("section", f"{text}: {', '.join(told[:4])}{more}")]
+    texts = [f"{difference} ({named(names)})" for difference, names in differing.items()]
+    more = f" and {len(texts) - 4} more" if len(texts) > 4 else ""
+    return [Finding("section", f"{text}: {', '.join(texts[:4])}{more}")]

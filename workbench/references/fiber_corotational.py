@@ -12,16 +12,15 @@ from typing import ClassVar
 
 from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames.fibers import fiber_section
-from workbench.frames.shear import shear_stiffness
+from workbench.frames.shear import fiber_section, shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
 from workbench.references.refine import COARSEST, REFINEMENT, refined
 from workbench.responses import Finding, Outcome, Response, findings_of, outcome_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
-from workbench.structures.fiber_beams import FiberBeams, lobatto_points, radau_rule
 from workbench.structures.fibers import BeamSection
+from workbench.structures.fibers.beams import FiberBeams, lobatto_points, radau_rule
 
 _RETRIES = 2  # meshes of twice the element size each, after one that crumples
 INTERPOLATED, BALANCED, LOBATTO = ELEMENTS = ("interpolated", "balanced", "lobatto")

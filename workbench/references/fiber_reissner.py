@@ -25,8 +25,8 @@ from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.sections.shapes import ISection
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers
-from workbench.structures.reissner_beams import ReissnerBeams
-from workbench.structures.uniaxial import (
+from workbench.structures.fibers.beams import ReissnerBeams
+from workbench.structures.fibers.laws import (
     MILD_STEEL,
     CowperSymonds,
     LinearHardening,

@@ -13,7 +13,7 @@ from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
 from workbench.responses import Finding
 from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
-from workbench.structures.uniaxial import ShearYielding
+from workbench.structures.fibers.laws import ShearYielding
 
 
 @dataclass(frozen=True)

@@ -234,8 +234,8 @@ class _Refinement:
         if doubts:
             self.statements += [f"{name} cannot be relied on, {f.subject}: {f}" for f in doubts]
             return False
-        sizes = [each.attrs.get("smallest_element") for each in (run, finer) if each is not None]
-        if len(sizes) == 2 and None not in sizes and sizes[0] < LEAST_COARSENING * sizes[1]:
+        fine = 0.0 if finer is None else finer.attrs.get("smallest_element", 0.0)
+        if run.attrs.get("smallest_element", np.inf) < LEAST_COARSENING * fine:
             self.statements.append(f"{name} has no larger elements: there is no coarser mesh")
             return False
         self.runs[name] = run

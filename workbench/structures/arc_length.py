@@ -7,15 +7,14 @@ Rheinboldt 1981), which has a line search.
 """
 
 from collections.abc import Iterator
-from math import inf, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.equilibrium import DisplacementControl, free_pattern
+from workbench.structures.equilibrium import DisplacementControl, Structure, free_pattern
 from workbench.structures.paths import LARGEST_GAP, Course, PathStep
 
 ITERATIONS = 15
@@ -24,7 +23,9 @@ WANTED_ITERATIONS = 8.0  # the radius adapts so that a step takes about this man
 WANTED_GAP = 1e-3  # and so that its trapezoidal work is about as exact as this
 
 
-class _Found(NamedTuple):
+class _Trial(NamedTuple):
+    """A state of the path that is not yet committed: change of displacements, load factor."""
+
     change: Array
     factor: float
     iterations: int
@@ -35,23 +36,24 @@ class _Found(NamedTuple):
 class _Arc:
     """Steps of a given length along the path of a course, with a radius that adapts."""
 
-    def __init__(
-        self, course: Course, radius: float, largest: float, tolerance: float, most_cuts: int
-    ) -> None:
-        self.course, self.radius, self.largest = course, radius, largest
-        self.tolerance, self.most_cuts = tolerance, most_cuts
+    def __init__(self, course: Course, increment: float, tolerance: float, most_cuts: int) -> None:
+        self.course, self.tolerance, self.most_cuts = course, tolerance, most_cuts
         self.translations = np.tile([1.0, 1.0, 0.0], course.assembly.size // 3)
         self.translations[course.assembly.held] = 0.0
         self.last: Array = np.zeros(course.assembly.size)
-        self.cuts = 0
-        self._in_a_row = 0
+        self.cuts = self._in_a_row = 0
         self._gained: float | None = None
+        tangent = self._tangent()
+        if tangent[course.dof] == 0.0 or self._length(tangent) == 0.0:
+            allowed = "does not move under the pattern"
+            raise InputError("dof", course.dof, allowed, "watch another dof")
+        self.radius = self.largest = self._length(tangent) * abs(increment / tangent[course.dof])
 
-    def length(self, change: Array) -> float:
+    def _length(self, change: Array) -> float:
         """Length of the translations of a change of displacements."""
         return float(np.linalg.norm(change * self.translations))
 
-    def tangent(self) -> Array:
+    def _tangent(self) -> Array:
         """Change of displacements (dofs,) per load factor at the committed state."""
         assembly = self.course.assembly
         assembly.assemble(assembly.displacement, None)
@@ -62,41 +64,39 @@ class _Arc:
             raise SolverError(where, np.inf, "the tangent is singular")
         return tangent
 
-    def find(self) -> _Found:
-        """The next state of the path at the distance of the radius, not yet committed."""
-        change, more = self._ahead()
-        factor = self.course.factor + more
-        found = self._correct(change, factor)
-        self.course.evaluations += found.iterations
-        if not found.converged:
-            found = self._lead(change, factor)
-        onward = float((found.change * self.translations) @ change) > 0.0
-        return found._replace(converged=found.converged and onward)
+    def trial(self) -> _Trial:
+        """The next state of the path at the distance of the radius.
 
-    def _ahead(self) -> tuple[Array, float]:
-        """A first guess of the change: that of the last step; the tangent if that has failed.
-
-        The tangent of a committed state that is about to yield on is the elastic one.
+        Iterations start from the change of the last step, or from the tangent if that has failed:
+        the tangent of a committed state that is about to yield on is the elastic one.
         """
         if self._in_a_row == 0 and self._gained is not None:
-            share = self.radius / self.length(self.last)
-            return share * self.last, share * self._gained
-        tangent = self.tangent()
-        forward = float((self.last * self.translations) @ tangent)
-        more = (1.0 if forward >= 0.0 else -1.0) * self.radius / self.length(tangent)
-        return more * tangent, more
+            share = self.radius / self._length(self.last)
+            change, more = share * self.last, share * self._gained
+        else:
+            tangent = self._tangent()
+            forward = float((self.last * self.translations) @ tangent)
+            more = (1.0 if forward >= 0.0 else -1.0) * self.radius / self._length(tangent)
+            change = more * tangent
+        factor = self.course.factor + more
+        trial = self._on_cylinder(change, factor)
+        self.course.evaluations += trial.iterations
+        if not trial.converged:
+            trial = self._led(change, factor)
+        onward = float((trial.change * self.translations) @ change) > 0.0
+        return trial._replace(converged=trial.converged and onward)
 
-    def commit(self, found: _Found) -> bool:
-        """Commit what has been found and adapt the radius; whether that was possible."""
-        residual = found.residual
-        if found.converged:
-            end = self.course.assembly.displacement + found.change
-            gained = found.factor - self.course.factor
-            gap = self.course.commit(end, found.factor, LARGEST_GAP)
+    def commit(self, trial: _Trial) -> bool:
+        """Commit a trial and adapt the radius; whether that was possible."""
+        residual = trial.residual
+        if trial.converged:
+            end = self.course.assembly.displacement + trial.change
+            gained = trial.factor - self.course.factor
+            gap = self.course.commit(end, trial.factor, LARGEST_GAP)
             if gap <= LARGEST_GAP:
-                self.last, self._gained, self._in_a_row = found.change, gained, 0
+                self.last, self._gained, self._in_a_row = trial.change, gained, 0
                 gap = max(gap, 0.1 * WANTED_GAP)
-                growth = sqrt(min(WANTED_ITERATIONS / found.iterations, WANTED_GAP / gap))
+                growth = sqrt(min(WANTED_ITERATIONS / trial.iterations, WANTED_GAP / gap))
                 self.radius = min(min(max(growth, 0.5), 1.5) * self.radius, self.largest)
                 return True
             residual = gap / LARGEST_GAP
@@ -113,7 +113,8 @@ class _Arc:
         cuts, self.cuts = self.cuts, 0
         return self.course.record(cuts)
 
-    def _correct(self, change: Array, factor: float) -> _Found:
+    def _on_cylinder(self, change: Array, factor: float) -> _Trial:
+        """Newton's method with the length of the change at the radius."""
         assembly, pattern = self.course.assembly, self.course.pattern
         start, held = assembly.displacement, assembly.held
         allowed = residual = np.inf
@@ -125,19 +126,25 @@ class _Arc:
                 allowed = assembly.allowed_residual(self.tolerance, start + change, error)
             residual = float(np.max(np.abs(error))) / allowed
             if residual <= 1.0:
-                return _Found(change, factor, iteration, True, residual)
+                return _Trial(change, factor, iteration, True, residual)
             pair = assembly.solve(np.stack([error, pattern], axis=1))
             if pair is None:
                 break
+            # |W (change + free + d tangent)| = radius, W the translations, for d
             free, tangent = pair[:, 0], pair[:, 1]
-            more = self._root(change, free, tangent)
-            if more is None:
+            base, t = (change + free) * self.translations, tangent * self.translations
+            a, b, c = float(t @ t), float(base @ t), float(base @ base) - self.radius**2
+            discriminant = b * b - a * c
+            if not (discriminant >= 0.0 and a > 0.0):
                 break
+            # of the two roots the forward one has the larger inner product with the last increment
+            side = 1.0 if float((change * self.translations) @ t) >= 0.0 else -1.0
+            more = (-b + side * sqrt(discriminant)) / a
             change = change + free + more * tangent
             factor += more
-        return _Found(change, factor, ITERATIONS, False, residual)
+        return _Trial(change, factor, ITERATIONS, False, residual)
 
-    def _lead(self, change: Array, factor: float) -> _Found:
+    def _led(self, change: Array, factor: float) -> _Trial:
         """Keep the translation that moves most where it is, with a line search for the others."""
         assembly = self.course.assembly
         dof = int(np.argmax(np.abs(change * self.translations)))
@@ -145,30 +152,12 @@ class _Arc:
         solution, reached = control.solve(assembly.displacement + change, factor)
         self.course.evaluations += solution.evaluations
         moved = solution.x - assembly.displacement
-        found = solution.converged and self.length(moved) <= FARTHEST * self.radius
-        return _Found(moved, reached, solution.evaluations, found, solution.residual)
-
-    def _root(self, change: Array, free: Array, tangent: Array) -> float | None:
-        """Factor increment that puts the new increment back on the cylinder, on the forward side.
-
-        Solves |W (change + free + d tangent)| = radius for d, W the translations; of the two roots
-        the one whose increment points more into the direction of `change`. None without a real one.
-        """
-        base = (change + free) * self.translations
-        t = tangent * self.translations
-        a = float(t @ t)
-        b = float(base @ t)
-        c = float(base @ base) - self.radius**2
-        discriminant = b * b - a * c
-        if not (discriminant >= 0.0 and a > 0.0):
-            return None
-        # of the two roots the forward one has the larger inner product with the last increment
-        side = 1.0 if float((change * self.translations) @ t) >= 0.0 else -1.0
-        return (-b + side * sqrt(discriminant)) / a
+        converged = solution.converged and self._length(moved) <= FARTHEST * self.radius
+        return _Trial(moved, reached, solution.evaluations, converged, solution.residual)
 
 
 def follow_arc(
-    assembly: PlanarAssembly,
+    assembly: Structure,
     pattern: Array,
     dof: int,
     sign: float,
@@ -180,11 +169,10 @@ def follow_arc(
 ) -> Iterator[PathStep]:
     """Arc length beside dead loads, until the displacement of `dof` reaches `target`.
 
-    Arguments: `assembly` under its dead loads; `pattern` (dofs,) in N and N m; watched `dof` and
-    the `sign` of its direction; `target` displacement along it from where it is now (m or rad);
-    `increment`, displacement of the dof in the first step along the tangent, whose length bounds
-    that of all steps; at most `most_steps`; `tolerance` of the residual over the largest force;
-    `most_cuts`, how often the radius may be halved in a row.
+    Arguments as of `follow_displacement`, except that `dof` is watched; `target` displacement along
+    it from where it is now (m or rad); `increment`, displacement of the dof in the first step along
+    the tangent, whose length bounds that of all steps; at most `most_steps`; `most_cuts`, how often
+    the radius may be halved in a row.
     Yields a `PathStep` after each commit; the last one is at `target`. Raises `SolverError`.
     """
     if not (np.isfinite(target) and target != 0.0):
@@ -192,32 +180,27 @@ def follow_arc(
     if not increment > 0.0:
         raise InputError("increment", increment, "must be positive")
     course = Course(assembly, free_pattern(assembly, pattern), dof, sign)
-    arc = _Arc(course, increment, inf, tolerance, most_cuts)
-    control = course.control(dof, tolerance)
-    tangent = arc.tangent()
-    if tangent[dof] == 0.0 or arc.length(tangent) == 0.0:
-        raise InputError("dof", dof, "does not move under the pattern", "watch another dof")
-    arc.radius = arc.largest = arc.length(tangent) * abs(increment / tangent[dof])
+    arc, control = _Arc(course, increment, tolerance, most_cuts), course.control(dof, tolerance)
     for _ in range(most_steps):
         while True:
-            found = arc.find()
+            trial = arc.trial()
             ahead = course.origin + sign * target - course.at
-            passed = found.converged and found.change[dof] * ahead >= ahead**2
-            if passed and _land(course, control, found, ahead):
+            passed = trial.converged and trial.change[dof] * ahead >= ahead**2
+            if passed and _land(course, control, trial, ahead):
                 yield arc.record()
                 return
-            if arc.commit(found._replace(converged=found.converged and not passed)):
+            if arc.commit(trial._replace(converged=trial.converged and not passed)):
                 break
         yield arc.record()
     where = f"displacement {sign * (course.at - course.origin):.6g} {course.unit}"
     raise SolverError(where, np.inf, f"{most_steps} steps of arc length on the way to {target:g}")
 
 
-def _land(course: Course, control: DisplacementControl, found: _Found, ahead: float) -> bool:
-    """Commit the state `ahead` of the dof, on the way to the one found; whether that worked."""
-    share = ahead / float(found.change[course.dof])
-    start = course.assembly.displacement + share * found.change
-    factor = course.factor + share * (found.factor - course.factor)
+def _land(course: Course, control: DisplacementControl, trial: _Trial, ahead: float) -> bool:
+    """Commit the state `ahead` of the dof, on the way to a trial; whether that worked."""
+    share = ahead / float(trial.change[course.dof])
+    start = course.assembly.displacement + share * trial.change
+    factor = course.factor + share * (trial.factor - course.factor)
     solution, reached = control.solve(start, factor)
     course.evaluations += solution.evaluations
     return solution.converged and course.commit(solution.x, reached, LARGEST_GAP) <= LARGEST_GAP

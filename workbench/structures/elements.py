@@ -1,16 +1,19 @@
-"""What an assembly knows of the elements of one kind: their bars, two states, and the step."""
+"""What an assembly knows of the elements of one kind: bars, two states, the step; joint springs."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import dataclass
+from math import inf
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from workbench.arrays import Array, Flags, Indices
+from workbench.errors import InputError
 
 
 class Bars(NamedTuple):
@@ -71,11 +74,27 @@ class StepEnergies(NamedTuple):
 class ElementGroup(ABC):
     """All elements of one kind; states are committed by swapping two buffers.
 
-    Arguments: `nodes` (elements, 2), node numbers; an empty `state`, a NamedTuple of arrays.
+    Arguments: `nodes` (elements, 2), node numbers; an empty `state`, a NamedTuple of arrays;
+    `mass_per_length` (kg/m) of the elements, and `radius_squared` (m2) of gyration.
+    `kernels`, the compiled module with `assemble` and `account`; `crumples`, whether an element
+    means nothing once a plastic hinge has shortened it to nothing, as the direction of a chord
+    without length is undefined. What is read off is committed, in SI units; forces are those of a
+    co-rotational element unless a kind has its own.
     """
 
-    def __init__(self, nodes: ArrayLike, state: Any) -> None:
+    kernels: Any
+    crumples: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        state: Any,
+        mass_per_length: ArrayLike = 0.0,
+        radius_squared: ArrayLike = 0.0,
+    ) -> None:
         self.nodes: Indices = np.asarray(nodes, dtype=np.int64).reshape(-1, 2)
+        self._mass_per_length = np.asarray(mass_per_length)
+        self._radius_squared = np.asarray(radius_squared)
         self._old = state
         self._new = type(state)(*(values.copy() for values in state))
 
@@ -91,22 +110,28 @@ class ElementGroup(ABC):
             setattr(other, name, type(state)(*(values.copy() for values in state)))
         return other
 
-    @abstractmethod
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        raise NotImplementedError
+
     def assemble(self, step: Step) -> None:
         """Add forces and tangent of a step from the committed state; keep the trial state."""
+        self.kernels.assemble(step, self.bars, *self.tables, self._old, self._new)
 
-    @abstractmethod
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last."""
+        energies = self.kernels.account(weight, self.bars, *self.tables, self._old, self._new)
+        return StepEnergies(*energies)
 
     def commit(self) -> None:
         """Make the state assembled last the committed one."""
         self._old, self._new = self._new, self._old
 
     def masses(self) -> tuple[Array, Array]:
-        """Mass (kg) and rotary inertia (kg m2) of every element, (elements,) each: none."""
-        none = np.zeros(len(self.nodes))
-        return none, none
+        """Mass (kg) and rotary inertia (kg m2) of every element, (elements,) each."""
+        mass = self._mass_per_length * self.lengths
+        return mass, mass * self._radius_squared
 
     def mass_matrices(self) -> Array | None:
         """Constant mass matrices (elements, 6, 6) in addition to `masses`, if there are any."""
@@ -129,41 +154,15 @@ class ElementGroup(ABC):
         """Initial lengths (elements,), in m."""
         return self.bars.lengths
 
-
-class MemberElements(ElementGroup):
-    """Elements of members with compiled kernels; what is read off them is committed, in SI units.
-
-    `kernels`, their module with `assemble` and `account`; `crumples`, whether an element means
-    nothing once a plastic hinge has shortened it to nothing, as the direction of a chord without
-    length is undefined. Forces are those of a co-rotational element unless a kind has its own.
-    """
-
-    kernels: ClassVar[Any]
-    crumples: ClassVar[bool] = True
-
-    @property
-    @abstractmethod
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-
-    def assemble(self, step: Step) -> None:
-        """Add forces and tangent of a step from the committed state; keep the trial state."""
-        self.kernels.assemble(step, self.bars, *self.tables, self._old, self._new)
-
-    def account(self, weight: float) -> StepEnergies:
-        """Energies of the step from the committed state to the one assembled last."""
-        energies = self.kernels.account(weight, self.bars, *self.tables, self._old, self._new)
-        return StepEnergies(*energies)
-
     @property
     def local_forces(self) -> Array:
         """N and end moments M1, M2 (elements, 3); internal moments are -M1 and M2."""
         return np.asarray(self._old.local)
 
     @property
-    @abstractmethod
     def elongations(self) -> Array:
-        """Changes of length along the axis or chord (elements,), in m."""
+        """Changes of length along the axis or chord (elements,), in m; zero of springs."""
+        return np.zeros(len(self.nodes))
 
     @property
     def shear_forces(self) -> Array:
@@ -171,63 +170,28 @@ class MemberElements(ElementGroup):
         chord = self.lengths + (0.0 if self.bars.first_order else self.elongations)
         return np.asarray((self._old.local[..., 1] + self._old.local[..., 2]) / chord)
 
-    @property
-    def slide(self) -> Flags:
-        """Whether webs yield in shear (elements,)."""
-        return np.zeros(len(self.lengths), dtype=bool)
 
-    def bent(
-        self, displacement: Array, elements: Indices, points: Array, bends: Array, moments: Array
-    ) -> Array:
-        """Displaced axis (points, 2) less the initial position of the first node, in m.
+class HingedElements(ElementGroup):
+    """Bars whose plasticity is that of two hinges at their ends.
 
-        Arguments: displacements (dofs,); `elements` (points,), and the `points` along them in
-        0..1; flexibility 1 / EI (elements,) of the bars, 0 of straight ones; end `moments`
-        (elements, 2).
-        """
-        x, dofs, bars = points, self.bars.dofs[elements], self.bars
-        first = displacement[..., dofs[..., 0:2]]
-        d = bars.chords[elements] + displacement[..., dofs[..., 3:5]] - first
-        place = first + x[..., None] * d
-        if np.any(bends):
-            m1, m4 = moments[..., elements, 0], moments[..., elements, 1]
-            soft = (bars.lengths / 6.0 * bends)[elements] * x * (1.0 - x)
-            across = soft * ((1.0 - x) * (2.0 * m1 - m4) - x * (2.0 * m4 - m1))
-            place[..., 0] -= across * d[..., 1]
-            place[..., 1] += across * d[..., 0]
-        return np.asarray(place)
-
-
-class HingedElements(MemberElements):
-    """Elements whose plasticity is told of as that of two hinges, at their ends.
-
-    Arguments: `nodes` (elements, 2), node numbers; the `bars` (elements,), each with its
-    `mass_per_length`; an empty `state`; `first_order`, equilibrium of the undeformed structure.
-    A kind makes the `_tables` of its kernels as it takes its place.
+    Arguments: those of `ElementGroup`; `bends`, flexibility 1 / EI (elements,) of the bars, 0 of
+    straight ones, in 1 / (N m2); `first_order`, equilibrium of the undeformed structure.
     """
 
-    _old: Any
-    _tables: Any
-
     def __init__(
-        self, nodes: ArrayLike, bars: Sequence[Any], state: Any, first_order: bool
+        self, nodes: ArrayLike, state: Any, mass: ArrayLike, bends: ArrayLike, first_order: bool
     ) -> None:
-        super().__init__(nodes, state)
-        self._own, self.first_order = list(bars), first_order
+        super().__init__(nodes, state, mass)
+        self.bends, self.first_order = np.asarray(bends), first_order
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars._replace(first_order=self.first_order, relative=True))
 
     @property
-    def tables(self) -> tuple[Any, ...]:
-        """What the kernels take besides bars and states."""
-        return (self._tables,)
-
-    def masses(self) -> tuple[Array, Array]:
-        """Mass (kg) of every element (elements,); their nodes' rotations have no inertia."""
-        mass = np.array([bar.mass_per_length for bar in self._own]) * self.lengths
-        return mass, np.zeros_like(mass)
+    def slide(self) -> Flags:
+        """Whether webs yield in shear (elements,)."""
+        return np.zeros(len(self.lengths), dtype=bool)
 
     @property
     @abstractmethod
@@ -241,6 +205,137 @@ class HingedElements(MemberElements):
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
 
-    @abstractmethod
     def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
-        """Displaced axis (points, 2), see `bent`."""
+        """Displaced axis (points, 2) less the initial position of the first node, in m.
+
+        Arguments: displacements (dofs,); `elements` (points,), and the `points` along them in
+        0..1. Committed moments bend the bars between their ends.
+        """
+        x, dofs, bars = points, self.bars.dofs[elements], self.bars
+        first = displacement[..., dofs[..., 0:2]]
+        d = bars.chords[elements] + displacement[..., dofs[..., 3:5]] - first
+        place = first + x[..., None] * d
+        if np.any(self.bends):
+            moments = self.bending_moments
+            m1, m4 = moments[..., elements, 0], moments[..., elements, 1]
+            soft = (bars.lengths / 6.0 * self.bends)[elements] * x * (1.0 - x)
+            across = soft * ((1.0 - x) * (2.0 * m1 - m4) - x * (2.0 * m4 - m1))
+            place[..., 0] -= across * d[..., 1]
+            place[..., 1] += across * d[..., 0]
+        return np.asarray(place)
+
+    @property
+    def bending_moments(self) -> Array:
+        """Committed end moments that bend the bars (elements, 2), in N m."""
+        return np.asarray(self._old.local[..., 1:])
+
+
+@dataclass(frozen=True)
+class JointSpring:
+    """Elastic, perfectly plastic rotational spring.
+
+    Arguments: `stiffness` in N m/rad (0: a pin); `strength` for positive and
+    `strength_negative` for negative moments, in N m (inf: elastic). Raises `InputError`.
+    """
+
+    stiffness: float
+    strength: float = inf
+    strength_negative: float = inf
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.stiffness < inf:
+            raise InputError(
+                "joint.stiffness",
+                self.stiffness,
+                "must be finite and not negative",
+                "a rigid joint needs no spring",
+            )
+        for name in ("strength", "strength_negative"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"joint.{name}", getattr(self, name), "must be positive")
+
+
+class JointState(NamedTuple):
+    """Rotations and their plastic parts in rad, moments in N m, (springs,) each."""
+
+    rotation: Array
+    plastic: Array
+    moment: Array
+
+
+class JointSprings(ElementGroup):
+    """An element group of rotational springs.
+
+    Arguments: `nodes` (springs, 2), pairs of tied nodes, in the order in which they come along
+    the member; `springs`, one for each pair. The rotation of a spring is that of its second node
+    less that of its first one, so that its moment is the internal moment of the member there:
+    positive where it stretches the fibers on the right of somebody who looks along the member.
+    """
+
+    _old: JointState
+    _new: JointState
+
+    def __init__(self, nodes: ArrayLike, springs: Sequence[JointSpring]) -> None:
+        super().__init__(nodes, JointState(*np.zeros((3, len(springs)))))
+        if len(springs) != len(self.nodes):
+            raise ValueError("one spring for each pair of nodes")
+        self.springs = tuple(springs)
+        self._stiffness: Array = np.array([spring.stiffness for spring in springs])
+        self._most: Array = np.array([spring.strength for spring in springs])
+        self._least: Array = -np.array([spring.strength_negative for spring in springs])
+
+    def place(self, bars: Bars) -> None:
+        """Take its place in a structure; the chords must have no length."""
+        if np.any(bars.chords != 0.0):
+            raise ValueError("joint springs connect nodes at one place")
+        super().place(bars)
+
+    def assemble(self, step: Step) -> None:
+        """Add moments and tangent of a step from the committed state; keep the trial state."""
+        first, second = self.bars.dofs[:, 2], self.bars.dofs[:, 5]
+        old, new, k = self._old, self._new, self._stiffness
+        new.rotation[:] = step.end[second] - step.end[first]
+        within = old.rotation + step.weight * (new.rotation - old.rotation)
+        trial = k * (within - old.plastic)
+        new.moment[:] = np.clip(trial, self._least, self._most)
+        yields = new.moment != trial
+        new.plastic[:] = old.plastic
+        new.plastic[yields] += (trial[yields] - new.moment[yields]) / (step.weight * k[yields])
+        pinned = k == 0.0
+        new.plastic[pinned] = new.rotation[pinned]
+        np.add.at(step.force, first, -new.moment)
+        np.add.at(step.force, second, new.moment)
+        tangent = np.where(yields, 0.0, step.weight * k)
+        for row, column, sign in ((2, 2, 1.0), (2, 5, -1.0), (5, 2, -1.0), (5, 5, 1.0)):
+            np.add.at(step.band, self.bars.positions[:, 6 * row + column], sign * tangent)
+
+    def account(self, weight: float) -> StepEnergies:
+        """Energies of the step from the committed state to the one assembled last."""
+        old, new, k = self._old, self._new, self._stiffness
+        start, elastic = old.rotation - old.plastic, new.rotation - new.plastic
+        change = elastic - start
+        moment = k * ((1.0 - weight) * start + weight * elastic)
+        plastic = float(moment @ (new.plastic - old.plastic))
+        return StepEnergies(
+            0.5 * float(k @ elastic**2), plastic, (weight - 0.5) * float(k @ change**2), plastic
+        )
+
+    @property
+    def moments(self) -> Array:
+        """Committed moments (springs,), in N m."""
+        return self._old.moment
+
+    @property
+    def rotations(self) -> Array:
+        """Committed rotations (springs,), in rad."""
+        return self._old.rotation
+
+    @property
+    def plastic(self) -> Array:
+        """Committed plastic rotations (springs,) in rad; of a pin all of its rotation."""
+        return self._old.plastic
+
+    def utilisation(self) -> Array:
+        """Committed moments over the strengths (springs,): 1 at yield, 0 at a pin."""
+        moment = self._old.moment
+        return np.asarray(np.maximum(moment / self._most, moment / self._least))

@@ -211,10 +211,10 @@ class DisplacementControl:
     def solve(self, start: Array, factor: float) -> tuple[Solution, float]:
         """Equilibrium with the led dof where it is in `start`, and its load factor."""
         if self._alone:
-            found, reactions = equilibrium(
+            solution, reactions = equilibrium(
                 self.assembly, self.constant, start, self.held, self.tolerance
             )
-            return found, float(reactions[self.dof] / self.pattern[self.dof])
+            return solution, float(reactions[self.dof] / self.pattern[self.dof])
         held = self.assembly.held
 
         def evaluate(y: Array) -> Array:
@@ -227,18 +227,18 @@ class DisplacementControl:
             return self._bordered(right[:-1])
 
         allow = partial(self.assembly.allowed_residual, self.tolerance, start)
-        found = newton(evaluate, allow, solve, np.append(start, factor), ITERATIONS)
-        return found._replace(x=found.x[:-1]), float(found.x[-1])
+        solution = newton(evaluate, allow, solve, np.append(start, factor), ITERATIONS)
+        return solution._replace(x=solution.x[:-1]), float(solution.x[-1])
 
     def tangent_step(self, increment: float) -> tuple[Array, float]:
         """Change of displacements (dofs,) and of the factor along the committed tangent."""
         unit = np.zeros(self.assembly.size)
         unit[self.dof] = increment
         self.assembly.assemble(self.assembly.displacement, None)
-        found = self._bordered(-self.assembly.tangent_times(unit))
-        if found is None:
+        change = self._bordered(-self.assembly.tangent_times(unit))
+        if change is None:
             return unit, 0.0
-        return found[:-1] + unit, float(found[-1])
+        return change[:-1] + unit, float(change[-1])
 
     def _bordered(self, right: Array) -> Array | None:
         """Solve K x - factor p = `right` with the led dof at rest; the factor comes last."""

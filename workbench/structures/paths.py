@@ -227,13 +227,13 @@ def _lead(
         goal = begin + (done + share) * span
         start, factor, excess = assembly.displacement, course.factor, inf
         for change, more in guesses(goal - course.at):
-            found, reached = control.solve(start + change, factor + more)
-            course.evaluations += found.evaluations
-            excess = found.residual
-            if found.converged:
-                excess = course.commit(found.x, reached, largest_gap) / largest_gap
+            solution, reached = control.solve(start + change, factor + more)
+            course.evaluations += solution.evaluations
+            excess = solution.residual
+            if solution.converged:
+                excess = course.commit(solution.x, reached, largest_gap) / largest_gap
                 if excess <= 1.0:
-                    previous, gained = found.x - start, reached - factor
+                    previous, gained = solution.x - start, reached - factor
                     return None
         where = f"displacement {course.sign * (goal - course.origin):.6g} {course.unit}"
         tried = (
@@ -262,11 +262,11 @@ def _load(
     def attempt(begin: float, span: float, done: float, share: float) -> SolverError | None:
         factor = begin + (done + share) * span
         total = course.constant + factor * course.pattern
-        found, _ = equilibrium(assembly, total, assembly.displacement, assembly.held, tolerance)
-        course.evaluations += found.evaluations
-        residual = found.residual
-        if found.converged:
-            gap = course.commit(found.x, factor, largest_gap)
+        solution, _ = equilibrium(assembly, total, assembly.displacement, assembly.held, tolerance)
+        course.evaluations += solution.evaluations
+        residual = solution.residual
+        if solution.converged:
+            gap = course.commit(solution.x, factor, largest_gap)
             if gap <= largest_gap:
                 return None
             residual = gap / largest_gap

@@ -10,7 +10,7 @@ from workbench.arrays import Array
 from workbench.fields import checked
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.deflected_shape import Stage, beam_of
-from workbench.models.practice.strength import AXIAL, SECTION, plastic_moment
+from workbench.models.practice.hand_estimate import AXIAL, SECTION, plastic_moment
 from workbench.models.resistance import ResistanceCurve, mechanism_of
 from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE
@@ -86,10 +86,10 @@ class Biggs(SingleDof):
         total = column.properties.mass_per_length * column.length
         for stage in reversed(self.stages(column)):
             column = replace(column, impact_mass=stage.mass_factor * total)
-            found = replace(scenario, column=column)
-            if energy_to_absorb(found) >= curve.work(stage.start):
+            heavier = replace(scenario, column=column)
+            if energy_to_absorb(heavier) >= curve.work(stage.start):
                 break
-        return found
+        return heavier
 
     def pushed(self, scenario: MemberPulse) -> Pushed:
         """What a pulse moves: the mass K_LM M of each stage against the resistance to its load.
@@ -133,7 +133,7 @@ def dynamic_reactions(
     furthest = np.maximum.accumulate(displacement)
     now = np.searchsorted([stage.start for stage in stages], furthest, side="right") - 1
     elastic = stages[0].rates
-    found = np.zeros((2, len(force)))
+    reactions = np.zeros((2, len(force)))
     for number, stage in enumerate(stages):
         here = now == number
         base, hit, head = stage.shape.nodes
@@ -152,15 +152,15 @@ def dynamic_reactions(
                 [0.0, 0.0, 1.0, 1.0, 0.0],
             ]
         )
-        own = line * np.array([hit - base, (hit - base) ** 2 / 2.0, head - hit])
-        own = np.append(own, line * (head - hit) ** 2 / 2.0)
+        pressed = line * np.array([hit - base, (hit - base) ** 2 / 2.0, head - hit])
+        pressed = np.append(pressed, line * (head - hit) ** 2 / 2.0)
         right = np.zeros((5, int(here.sum())))
-        right[:4] = -np.outer(own, load[here])
+        right[:4] = -np.outer(pressed, load[here])
         right[1] += moments[:, 1] - moments[:, 0]
         right[3] += moments[:, 1] - moments[:, 2]
         right[4] = 0.0 if uniform else load[here]
-        found[:, here] = np.linalg.solve(balance, right)[:2]
-    return found
+        reactions[:, here] = np.linalg.solve(balance, right)[:2]
+    return reactions
 
 
 @lru_cache(maxsize=256)

@@ -85,9 +85,9 @@ def profile(mechanism: Mechanism, stretching: float) -> ResistanceCurve:
         force = bending + along * axial
         if start >= v_c:
             force = along * Np
-        own = force(np.polynomial.Polynomial([start, 1.0]))
+        shifted = force(np.polynomial.Polynomial([start, 1.0]))
         pieces[n]["start"], pieces[n]["event"] = start, event
-        pieces[n]["c"][: len(own.coef)] = own.coef
+        pieces[n]["c"][: len(shifted.coef)] = shifted.coef
     return ResistanceCurve(PROFILE, mechanism, pieces, v_y)
 
 

@@ -74,7 +74,7 @@ def ductility_chart(shape: str, lengths: Sequence[float], strengths: Sequence[fl
 
 def pressure_impulse(shape: str, wanted: float, lengths: Sequence[float]) -> list[Loading]:
     """Pulses of one shape and these lengths that take the mass to a `wanted` ductility."""
-    found = []
+    loadings = []
     for length in lengths:
         whole = Pulse(shape, 1.0, length * _PERIOD).whole
         least = log(0.3 * step_force(wanted))  # no pulse needs less than half of a step
@@ -86,8 +86,8 @@ def pressure_impulse(shape: str, wanted: float, lengths: Sequence[float]) -> lis
         while excess(most) < 0.0:
             most += 1.0
         force = exp(brentq(excess, least, most, xtol=1e-4))
-        found.append(Loading(length, force, force * whole * 2.0 * pi / _PERIOD))
-    return found
+        loadings.append(Loading(length, force, force * whole * 2.0 * pi / _PERIOD))
+    return loadings
 
 
 def impulse_asymptote(wanted: float) -> float:

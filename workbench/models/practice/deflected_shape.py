@@ -127,11 +127,11 @@ class Beam(NamedTuple):
         hinges: set[int] = set()
         v = load = 0.0
         moments = np.zeros(last + 1)
-        found = []
+        reached = []
         while not (ends <= hinges and hinges - ends):
             deflection, rates = self._solve(hinges)
             compliance = float(deflection[self.reference, 0])
-            found.append(
+            reached.append(
                 self._stage((v, load, 1.0 / compliance), deflection, moments, rates, hinges)
             )
             left = {i: (capacities[i] - abs(moments[i])) / abs(rates[i]) for i in places - hinges}
@@ -142,8 +142,8 @@ class Beam(NamedTuple):
         straight = np.zeros((last, 5))
         heights = np.array([0.0, *(1.0 for _ in range(1, last)), 0.0])
         straight[:, 0], straight[:, 1] = heights[:-1], np.diff(heights)
-        found.append(self._stage((v, load, 0.0), straight, moments, np.zeros(last + 1), hinges))
-        return tuple(found)
+        reached.append(self._stage((v, load, 0.0), straight, moments, np.zeros(last + 1), hinges))
+        return tuple(reached)
 
     def _stage(
         self,
@@ -184,9 +184,9 @@ class Beam(NamedTuple):
             near = np.array([[6.0, 3.0 * length], [3.0 * length, 2.0 * length**2]])
             far = np.array([[-6.0, 3.0 * length], [-3.0 * length, length**2]])
             other = near * np.array([[1.0, -1.0], [-1.0, 1.0]])
-            own = np.block([[near, far], [far.T, other]])
+            element = np.block([[near, far], [far.T, other]])
             dofs = [deflection[e], right[e], deflection[e + 1], left[e + 1]]
-            stiffness[np.ix_(dofs, dofs)] += 2.0 * self.bending / length**3 * own
+            stiffness[np.ix_(dofs, dofs)] += 2.0 * self.bending / length**3 * element
             shares = np.array([1.0, length / 6.0, 1.0, -length / 6.0])
             load[dofs] += 0.5 * self.line * length * shares
             elements.append((dofs, length))

@@ -9,24 +9,59 @@ brings the masses to rest after t = (m + m_e) v1 / R = m v0 / R.
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.fields import checked
+import numpy as np
+
+from workbench.fields import Choice, checked
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
 from workbench.models.hit_mass import elastic_energy
-from workbench.models.practice.strength import (
-    AXIAL,
-    SECTION,
-    catenary_start,
-    mechanism_load,
-    slope_sum,
-)
 from workbench.models.resistance import axial_flexibility, limits
 from workbench.responses import Finding, Response, build_response
-from workbench.scenarios import ColumnImpact
+from workbench.scenarios import Column, ColumnImpact
 
+NONE, LINEAR, SECTION = "none", "linear", "section"
+AXIAL = Choice((NONE, LINEAR, SECTION))  # how the axial load lowers the plastic moment
 _MUCH = 0.1  # share of the energy that may be left out without a warning
 _MEND = ("energy-estimate",)  # its resistance knows it
+
+
+def plastic_moment(column: Column, axial: str) -> float:
+    """Plastic moment (N m) of the column beside its axial load, held as it is before the hit.
+
+    `axial`: none, M_p; linear, M_p (1 - n); section, of the exact plastic envelope.
+    """
+    properties = column.properties
+    share = abs(column.axial_load) / properties.squash_load
+    if axial == SECTION:
+        left = float(np.interp(share, *column.strength_section.interaction_envelope()))
+    else:
+        left = 1.0 - share if axial == LINEAR else 1.0
+    return properties.plastic_moment * left
+
+
+def turning(column: Column) -> float:
+    """Rotations of all hinges of the mechanism per displacement of the hit point, per m."""
+    return sum((2.0 if clamped else 1.0) / length for length, clamped in column.bars.values())
+
+
+def mechanism_load(column: Column, axial: str) -> float:
+    """Force (N) at the hit point of the mechanism with hinges there and at clamped ends."""
+    return plastic_moment(column, axial) * turning(column)
+
+
+def slope_sum(column: Column) -> float:
+    """Turning kappa of both bars of the mechanism against each other per displacement, per m."""
+    return 1.0 / column.length_below + 1.0 / column.length_above
+
+
+def catenary_start(column: Column) -> float:
+    """Displacement (m) from which on the chords stretch more than the hinges, r turning / kappa.
+
+    r = M_p / N_p of the linear yield surface.
+    """
+    arm = column.properties.plastic_moment / column.properties.squash_load
+    return arm * turning(column) / slope_sum(column)
 
 
 @dataclass(frozen=True)

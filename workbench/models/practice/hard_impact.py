@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
-from workbench.models.practice.strength import SECTION, mechanism_load
+from workbench.models.practice.hand_estimate import SECTION, mechanism_load
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact import VEHICLE_STIFFNESS
@@ -111,7 +111,7 @@ class HardImpact(Answering):
             first = ("soft-impact",)  # has both springs
             warnings.append(Finding("hard-impact", text, number=top / crush, instead=first))
         response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
-        said = {
+        rule = {
             "rule.force": (pulse.peak, "N", "force of hard impact"),
             "rule.duration": (pulse.length, "s", "duration of hard impact"),
             "rule.soft_deformation": (
@@ -123,7 +123,7 @@ class HardImpact(Answering):
         return response.assign(
             {
                 name: ((), value, {"units": units, "long_name": meaning})
-                for name, (value, units, meaning) in said.items()
+                for name, (value, units, meaning) in rule.items()
             }
         )
 

@@ -83,12 +83,12 @@ def respond(
     gradients, weights, dofs = elements
     nodes = gradients.shape[3]
     tangents = len(matrices) > 0
-    own, nodal = np.empty(2 * nodes), np.empty(2 * nodes)
+    moved, nodal = np.empty(2 * nodes), np.empty(2 * nodes)
     C, D, K = np.empty((3, 3)), np.empty((3, 4)), np.empty((4, 4))
     stored = plastic = 0.0
     for e in range(len(weights)):
         for a in range(2 * nodes):
-            own[a] = u[dofs[e, a]]
+            moved[a] = u[dofs[e, a]]
             nodal[a] = 0.0
         if tangents:
             matrices[e] = 0.0
@@ -96,14 +96,14 @@ def respond(
             slope = gradients[e, g]
             f11, f12, f21, f22 = 1.0, 0.0, 0.0, 1.0
             for a in range(nodes):
-                f11 += slope[0, a] * own[2 * a]
-                f12 += slope[1, a] * own[2 * a]
-                f21 += slope[0, a] * own[2 * a + 1]
-                f22 += slope[1, a] * own[2 * a + 1]
-            found = stretched(f11, f12, f21, f22)
-            if not (found.trace > 0.0 and found.area > 0.0):
+                f11 += slope[0, a] * moved[2 * a]
+                f12 += slope[1, a] * moved[2 * a]
+                f21 += slope[0, a] * moved[2 * a + 1]
+                f22 += slope[1, a] * moved[2 * a + 1]
+            stretch = stretched(f11, f12, f21, f22)
+            if not (stretch.trace > 0.0 and stretch.area > 0.0):
                 return Energies(np.nan, np.nan)
-            e1, e2, e3 = found.strain
+            e1, e2, e3 = stretch.strain
             p1, p2, p3 = old.plastic[e, g]
             elastic = Tensor(e1 - p1, e2 - p2, e3 - p3)
             back = return_mapping(elastic, old.hardened[e, g], steel)
@@ -117,17 +117,17 @@ def respond(
             plastic += 0.5 * weight * work
             density = t1**2 + t2**2 - 2.0 * steel.poisson * t1 * t2
             density = (0.5 * density + (1.0 + steel.poisson) * t3**2) / steel.modulus
-            keep(new, e, g, found.strain, back.stress, Tensor(p1 + d1, p2 + d2, p3 + d3))
+            keep(new, e, g, stretch.strain, back.stress, Tensor(p1 + d1, p2 + d2, p3 + d3))
             new.hardened[e, g] = back.hardened
             stress = back.stress
-            squeezed = found.area < SQUEEZED
+            squeezed = stretch.area < SQUEEZED
             if squeezed:
-                s1, s2, s3 = squeeze(found, steel.modulus)
+                s1, s2, s3 = squeeze(stretch, steel.modulus)
                 stress = Tensor(t1 + s1, t2 + s2, t3 + s3)
-                logarithm = np.log(SQUEEZED / found.area)
+                logarithm = np.log(SQUEEZED / stretch.area)
                 density += 0.5 * SQUEEZE_STIFFNESS * steel.modulus * logarithm**2
             stored += weight * density
-            n11, n12, n21, n22 = nominal_stress(found, stress)
+            n11, n12, n21, n22 = nominal_stress(stretch, stress)
             for a in range(nodes):
                 nodal[2 * a] += weight * (n11 * slope[0, a] + n12 * slope[1, a])
                 nodal[2 * a + 1] += weight * (n21 * slope[0, a] + n22 * slope[1, a])
@@ -135,8 +135,8 @@ def respond(
                 C[:] = 0.0
                 add_return_tangent(back, steel, C)
                 if squeezed:
-                    add_squeeze_tangent(found, steel.modulus, C)
-                nominal_tangent(found, stress, C, D, K)
+                    add_squeeze_tangent(stretch, steel.modulus, C)
+                nominal_tangent(stretch, stress, C, D, K)
                 add_stiffness(slope, weight, K, matrices[e])
         for a in range(2 * nodes):
             force[dofs[e, a]] += nodal[a]

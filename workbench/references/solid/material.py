@@ -124,10 +124,10 @@ def normal(stress: Tensor) -> Tensor:
 
 
 @njit(cache=True, error_model="numpy")
-def add_return_tangent(found: Returned, steel: SolidSteel, C: Array) -> None:
+def add_return_tangent(back: Returned, steel: SolidSteel, C: Array) -> None:
     """Add the consistent tangent of a return to C (3, 3)."""
     E, nu, _, H = steel
-    gamma = found.gamma
+    gamma = back.gamma
     double_shear, bulk = E / (1.0 + nu), E / (1.0 - nu)
     x1 = bulk / (1.0 + bulk / 3.0 * gamma)
     x2 = double_shear / (1.0 + double_shear * gamma)
@@ -138,13 +138,13 @@ def add_return_tangent(found: Returned, steel: SolidSteel, C: Array) -> None:
     C[2, 2] += 0.5 * x2
     if gamma == 0.0:
         return
-    n1, n2, n3 = normal(found.stress)
+    n1, n2, n3 = normal(back.stress)
     m = (
         0.5 * (x1 + x2) * n1 + 0.5 * (x1 - x2) * n2,
         0.5 * (x1 - x2) * n1 + 0.5 * (x1 + x2) * n2,
         0.5 * x2 * n3,
     )
-    square = von_mises_squared(found.stress)
+    square = von_mises_squared(back.stress)
     softening = 4.0 / 9.0 * H * square / (1.0 - 2.0 / 3.0 * H * gamma)
     scale = 1.0 / (n1 * m[0] + n2 * m[1] + n3 * m[2] + softening)
     for i in range(3):
@@ -153,40 +153,40 @@ def add_return_tangent(found: Returned, steel: SolidSteel, C: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def squeeze(found: Stretched, modulus: float) -> Tensor:
+def squeeze(stretch: Stretched, modulus: float) -> Tensor:
     """Stress of the guard k/2 <ln(SQUEEZED / J)>^2, J = det F.
 
     Perfect plasticity in nominal stress lets a singular corner shrink to no volume at all; the
     guard acts below J = SQUEEZED only.
     """
-    e1, e2, e3 = found.strain
-    pressure = SQUEEZE_STIFFNESS * modulus * np.log(SQUEEZED / found.area) / found.area
+    e1, e2, e3 = stretch.strain
+    pressure = SQUEEZE_STIFFNESS * modulus * np.log(SQUEEZED / stretch.area) / stretch.area
     # derivatives of J = U11 U22 - U12^2 by (U11, U22, 2 U12)
     return Tensor(-pressure * (1.0 + e2), -pressure * (1.0 + e1), 0.5 * pressure * e3)
 
 
 @njit(cache=True, error_model="numpy")
-def add_squeeze_tangent(found: Stretched, modulus: float, C: Array) -> None:
+def add_squeeze_tangent(stretch: Stretched, modulus: float, C: Array) -> None:
     """Add the tangent of the squeeze guard to C (3, 3)."""
-    e1, e2, e3 = found.strain
-    k, logarithm = SQUEEZE_STIFFNESS * modulus, np.log(SQUEEZED / found.area)
+    e1, e2, e3 = stretch.strain
+    k, logarithm = SQUEEZE_STIFFNESS * modulus, np.log(SQUEEZED / stretch.area)
     j = (1.0 + e2, 1.0 + e1, -0.5 * e3)
     for i in range(3):
         for n in range(3):
-            C[i, n] += k * (1.0 + logarithm) / found.area**2 * j[i] * j[n]
-    pressure = k * logarithm / found.area
+            C[i, n] += k * (1.0 + logarithm) / stretch.area**2 * j[i] * j[n]
+    pressure = k * logarithm / stretch.area
     C[0, 1] -= pressure
     C[1, 0] -= pressure
     C[2, 2] += 0.5 * pressure
 
 
 @njit(cache=True, error_model="numpy")
-def nominal_stress(found: Stretched, stress: Tensor) -> tuple[float, float, float, float]:
+def nominal_stress(stretch: Stretched, stress: Tensor) -> tuple[float, float, float, float]:
     """Nominal stress (11, 12, 21, 22), conjugate to F, of the Biot stress conjugate to U."""
-    c, s = found.cosine, found.sine
-    e1, e2, e3 = found.strain
+    c, s = stretch.cosine, stretch.sine
+    e1, e2, e3 = stretch.strain
     t1, t2, t3 = stress
-    lever = (0.5 * (t1 - t2) * e3 + t3 * (e2 - e1)) / found.trace
+    lever = (0.5 * (t1 - t2) * e3 + t3 * (e2 - e1)) / stretch.trace
     return (
         c * t1 - s * t3 - lever * s,
         c * t3 - s * t2 - lever * c,
@@ -196,20 +196,20 @@ def nominal_stress(found: Stretched, stress: Tensor) -> tuple[float, float, floa
 
 
 @njit(cache=True, error_model="numpy")
-def nominal_tangent(found: Stretched, stress: Tensor, C: Array, D: Array, K: Array) -> None:
+def nominal_tangent(stretch: Stretched, stress: Tensor, C: Array, D: Array, K: Array) -> None:
     """Derivative K (4, 4) of the nominal stress by F.
 
     Arguments: tangent C (3, 3) of the Biot stress by the strain; D (3, 4), room for the derivative
     of the strain by F.
     """
-    c, s = found.cosine, found.sine
-    e1, e2, e3 = found.strain
+    c, s = stretch.cosine, stretch.sine
+    e1, e2, e3 = stretch.strain
     t1, t2, t3 = stress
-    turn = (-s / found.trace, -c / found.trace, c / found.trace, -s / found.trace)
+    turn = (-s / stretch.trace, -c / stretch.trace, c / stretch.trace, -s / stretch.trace)
     fixed = ((c, 0.0, s, 0.0), (0.0, -s, 0.0, c), (-s, c, c, s))
     half, apart = 0.5 * (t1 - t2), e2 - e1
-    lever = (half * e3 + t3 * apart) / found.trace
-    stiffening = 0.5 * found.trace * (t1 + t2) + half * apart - t3 * e3
+    lever = (half * e3 + t3 * apart) / stretch.trace
+    stiffening = 0.5 * stretch.trace * (t1 + t2) + half * apart - t3 * e3
     along, across, rest = (-s, c, c, s), (-c, -s, -s, c), (c, -s, s, c)
     for i in range(4):
         D[0, i] = fixed[0][i] + 0.5 * e3 * turn[i]

@@ -21,7 +21,7 @@ from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Column
 from workbench.sections import Section
 from workbench.sections.bands import half_integrals
-from workbench.structures.meshing import graded_lengths, halved
+from workbench.structures.assembly import graded_lengths, halved
 
 _ROWS = 4  # per height of the section, before refinement; a flange has at least one
 SMALLEST, LARGEST = 1.0 / 6.0, 1.0  # element lengths over the section's height
@@ -132,8 +132,8 @@ def _section_dofs(places: Array, horizontal: Flags, at: float) -> tuple[Indices,
     there = np.abs(places[1] - at) < 1e-9
     pair = []
     for direction in (horizontal, ~horizontal):
-        found = np.flatnonzero(there & direction)
-        pair.append(found[np.argsort(places[0, found])])
+        dofs = np.flatnonzero(there & direction)
+        pair.append(dofs[np.argsort(places[0, dofs])])
     return pair[0], pair[1]
 
 

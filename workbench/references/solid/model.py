@@ -115,7 +115,7 @@ class SolidPlaneStress(Declared, table="option"):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
-        findings = [found for found in member_findings(scenario) if found.refusal]
+        findings = [finding for finding in member_findings(scenario) if finding.refusal]
         text = "the solid takes its shape from the section alone and leaves overrides out"
         return findings + override_findings(frame_of(scenario.column), _values, text)
 

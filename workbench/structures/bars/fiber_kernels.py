@@ -10,8 +10,7 @@ Sources: Spacone, Filippou and Taucer 1996; the line search is ours.
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.structures.bars.kernels import deform
-from workbench.structures.corotation.kernels import add_element
+from workbench.structures.corotation_kernels import add_element, deform
 from workbench.structures.fibers.kernels import section_energies, section_response
 
 ITERATIONS = 200
@@ -22,34 +21,34 @@ PATIENT, STALLED = 60, 1e-5
 
 
 @njit(cache=True, error_model="numpy")
-def respond(own, e, p, duration, strain, old, new):
+def respond(tables, e, p, duration, strain, old, new):
     """N, M and tangent NN, NM, MM of a point at `strain` (2,): axial strain and curvature."""
-    if own.elastic[e, p]:
-        area, second = own.modulus[e] * own.area[e], own.modulus[e] * own.second[e]
+    if tables.elastic[e, p]:
+        area, second = tables.modulus[e] * tables.area[e], tables.modulus[e] * tables.second[e]
         return area * strain[0], second * strain[1], area, 0.0, second
     strains = strain[0], 0.0, strain[1]  # yields at the end of a step
     n, _, m, c00, _, c02, _, _, c22 = section_response(
-        own.sections, own.sections.of[e], 1.0, duration, strains, old[p], new[p]
+        tables.sections, tables.sections.of[e], 1.0, duration, strains, old[p], new[p]
     )
     return n, m, c00, c02, c22
 
 
 @njit(cache=True, error_model="numpy")
-def rise(own, e, duration, strains, change, carried, onwards, old, new):
+def rise(tables, e, duration, strains, change, carried, onwards, old, new):
     """Derivative of the energy along a `change` of strains (points, 2) at `strains`.
 
     Arguments: forces `carried` (3,) by joints and shear, and their change `onwards`; strains are
     weighted by the length of the element.
     """
-    total = onwards @ (own.rest[e] @ carried)
+    total = onwards @ (tables.rest[e] @ carried)
     for p in range(strains.shape[0]):
-        n, m, _, _, _ = respond(own, e, p, duration, strains[p], old, new)
-        total += own.weights[e, p] * own.lengths[e] * (n * change[p, 0] + m * change[p, 1])
+        n, m, _, _, _ = respond(tables, e, p, duration, strains[p], old, new)
+        total += tables.weights[e, p] * tables.lengths[e] * (n * change[p, 0] + m * change[p, 1])
     return total
 
 
 @njit(cache=True, error_model="numpy")
-def force_law(own, e, duration, q, Q, strains, old, new, k):
+def force_law(tables, e, duration, q, Q, strains, old, new, k):
     """Forces of element `e` at deformations `q` (3,) from its committed state.
 
     Arguments: committed forces `Q` (3,) and `strains` (points, 2), which the new ones replace;
@@ -57,19 +56,19 @@ def force_law(own, e, duration, q, Q, strains, old, new, k):
     that no solution was found.
     """
     points = strains.shape[0]
-    pinned, xi, weights = own.pinned[e], own.xi[e], own.weights[e]
+    pinned, xi, weights = tables.pinned[e], tables.xi[e], tables.weights[e]
     loose, change = np.empty((points, 2)), np.empty((points, 2))
     soft = np.empty((points, 3))
     carried, F, gap = Q.copy(), np.empty((3, 3)), np.empty(3)
     for count in range(ITERATIONS):
-        F[:] = own.rest[e]
+        F[:] = tables.rest[e]
         gap[:] = q - F @ Q
         worst = 0.0
         for p in range(points):
-            n, m, c00, c02, c22 = respond(own, e, p, duration, strains[p], old, new)
-            b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * own.lengths[e]
+            n, m, c00, c02, c22 = respond(tables, e, p, duration, strains[p], old, new)
+            b1, b4, w = xi[p] - 1.0, xi[p], weights[p] * tables.lengths[e]
             dn, dm = Q[0] - n, b1 * Q[1] + b4 * Q[2] - m
-            worst = max(worst, abs(dn) / own.scale[e, 0], abs(dm) / own.scale[e, 1])
+            worst = max(worst, abs(dn) / tables.scale[e, 0], abs(dm) / tables.scale[e, 1])
             det = c00 * c22 - c02 * c02
             f00, f02, f22 = c22 / det, -c02 / det, c00 / det
             soft[p, 0], soft[p, 1], soft[p, 2] = f00, f02, f22
@@ -108,11 +107,11 @@ def force_law(own, e, duration, q, Q, strains, old, new, k):
         t = 1.0
         if count > 0:  # the first step, elastic or not, makes strains compatible
             on = goal - carried
-            first = abs(rise(own, e, duration, strains, change, carried, on, old, new))
+            first = abs(rise(tables, e, duration, strains, change, carried, on, old, new))
             low, fall, high, climb = 0.0, -first, 1.0, np.inf
             for _ in range(CUTS):
                 there, at = carried + t * on, strains + t * change
-                end = rise(own, e, duration, at, change, there, on, old, new)
+                end = rise(tables, e, duration, at, change, there, on, old, new)
                 if end > 0.5 * first:
                     high, climb = t, end
                 elif end < -0.5 * first and t < 1.0:
@@ -128,7 +127,7 @@ def force_law(own, e, duration, q, Q, strains, old, new, k):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(step, bars, own, old, new):
+def assemble(step, bars, tables, old, new):
     """Add forces and tangents of all elements for a `step`; write the state `new`."""
     k, work = np.empty((3, 3)), np.empty((7, 4))
     for e in range(bars.dofs.shape[0]):
@@ -136,7 +135,7 @@ def assemble(step, bars, own, old, new):
         new.local[e] = old.local[e]
         new.strains[e] = old.strains[e]
         force_law(
-            own,
+            tables,
             e,
             step.duration,
             new.deformation[e],
@@ -150,18 +149,21 @@ def assemble(step, bars, own, old, new):
 
 
 @njit(cache=True, error_model="numpy")
-def account(weight, bars, own, old, new):
+def account(weight, bars, tables, old, new):
     """Energies of a step from the committed to the trial state of a group, see `StepEnergies`."""
     stored = plastic = algorithmic = ideal = 0.0
     for e in range(bars.lengths.shape[0]):
-        rest, change = own.rest[e], new.local[e] - old.local[e]
+        rest, change = tables.rest[e], new.local[e] - old.local[e]
         stored += 0.5 * new.local[e] @ (rest @ new.local[e])
         algorithmic += (weight - 0.5) * change @ (rest @ change)
-        for p in range(own.xi.shape[1]):
-            dx = own.weights[e, p] * bars.lengths[e]
+        for p in range(tables.xi.shape[1]):
+            dx = tables.weights[e, p] * bars.lengths[e]
             before, after = old.strains[e, p], new.strains[e, p]
-            if own.elastic[e, p]:
-                area, second = own.modulus[e] * own.area[e], own.modulus[e] * own.second[e]
+            if tables.elastic[e, p]:
+                area, second = (
+                    tables.modulus[e] * tables.area[e],
+                    tables.modulus[e] * tables.second[e],
+                )
                 d0, d1 = after[0] - before[0], after[1] - before[1]
                 stored += 0.5 * dx * (area * after[0] ** 2 + second * after[1] ** 2)
                 algorithmic += (weight - 0.5) * dx * (area * d0 * d0 + second * d1 * d1)
@@ -172,10 +174,10 @@ def account(weight, bars, own, old, new):
                 old.fibers[e, p],
                 new.fibers[e, p],
             )
-            s = own.sections.of[e]
-            parts = section_energies(own.sections, s, weight, dx, *states)
+            s = tables.sections.of[e]
+            parts = section_energies(tables.sections, s, weight, dx, *states)
             stored += parts[0]
             plastic += parts[1]
             algorithmic += parts[2]
-            ideal += section_energies(own.sections, s, 1.0, dx, *states)[1]
+            ideal += section_energies(tables.sections, s, 1.0, dx, *states)[1]
     return stored, plastic, algorithmic, ideal

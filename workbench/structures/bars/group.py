@@ -1,15 +1,14 @@
-"""Bars with plasticity told of at their ends: what they consist of, their tables and energies."""
+"""Elastic bars with hinges at their ends: what they consist of, their group, its energies."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Any, ClassVar, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array, Indices
-from workbench.structures.bars import kernels
+from workbench.arrays import Array
 from workbench.structures.elements import Bars, HingedElements, StepEnergies
 
 BAR = np.dtype(
@@ -99,75 +98,66 @@ class Bar:
         return sides[0], sides[1]
 
 
-class BarState(NamedTuple):
-    """State of all bars.
-
-    `local` (e, 3): N, M_1, M_4; `deformation` (e, 3): elongation and end rotations against the
-    chord; `plastic` (e, 3) parts of these; `back` (e, 2): backstresses of the hinges; `spread`
-    (e, 2): their accumulated plastic rotations.
-    """
-
-    local: Array
-    deformation: Array
-    plastic: Array
-    back: Array
-    spread: Array
-
-
-class BarTables(NamedTuple):
-    """Bars as arrays for the kernels.
-
-    `rows` (e,), records of BAR; `corners` (e, 2, corners, 3) and `counts` (e, 2), see `hinged_law`;
-    elastic `stiffness`
-    (e, 3, 3) of first order, of which the share `eta` always acts beside the hinges; if `gradual`,
-    shares of both moments at `first` yield (e, 2, corners, 2) and `curves` (e, 2, 2, points).
-    """
-
-    rows: Any
-    corners: Array
-    counts: Indices
-    stiffness: Array
-    eta: float
-    gradual: bool
-    first: Array
-    curves: Array
-
-
 class BarElements(HingedElements):
-    """Two-node bars that are elastic but for what is plastic at their ends.
+    """Two-node bars that are elastic but for what is plastic at, or told of at, their ends.
 
-    Arguments: as for `HingedElements`, the first two entries of the `state` those of `BarState`.
-    The plastic deformation of a bar is what its forces do not explain elastically.
+    The kinds are `hinged_bars`, `refined_bars` and `fiber_bars`: each has its compiled `kernels`,
+    its empty `state`, the `tables` of the kernels, made of the rows of BAR and the lengths, and the
+    `elastic` deformations (e, 3) under the forces of a state with their energy in J. The first two
+    entries of a state are `local` forces N, M_1, M_4 and `deformation`: elongation and end
+    rotations against the chord, both (e, 3). The plastic deformation of a bar is what its forces do
+    not explain elastically. Arguments: `nodes` (elements, 2); `bars` (elements,); these;
+    `first_order`, equilibrium of the undeformed structure; whether the law is `conservative`.
     """
 
-    kernels: ClassVar[Any] = kernels
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        bars: Sequence[Bar],
+        kernels: Any,
+        state: Any,
+        tables: Callable[[Any, Array], Any],
+        elastic: Callable[[Any, Any], tuple[Array, float]],
+        first_order: bool,
+        conservative: bool = True,
+    ) -> None:
+        mass = np.array([bar.mass_per_length for bar in bars])
+        bends = np.array([1.0 / bar.bending_stiffness for bar in bars])
+        super().__init__(nodes, state, mass, bends, first_order)
+        self.kernels, self._bars, self._make_tables = kernels, list(bars), tables
+        self._elastic, self._conservative = elastic, conservative
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        return (self._tables,)
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars)
-        rows = [bar.row(length) for bar, length in zip(self._own, self.lengths, strict=True)]
+        rows = [bar.row(length) for bar, length in zip(self._bars, self.lengths, strict=True)]
         self._rows: Any = np.array(rows, dtype=BAR)
-
-    def elastic(self, state: Any) -> tuple[Array, float]:
-        """Elastic deformations (elements, 3) under the forces of a state, and their energy in J."""
-        deformation, stored = np.empty_like(state.local), np.empty(len(state.local))
-        kernels.elastic(self._rows, state.local, deformation, stored)
-        return deformation, float(stored.sum())
+        self._tables = self._make_tables(self._rows, self.lengths)
 
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last.
 
-        What the work of the forces leaves beside stored energy and plastic work is algorithmic.
+        What the work of the forces leaves beside stored energy and plastic work is algorithmic,
+        but plastic where no energy stands behind the law. Fibers have their own account.
         """
+        if hasattr(self.kernels, "account"):
+            return super().account(weight)
         old, new = self._old, self._new
-        (before, held), (after, stored) = self.elastic(old), self.elastic(new)
+        before, held = self._elastic(self._rows, old)
+        after, stored = self._elastic(self._rows, new)
         change = new.deformation - old.deformation
         flow = change - (after - before)
         force = weight * new.local + (1.0 - weight) * old.local
         plastic, ideal = float(np.sum(force * flow)), float(np.sum(new.local * flow))
-        return StepEnergies(
-            stored, plastic, float(np.sum(force * change)) - (stored - held) - plastic, ideal
-        )
+        lost = float(np.sum(force * change)) - (stored - held)
+        if self._conservative:
+            return StepEnergies(stored, plastic, lost - plastic, ideal)
+        return StepEnergies(stored, lost, 0.0, lost)
 
     @property
     def elongations(self) -> Array:
@@ -177,7 +167,8 @@ class BarElements(HingedElements):
     @property
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4), all of the elongation at the start."""
-        u, first, last = (self._old.deformation - self.elastic(self._old)[0]).T
+        elastic, _ = self._elastic(self._rows, self._old)
+        u, first, last = (self._old.deformation - elastic).T
         return np.stack([u, first, np.zeros_like(u), last], axis=1)
 
     def utilisation(self) -> Array:
@@ -185,62 +176,12 @@ class BarElements(HingedElements):
         return np.array(
             [
                 (bar.start.gauge(n, -m1), bar.end.gauge(n, m4))
-                for bar, (n, m1, m4) in zip(self._own, self._old.local, strict=True)
+                for bar, (n, m1, m4) in zip(self._bars, self._old.local, strict=True)
             ]
         )
 
-    def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
-        """Displaced axis (elements, points, 2), bent by the committed moments."""
-        bends = np.array([1.0 / bar.bending_stiffness for bar in self._own])
-        return self.bent(displacement, elements, points, bends, self._old.local[:, 1:])
 
-
-class HingedBars(BarElements):
-    """Bars with plastic hinges of zero length at both ends.
-
-    Arguments: as for `BarElements`; `regularisation`, the share of the elastic stiffness beside
-    the hinges.
-    """
-
-    def __init__(
-        self,
-        nodes: ArrayLike,
-        bars: Sequence[Bar],
-        regularisation: float = 1e-6,
-        first_order: bool = False,
-    ) -> None:
-        self.regularisation, count = regularisation, len(bars)
-        state = BarState(*(np.zeros((count, width)) for width in (3, 3, 3, 2, 2)))
-        super().__init__(nodes, bars, state, first_order)
-
-    def place(self, bars: Bars) -> None:
-        """Take its place in a structure from the assembly."""
-        super().place(bars)
-        sides = [side for bar in self._own for side in bar.corners()]
-        corners = np.zeros((len(sides), max(len(side) for side in sides), 3))
-        for row, side in zip(corners, sides, strict=True):
-            row[: len(side)] = side
-        both = corners.reshape(len(self._own), 2, -1, 3)
-        ends = [(bar.start, bar.end) for bar in self._own]
-        axial = np.array([[end.axial for end in pair] for pair in ends]).swapaxes(1, 2)
-        share = np.array([[end.first_yield for end in pair] for pair in ends])
-        reach = np.maximum(1.0 - both[..., :1] / axial[:, :, None], 0.0)
-        gradual = all(end.spread is not None for pair in ends for end in pair)
-        at_once = np.array([[0.0, 1.0], [1.0, 1.0]])
-        curves = [[at_once if end.spread is None else end.spread for end in pair] for pair in ends]
-        self._tables = BarTables(
-            self._rows,
-            both,
-            np.array([len(side) for side in sides]).reshape(-1, 2),
-            np.stack([first_order(row) for row in self._rows]),
-            self.regularisation,
-            gradual,
-            share[:, None, None] * reach,
-            np.array(curves) if gradual else np.tile(at_once, (len(ends), 2, 1, 1)),
-        )
-
-
-def first_order(row: Any) -> Array:
+def first_order_stiffness(row: Any) -> Array:
     """Elastic stiffness (3, 3) of a row of BAR without axial force."""
     near, far = row["bending"] / 3.0 + row["shear"], -row["bending"] / 6.0 + row["shear"]
     stiffness = np.zeros((3, 3))

@@ -21,7 +21,7 @@ from workbench.compiled import njit
 from workbench.hinges.kernels import newton_in_bracket
 from workbench.hinges.pair_kernels import End, moments_in_box
 from workbench.structures.bars.beam_kernels import modes
-from workbench.structures.corotation.kernels import add_element, chord_at
+from workbench.structures.corotation_kernels import add_element, deform
 
 ITERATIONS = 60
 GRADUAL = 60  # iterations of gradual hinges
@@ -44,16 +44,6 @@ class Flow(NamedTuple):
     push: float
     a1: float
     a4: float
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def deform(bars, e, q, deformation):
-    """Chord of element `e` at displacements `q`; writes elongation and end rotations (3,)."""
-    chord = chord_at(bars, e, q)
-    deformation[0] = chord.elongation
-    deformation[1] = q[bars.dofs[e, 2]] - chord.rotation
-    deformation[2] = q[bars.dofs[e, 5]] - chord.rotation
-    return chord
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -230,7 +220,7 @@ def hardened(curve, rotation):
 
 
 @njit(cache=True, error_model="numpy")
-def gradual_law(own, e, trial, spread, k, flow):
+def gradual_law(tables, e, trial, spread, k, flow):
     """`hinged_law` of hinges that harden from first yield to the full surface, isotropically.
 
     Argument: plastic rotations `spread` (2,) accumulated so far. The surface is that at the end of
@@ -238,8 +228,8 @@ def gradual_law(own, e, trial, spread, k, flow):
     harden in proportion from where the last r has brought them, M = c + h (r - r_last). As
     hardening slows down, r rises to the solution from below, in 13 steps at most of 40 000 cases.
     """
-    bar, counts = own.rows[e], own.counts[e]
-    full, first = own.corners[e], own.first[e]
+    bar, counts = tables.rows[e], tables.counts[e]
+    full, first = tables.corners[e], tables.first[e]
     surface, turned = full.copy(), np.zeros(2)
     hard, turn = np.empty(2), np.empty(2)
     N = trial[0] / bar.axial
@@ -249,7 +239,7 @@ def gradual_law(own, e, trial, spread, k, flow):
         at = min(max(np.searchsorted(line[:, 0], abs(N)), 1), len(line) - 1)
         for i in range(2):
             r, (low, high) = turned[i], (bar.low1, bar.high1) if i == 0 else (bar.low4, bar.high4)
-            level, slope = hardened(own.curves[e, i], spread[i] + abs(r))
+            level, slope = hardened(tables.curves[e, i], spread[i] + abs(r))
             if bar.pinned1 if i == 0 else bar.pinned4:
                 slope = 0.0
             slope *= -low if r < 0.0 else high
@@ -282,25 +272,25 @@ def elastic(rows, local, deformation, stored):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(step, bars, own, old, new):
+def assemble(step, bars, tables, old, new):
     """Add forces and tangents of all elements for a `step`; write the state `new`."""
     k, work = np.empty((3, 3)), np.empty((7, 4))
     trial, flow, hard, none = np.empty(3), np.empty(3), np.empty(2), np.zeros(2)
-    eta = own.eta
+    eta = tables.eta
     for e in range(bars.dofs.shape[0]):
-        bar, deformation = own.rows[e], new.deformation[e]
+        bar, deformation = tables.rows[e], new.deformation[e]
         chord = deform(bars, e, step.end, deformation)
         trial[:] = deformation - old.plastic[e]
-        if own.gradual:
-            N, m1, m4 = gradual_law(own, e, trial, old.spread[e], k, flow)
+        if tables.gradual:
+            N, m1, m4 = gradual_law(tables, e, trial, old.spread[e], k, flow)
         else:
             hard[0], hard[1] = bar.hardening1, bar.hardening4
-            corners, counts = own.corners[e], own.counts[e]
+            corners, counts = tables.corners[e], tables.counts[e]
             N, m1, m4 = hinged_law(bar, corners, counts, trial, old.back[e], hard, none, k, flow)
             new.back[e] = old.back[e] + hard * flow[1:]
         new.spread[e] = old.spread[e] + np.abs(flow[1:])
         new.plastic[e] = old.plastic[e] + flow
-        linear = eta * own.stiffness[e]
+        linear = eta * tables.stiffness[e]
         local = linear @ deformation
         local[0] += (1.0 - eta) * N
         local[1] += (1.0 - eta) * m1

@@ -1,20 +1,199 @@
-"""Forces, tangent and energies of a fiber section.
+"""Stress updates of one fiber; forces, tangent and energies of a section of fibers.
 
-Symbols: strains Gamma_1 of the axis, Gamma_2 of shear, curvature kappa; forces N, V, M; fiber
+Stresses start from the committed state of the step. Parameters p are (E, H, fy, ...). Linear law:
+p[3] isotropic modulus; with rate p[4], p[5], the Cowper-Symonds D and q. Menegotto-Pinto: p[3] b,
+p[4] R0, p[5] cR1, p[6] cR2. The first state of every law is the plastic strain, so that
+stress = E (strain - plastic strain) always.
+Normal and shear stress together: eps, gamma strains, p their plastic parts; xi = (sigma - H eps_p,
+tau - H gamma_p / 3) the stress from the centre of the yield ellipse xi_1^2 + 3 xi_2^2 = fy^2; flow
+(xi_1, 3 xi_2) lam by closest-point projection.
+Sections: strains Gamma_1 of the axis, Gamma_2 of shear, curvature kappa; forces N, V, M; fiber
 strain eps = Gamma_1 - y kappa, so that M = -sum(sigma y A).
+Sources: Simo and Hughes 1998, boxes 1.5 and 1.6, section 3.3; Menegotto and Pinto 1973; Filippou
+et al. 1983.
 """
 
+import math
+
+import numpy as np
+
 from workbench.compiled import njit
-from workbench.structures.uniaxial.kernels import (
-    LINEAR,
-    LINEAR_RATE,
-    MENEGOTTO_PINTO,
-    SHEARED,
-    linear,
-    linear_rate,
-    menegotto_pinto,
-    sheared,
-)
+
+LINEAR, LINEAR_RATE, MENEGOTTO_PINTO, SHEARED = 0, 1, 2, 3
+ITERATIONS = 60
+
+
+@njit(cache=True, error_model="numpy")
+def rate_flow(excess, resistance, fy, D, q, duration):
+    """Plastic strain of a step with Cowper-Symonds overstress, and d(strain)/d(excess).
+
+    Solves resistance g + fy (g / (D dt))^(1/q) = excess for the plastic strain g, where
+    `excess` is the trial stress above the static yield stress. In x = (g / (D dt))^(1/q) the left
+    side is convex and rising, so that Newton's method from above is monotone.
+    """
+    scale = resistance * D * duration
+    x = min(excess / fy, (excess / scale) ** (1.0 / q))
+    for _ in range(ITERATIONS):
+        power = scale * x ** (q - 1.0)
+        change = (power * x + fy * x - excess) / (q * power + fy)
+        x -= change
+        if abs(change) <= 1e-15 * x:
+            break
+    strain_slope = D * duration * q * x ** (q - 1.0)  # dg/dx
+    return D * duration * x**q, strain_slope / (resistance * strain_slope + fy)
+
+
+@njit(cache=True, error_model="numpy")
+def linear(E, H, fy, Hi, eps, plastic, accumulated):
+    """Linear hardening: stress, tangent, and the new plastic and accumulated plastic strain."""
+    trial = E * (eps - plastic) - H * plastic
+    excess = abs(trial) - fy - Hi * accumulated
+    modulus = E
+    if excess > 0.0:
+        inverse = 1.0 / (E + H + Hi)
+        flow = excess * inverse
+        modulus = E * (H + Hi) * inverse
+        plastic += math.copysign(flow, trial)
+        accumulated += flow
+    return E * (eps - plastic), modulus, plastic, accumulated
+
+
+@njit(cache=True, error_model="numpy")
+def linear_rate(p, duration, eps, plastic, accumulated):
+    """Linear hardening with Cowper-Symonds overstress over a step of `duration` (s)."""
+    E, H, fy, Hi = p[0], p[1], p[2], p[3]
+    if duration == np.inf:
+        return linear(E, H, fy, Hi, eps, plastic, accumulated)
+    trial = E * (eps - plastic) - H * plastic
+    excess = abs(trial) - fy - Hi * accumulated
+    modulus = E
+    if excess > 0.0:
+        flow, slope = rate_flow(excess, E + H + Hi, fy, p[4], p[5], duration)
+        modulus = E * (1.0 - E * slope)
+        plastic += math.copysign(flow, trial)
+        accumulated += flow
+    return E * (eps - plastic), modulus, plastic, accumulated
+
+
+@njit(cache=True, error_model="numpy")
+def menegotto_pinto(p, eps, old, new, f):
+    """Menegotto-Pinto: stress and tangent of fiber `f`; `old` and `new` are states (10, fibers).
+
+    States: plastic strain at the end of the step, which the caller writes; strain; strain and
+    stress at the last reversal; those where its elastic line meets the hardening line; largest
+    and smallest strain; direction (0: virgin); plastic strain at the strain sampled last.
+    """
+    E, fy, b = p[0], p[2], p[3]
+    yielding = fy / E
+    for k in range(10):
+        new[k, f] = old[k, f]
+    last = old[1, f]
+    change = eps - last
+    direction = old[8, f]
+    if change == 0.0:
+        if direction == 0.0:
+            return E * (eps - old[9, f]), E
+    elif direction == 0.0:
+        direction = math.copysign(1.0, change)
+        new[2, f] = new[3, f] = 0.0
+        new[4, f], new[5, f] = direction * yielding, direction * fy
+        new[6, f], new[7, f] = yielding, -yielding
+    elif change * direction < 0.0:
+        direction = -direction
+        stress = E * (last - old[9, f])
+        new[2, f], new[3, f] = last, stress
+        if direction > 0.0:
+            new[7, f] = min(old[7, f], last)
+        else:
+            new[6, f] = max(old[6, f], last)
+        # where the elastic line from the reversal meets the hardening line
+        meeting = (direction * fy * (1.0 - b) - stress + E * last) / (E * (1.0 - b))
+        new[4, f] = meeting
+        new[5, f] = direction * fy + b * E * (meeting - direction * yielding)
+    new[8, f] = direction
+    extreme = new[6, f] if direction > 0.0 else new[7, f]
+    excursion = abs(extreme - new[4, f]) / yielding
+    R = p[4] * (1.0 - p[5] * excursion / (p[6] + excursion))
+    span = new[4, f] - new[2, f]
+    x = (eps - new[2, f]) / span
+    # 1 / (1 + |x|^R)^(1/R), written so that large |x|^R do not overflow
+    size = abs(x)
+    if size <= 1.0:
+        power = size**R
+        root = (1.0 + power) ** (-1.0 / R)
+        bend = root / (1.0 + power)
+    else:
+        power = size**-R
+        root = (1.0 + power) ** (-1.0 / R) / size
+        bend = root * power / (1.0 + power)
+    ratio = (new[5, f] - new[3, f]) / span
+    stress = new[3, f] + (b * x + (1.0 - b) * x * root) * (new[5, f] - new[3, f])
+    new[9, f] = eps - stress / E
+    new[1, f] = eps
+    return stress, ratio * (b + (1.0 - b) * bend)
+
+
+@njit(cache=True, error_model="numpy")
+def multiplier(first, second, a, b, fy):
+    """Solve (first / (1 + a lam))^2 + (second / (1 + b lam))^2 = fy^2 for lam > 0.
+
+    The inverse of the equivalent stress is nearly linear in lam (exactly so for one component
+    alone): Newton's method on it, kept inside the bracket.
+    """
+    size = math.sqrt(first * first + second * second) / fy - 1.0
+    low, high = size / max(a, b), size / min(a, b)
+    lam = 0.5 * (low + high)
+    for _ in range(ITERATIONS):
+        u = first / (1.0 + a * lam)
+        v = second / (1.0 + b * lam)
+        square = u * u + v * v
+        q = math.sqrt(square)
+        # d(1/q)/dlam = (u^2 a/(1 + a lam) + v^2 b/(1 + b lam)) / q^3
+        slope = (u * u * a / (1.0 + a * lam) + v * v * b / (1.0 + b * lam)) / (square * q)
+        value = 1.0 / q - 1.0 / fy
+        if value < 0.0:
+            low = lam
+        else:
+            high = lam
+        change = value / slope
+        lam -= change
+        if not low <= lam <= high:
+            lam = 0.5 * (low + high)
+        if abs(change) <= 4e-16 * (lam + 1.0 / max(a, b)):
+            break
+    return lam
+
+
+@njit(cache=True, error_model="numpy")
+def sheared(E, G, H, fy, eps, gamma, eps_p, gamma_p):
+    """Stresses, tangent (11, 12, 22) and new plastic strains of a fiber.
+
+    Arguments: moduli and yield stress in Pa; strains; committed plastic strains. Result:
+    sigma, tau, three tangent moduli, plastic strain and plastic shear strain.
+    """
+    sigma = E * (eps - eps_p)
+    tau = G * (gamma - gamma_p)
+    first = sigma - H * eps_p
+    second = tau - H * gamma_p / 3.0
+    if first * first + 3.0 * second * second <= fy * fy:
+        return sigma, tau, E, 0.0, G, eps_p, gamma_p
+    a, b = E + H, 3.0 * G + H
+    lam = multiplier(first, math.sqrt(3.0) * second, a, b, fy)
+    one, two = 1.0 / (1.0 + a * lam), 1.0 / (1.0 + b * lam)
+    first *= one
+    second *= two
+    eps_p += lam * first
+    gamma_p += 3.0 * lam * second
+    # d(xi) = X W d(strain) - u (u . W d(strain)) / (n . u) with X = diag(a one, b two / 3),
+    # W = diag(E / a, 3 G / b), n = (xi_1, 3 xi_2), u = X n; and
+    # d(stress) = (D - D W) d(strain) + W d(xi) with D = diag(E, G)
+    w1, w2 = E / a, 3.0 * G / b
+    u1, u2 = a * one * first, b * two * second
+    across = first * u1 + 3.0 * second * u2
+    k11 = E * (1.0 - w1) + w1 * w1 * (a * one - u1 * u1 / across)
+    k12 = -w1 * w2 * u1 * u2 / across
+    k22 = G * (1.0 - w2) + w2 * w2 * (b * two / 3.0 - u2 * u2 / across)
+    return E * (eps - eps_p), G * (gamma - gamma_p), k11, k12, k22, eps_p, gamma_p
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

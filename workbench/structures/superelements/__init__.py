@@ -1,6 +1,7 @@
 """Co-rotational superelements: a rigid or flexible elastic bar between two generalized hinges."""
 
-from workbench.structures.superelements.element import HingeEnd, Superelement, sway_stiffness
-from workbench.structures.superelements.group import Superelements, SuperelementState
-
-__all__ = ["HingeEnd", "Superelement", "SuperelementState", "Superelements", "sway_stiffness"]
+from workbench.structures.superelements.group import HingeEnd as HingeEnd
+from workbench.structures.superelements.group import Superelement as Superelement
+from workbench.structures.superelements.group import Superelements as Superelements
+from workbench.structures.superelements.group import SuperelementState as SuperelementState
+from workbench.structures.superelements.group import sway_stiffness as sway_stiffness

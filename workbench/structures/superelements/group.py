@@ -1,27 +1,154 @@
-"""The group object: all superelements of a structure, with two state buffers."""
+"""Superelements: two hinges, the bar between them and its mass; all of a structure in one group."""
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import dataclass
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from workbench.arrays import Array, Flags, Indices
+from workbench.arrays import Array, Flags
+from workbench.errors import InputError
+from workbench.fields import Choice, Declared, Flag, Number, checked
+from workbench.hinges import ShearSurface, YieldSurface
 from workbench.hinges.panel_kernels import WEB
 from workbench.structures.elements import Bars, HingedElements
 from workbench.structures.superelements import kernels
-from workbench.structures.superelements.element import Superelement
 
+INERTIAS = ("nonlinear", "linear", "none")
+_MASS = Number(0.0, 1e9, "kg/m")
 REGULARISATION = 1e-6  # share of elastic stiffness; below 1e-5 a frame's peak changes by < 0.1 %
+
+
+@dataclass(frozen=True)
+class HingeEnd:
+    """Generalized hinge at one end of a superelement.
+
+    Arguments: `surface`, bounds of the axial force and of the internal moment, positive where it
+    stretches the fibers on the right of somebody who looks from start to end; `axial_stiffness`
+    in N/m (inf: the hinge itself is rigid); `rotational_stiffness` in N m/rad (inf: rigid, 0: a
+    pin, which carries no moment). Raises `InputError`.
+    """
+
+    surface: YieldSurface
+    axial_stiffness: float = inf
+    rotational_stiffness: float = inf
+
+    def __post_init__(self) -> None:
+        if not self.axial_stiffness > 0.0:
+            raise InputError("hinge.axial_stiffness", self.axial_stiffness, "must be positive")
+        if not self.rotational_stiffness >= 0.0:
+            raise InputError(
+                "hinge.rotational_stiffness", self.rotational_stiffness, "must not be negative"
+            )
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the hinge carries no moment."""
+        return self.rotational_stiffness == 0.0
+
+
+@dataclass(frozen=True)
+class Superelement(Declared, table="superelement"):
+    """A bar with a generalized hinge at each end (Heng 2017, papers III and IV).
+
+    Arguments: hinges `start` and `end`; `axial_stiffness` EA (N) and `bending_stiffness` EI
+    (N m2) of the bar if it is flexible, not used if it is rigid; `flexible`; `mass_per_length` in
+    kg/m; `rotary_inertia` per length, rho I, in kg m, which acts on the rotation of the chord;
+    `rotation_inertia`: that of the deformed chord (nonlinear), of the initial chord (linear),
+    none; `web` that yields in shear, whose surface is then that of both hinges (None: rigid in
+    shear). Raises `InputError`.
+    """
+
+    start: HingeEnd
+    end: HingeEnd
+    axial_stiffness: float = inf
+    bending_stiffness: float = inf
+    flexible: bool = checked(Flag(), False)
+    mass_per_length: float = checked(_MASS, 0.0)
+    rotary_inertia: float = checked(_MASS, 0.0)
+    rotation_inertia: str = checked(Choice(INERTIAS), "none")
+    web: ShearSurface | None = None
+
+    def check(self) -> None:
+        """Refuse stiffnesses that leave the bar or its hinges undetermined."""
+        ends = self.start, self.end
+        if self.flexible:
+            for name in ("axial_stiffness", "bending_stiffness"):
+                if not 0.0 < getattr(self, name) < inf:
+                    raise self.refusal(name, "must be positive and finite in a flexible bar")
+        elif min(end.axial_stiffness for end in ends) == inf:
+            raise InputError(
+                "hinge.axial_stiffness", inf, "must be finite at one end of a rigid bar"
+            )
+        elif max(end.rotational_stiffness for end in ends) == inf:
+            raise InputError("hinge.rotational_stiffness", inf, "must be finite in a rigid bar")
+
+    def flexibility(self, length: float) -> Array:
+        """Elastic flexibility f_N, f_11, f_14, f_44 (4,) of hinges and bar, `length` in m.
+
+        Entries of a pinned end are those of the bar alone.
+        """
+        ends = self.start, self.end
+        axial = sum(1.0 / end.axial_stiffness for end in ends)
+        hinges = [0.0 if end.pinned else 1.0 / end.rotational_stiffness for end in ends]
+        bend = 0.0
+        if self.flexible:
+            axial += length / self.axial_stiffness
+            bend = length / (6.0 * self.bending_stiffness)
+        return np.array([axial, hinges[0] + 2.0 * bend, -bend, hinges[1] + 2.0 * bend])
+
+    def shear_flexibility(self, length: float) -> float:
+        """Rotation of both ends by the elastic web per end moment (1/N m), `length` in m."""
+        return 0.0 if self.web is None else 1.0 / (length * float(self.web.record["stiffness"]))
+
+    def bounds(self) -> Array:
+        """Bounds (2, 4) of N in tension and compression and of M_1, M_4 positive and negative.
+
+        The moment on the bar at its start is the internal one with its sign turned.
+        """
+        first, last = self.start.surface, self.end.surface
+        return np.array(
+            [
+                [*first.axial_bounds, *first.moment_bounds[::-1]],
+                [*last.axial_bounds, *last.moment_bounds],
+            ]
+        )
+
+    def exponents(self) -> Array:
+        """Exponents alpha and beta of both hinges (2, 2)."""
+        return np.array([[end.surface.alpha, end.surface.beta] for end in (self.start, self.end)])
+
+
+def sway_stiffness(
+    length: float, bending_stiffness: float, joints: tuple[float, float] = (inf, inf)
+) -> tuple[float, float]:
+    """Hinge stiffnesses (N m/rad) with which a rigid bar is exact when both its ends keep upright.
+
+    Arguments: `length` (m) and EI (N m2) of the member; rotational stiffness of its `joints` in
+    N m/rad (inf: rigid, 0: pinned). Rigid joints give 6 EI / L at both ends, hence 12 EI / L^3
+    against sway; with a pin the other end gets 3 EI / L. A rigid bar between two springs cannot
+    be exact in other modes as well: uniform bending would need 2 EI / L.
+    """
+    bend = length / (6.0 * bending_stiffness)
+    # moments of the flexible member for a unit chord rotation, free of division by a pin's zero
+    softness = [0.0 if joint == inf else 1.0 for joint in joints]
+    stiff = [1.0 if joint == inf else joint for joint in joints]
+    diagonal = [2.0 * bend * k + s for k, s in zip(stiff, softness, strict=True)]
+    determinant = diagonal[0] * diagonal[1] - bend * bend * stiff[0] * stiff[1]
+    first = stiff[0] * (diagonal[1] + bend * stiff[1]) / determinant
+    last = stiff[1] * (diagonal[0] + bend * stiff[0]) / determinant
+    return first, last
 
 
 class SuperelementState(NamedTuple):
     """State of all elements.
 
-    `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and how far the web slides, in m, whose
-    angle is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar; `local` (e, 3), the
-    same with the regularising stiffness; `deformation` (e, 3): elongation and end rotations against
-    the chord; `rate` (e,): angular velocity of the chord.
+    `plastic` (e, 5): u, theta of hinge 1, then of hinge 4, and the plastic shear displacement of
+    the web, in m, whose angle is in both theta; `carried` (e, 3): N, M_1, M_4 of hinges and bar;
+    `local` (e, 3), the same with the regularising stiffness; `deformation` (e, 3): elongation and
+    end rotations against the chord; `rate` (e,): angular velocity of the chord.
     """
 
     plastic: Array
@@ -69,7 +196,7 @@ class Superelements(HingedElements):
     equilibrium of the undeformed structure (shapes are then drawn with the chords as they move).
     """
 
-    kernels: ClassVar[Any] = kernels
+    kernels: Any = kernels
     _old: SuperelementState
 
     def __init__(
@@ -81,28 +208,28 @@ class Superelements(HingedElements):
         regularisation: float = REGULARISATION,
         first_order: bool = False,
     ) -> None:
-        own = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
+        kinds = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
         widths = ((5,), (3,), (3,), (3,), ())
-        state = SuperelementState(*(np.zeros((len(own), *width)) for width in widths))
-        super().__init__(nodes, own, state, first_order)
-        self.regularisation = regularisation
+        state = SuperelementState(*(np.zeros((len(kinds), *width)) for width in widths))
+        mass = np.array([kind.mass_per_length for kind in kinds])
+        bends = [1.0 / kind.bending_stiffness if kind.flexible else 0.0 for kind in kinds]
+        super().__init__(nodes, state, mass, bends, first_order)
+        self._kinds, self.regularisation = kinds, regularisation
 
     def place(self, bars: Bars) -> None:
         """Take its place in a structure from the assembly."""
         super().place(bars)
-        own = list(zip(self._own, self.lengths, strict=True))
-        bending = np.stack([section.flexibility(length) for section, length in own])
-        slides = np.array([section.shear_flexibility(length) for section, length in own])
+        pairs = list(zip(self._kinds, self.lengths, strict=True))
+        bending = np.stack([kind.flexibility(length) for kind, length in pairs])
+        slides = np.array([kind.shear_flexibility(length) for kind, length in pairs])
         flexibility = bending + np.multiply.outer(slides, [0.0, 1.0, 1.0, 1.0])
-        webs = np.zeros(len(self._own), WEB)
-        for e, section in enumerate(self._own):
-            if section.web is not None:
-                webs[e] = section.web.record
+        webs = np.zeros(len(pairs), WEB)
+        for e, kind in enumerate(self._kinds):
+            if kind.web is not None:
+                webs[e] = kind.web.record
         self._slide: Flags = webs["stiffness"] > 0.0
-        flexible = [1.0 / s.bending_stiffness if s.flexible else 0.0 for s in self._own]
-        self.bends: Array = np.array(flexible)  # in 1 / (N m2)
-        pinned = np.array([[s.start.pinned, s.end.pinned] for s in self._own])
-        exponents = np.stack([section.exponents() for section in self._own])
+        pinned = np.array([[kind.start.pinned, kind.end.pinned] for kind in self._kinds])
+        exponents = np.stack([kind.exponents() for kind in self._kinds])
         self._powers: Array = np.moveaxis(exponents, -1, 0)[:, None].copy()
         self._tables = HingeTables(
             bending,
@@ -110,17 +237,17 @@ class Superelements(HingedElements):
             _inverse(flexibility, pinned),
             webs,
             self.lengths,
-            np.stack([section.bounds() for section in self._own]),
+            np.stack([kind.bounds() for kind in self._kinds]),
             exponents,
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
-            scratch(len(own)),
+            scratch(len(pairs)),
         )
 
     def _rotary_inertias(self, kind: str) -> Array:
         """Inertia of the turning chord (elements,) in kg m2 where it is of a kind, else zero."""
-        inertia = [s.rotary_inertia if s.rotation_inertia == kind else 0.0 for s in self._own]
+        inertia = [k.rotary_inertia if k.rotation_inertia == kind else 0.0 for k in self._kinds]
         return np.array(inertia) * self.lengths
 
     @property
@@ -158,19 +285,20 @@ class Superelements(HingedElements):
         self._old.rate[:] = (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0]) / np.sum(d**2, axis=1)
 
     @property
-    def plastic(self) -> Array:
-        """Committed plastic deformations (elements, 4): u, theta of hinge 1, then of hinge 4.
+    def tables(self) -> tuple[Any, ...]:
+        """What the kernels take besides bars and states."""
+        return (self._tables,)
 
-        In m and rad, conjugate to N, M1 and M4; a pin's rotation is all of it. The web slides
-        beside them, see `sliding`.
-        """
+    @property
+    def plastic(self) -> Array:
+        """Committed plastic deformations (elements, 4), without those of webs, see `sliding`."""
         turned = self._old.plastic[..., :4].copy()
         turned[..., [1, 3]] -= (self.sliding / self.lengths)[..., None]
         return turned
 
     @property
     def sliding(self) -> Array:
-        """How far the web of each has slid for good (elements,), in m."""
+        """Plastic shear displacement of the webs (elements,), in m."""
         return self._old.plastic[..., 4]
 
     @property
@@ -182,8 +310,8 @@ class Superelements(HingedElements):
     def shear_forces(self) -> Array:
         """Committed shear force of the elements (elements,), in N; in panels that of the web."""
         webs, carried = self.slide, self._old.carried
-        sliding = (carried[..., 1] + carried[..., 2]) / self.lengths
-        return sliding if webs.all() else np.where(webs, sliding, super().shear_forces)
+        of_webs = (carried[..., 1] + carried[..., 2]) / self.lengths
+        return of_webs if webs.all() else np.where(webs, of_webs, super().shear_forces)
 
     @property
     def slide(self) -> Flags:
@@ -196,7 +324,7 @@ class Superelements(HingedElements):
 
     def used_by(self, carried: Array) -> Array:
         """The same (..., elements, 2) of the forces `carried` (..., elements, 3)."""
-        rows = carried.reshape(-1, len(self._own), 3)
+        rows = carried.reshape(-1, len(self._kinds), 3)
         used = np.zeros((*rows.shape[:2], 2))
         if not self.slide.all():
             shares = np.empty((2, *used.shape))
@@ -207,9 +335,10 @@ class Superelements(HingedElements):
             kernels.use_webs(self._tables, rows, used)
         return used.reshape(*carried.shape[:-1], 2)
 
-    def shapes(self, displacement: Array, elements: Indices, points: Array) -> Array:
-        """Displaced axis (points, 2), bent by committed moments where it is flexible."""
-        return self.bent(displacement, elements, points, self.bends, self._old.carried[..., 1:])
+    @property
+    def bending_moments(self) -> Array:
+        """Committed end moments that bend the bars (elements, 2), in N m: those of the hinges."""
+        return np.asarray(self._old.carried[..., 1:])
 
 
 def _inverse(flexibility: Array, pinned: Flags) -> Array:

@@ -13,7 +13,7 @@ from workbench.compiled import njit
 from workbench.hinges.pair_kernels import Pair, project_pair
 from workbench.hinges.panel_elements import project_condensed
 from workbench.hinges.panel_kernels import Panel, utilisation
-from workbench.structures.corotation.kernels import Chord, add_moved_element, chord_at, chord_before
+from workbench.structures.corotation_kernels import Chord, add_moved_element, chord_at, chord_before
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

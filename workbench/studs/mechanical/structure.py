@@ -13,11 +13,10 @@ head closes over the contact, so that the cone is not loaded; when the flange is
 import numpy as np
 
 from workbench.errors import OutOfDomainError
-from workbench.structures.assembly import PlanarAssembly
-from workbench.structures.fiber_beams import FiberBeams
+from workbench.structures.assembly import PlanarAssembly, graded_lengths
 from workbench.structures.fibers import BeamSection
-from workbench.structures.meshing import graded_lengths
-from workbench.structures.uniaxial import LinearHardening
+from workbench.structures.fibers.beams import FiberBeams
+from workbench.structures.fibers.laws import LinearHardening
 from workbench.studs.mechanical import kernels
 from workbench.studs.mechanical.links import AXIAL, LATERAL, Link, Links
 from workbench.studs.mechanical.parameters import (

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
-from workbench.structures.uniaxial import kernels
+from workbench.structures.fibers import kernels
 
 _MODULUS = Number(0.0, 1e30, "Pa", low_included=False)
 _HARDENING = Number(0.0, 1e30, "Pa")

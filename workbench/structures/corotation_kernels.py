@@ -1,4 +1,7 @@
-"""Chord geometry, its gradients, and the map from local to global forces and tangents.
+"""The co-rotational frame of a two-node planar element, shared by every local law.
+
+A law knows only the deformations against the chord and their conjugate forces; here they become
+global forces and tangent, for equilibrium or for an energy-exact step between two states.
 
 Symbols: d chord vector, D initial chord, l length, e = d/l, n normal to e, alpha rotation of the
 chord; r = dl/dd and g = d(alpha)/dd, or their discrete counterparts over a step. Local
@@ -68,6 +71,16 @@ def chord_at(bars, e, q):
     rotation = chord_rotation(Dx, Dy, dx, dy, 0.5 * (q[d[e, 2]] + q[d[e, 5]]))
     # l - L without cancellation: elements of centimetres carry strains of 1e-6
     return Chord(dx, dy, length, rotation, (ux * (dx + Dx) + uy * (dy + Dy)) / (length + L))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def deform(bars, e, q, deformation):
+    """Chord of element `e` at displacements `q`; writes elongation and end rotations (3,)."""
+    chord = chord_at(bars, e, q)
+    deformation[0] = chord.elongation
+    deformation[1] = q[bars.dofs[e, 2]] - chord.rotation
+    deformation[2] = q[bars.dofs[e, 5]] - chord.rotation
+    return chord
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.compiled import njit
-from workbench.structures.corotation.kernels import add_element, chord_at
+from workbench.structures.corotation_kernels import add_element, chord_at
 from workbench.structures.fibers.kernels import section_energies, section_response
 
 BALANCE = 1e-13  # of squash load and of 6 EI / L: inner unknowns are solved to round-off
