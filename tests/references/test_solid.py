@@ -222,7 +222,7 @@ def test_says_which_overrides_it_leaves_out_but_not_that_shear_is_missing() -> N
 
 
 def test_failure_to_converge_is_a_typed_outcome(monkeypatch) -> None:
-    monkeypatch.setattr("workbench.references.solid.push.ITERATIONS", 1)
+    monkeypatch.setattr("workbench.structures.equilibrium.ITERATIONS", 1)
     response = SolidPlaneStress(levels=1).simulate(ColumnPushover("push", THESIS, 0.02))
     assert outcome_of(response) is Outcome.NOT_CONVERGED
     assert "axial load, share" in response.attrs["message"]

@@ -139,6 +139,10 @@ class BarElements(HingedElements):
         self._rows: Any = np.array(rows, dtype=BAR)
         self._tables = self._make_tables(self._rows, self.lengths)
 
+    def elastic(self, state: Any) -> tuple[Array, float]:
+        """Elastic deformations (elements, 3) under the forces of a state, and their energy in J."""
+        return self._elastic(self._rows, state)
+
     def account(self, weight: float) -> StepEnergies:
         """Energies of the step from the committed state to the one assembled last.
 
@@ -148,8 +152,7 @@ class BarElements(HingedElements):
         if hasattr(self.kernels, "account"):
             return super().account(weight)
         old, new = self._old, self._new
-        before, held = self._elastic(self._rows, old)
-        after, stored = self._elastic(self._rows, new)
+        (before, held), (after, stored) = self.elastic(old), self.elastic(new)
         change = new.deformation - old.deformation
         flow = change - (after - before)
         force = weight * new.local + (1.0 - weight) * old.local
@@ -167,8 +170,7 @@ class BarElements(HingedElements):
     @property
     def plastic(self) -> Array:
         """Committed plastic deformations (elements, 4), all of the elongation at the start."""
-        elastic, _ = self._elastic(self._rows, self._old)
-        u, first, last = (self._old.deformation - elastic).T
+        u, first, last = (self._old.deformation - self.elastic(self._old)[0]).T
         return np.stack([u, first, np.zeros_like(u), last], axis=1)
 
     def utilisation(self) -> Array:
