@@ -22,6 +22,7 @@ from scipy.optimize import linprog
 
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
+from workbench.frames import finding
 from workbench.frames.column_line import column_line
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.structure import nodal_loads, upright_names
@@ -190,9 +191,4 @@ def sway_findings(per_drift: Array | None, drift: Array) -> list[Finding]:
     missing = 0.0 if reached >= 1.0 else 1.0 - sqrt(reached * (2.0 - reached))
     if missing >= MISSING:
         return []
-    text = (
-        f"the frame has swayed {reached:.2f} of the drift at which its dead loads bring it down: "
-        f"{100.0 * missing:.2g} % less resistance and this hit does, and models differ by as much"
-    )
-    remedy = "try a few percent more velocity"
-    return [Finding(SUBJECT, text, remedy=remedy, number=reached)]
+    return [finding(SUBJECT, reached, reached=reached, missing=100.0 * missing)]

@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
+from workbench.frames import finding
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
 from workbench.frames.elastic import ElasticFrame, dead_load_state
@@ -30,10 +31,10 @@ from workbench.scenarios import (
 from workbench.scenarios.members import OVERRIDES
 
 HEADS = ("joined", "pinned")
-ON_FRAME = ("flexible-superelement",)  # of which the frame itself is asked
+ON_FRAME = ("flexible-superelement",)  # which answers the frame itself
 BENT = 0.1  # of the plastic moment, by dead loads at the ends of the column
 SAME = 1e-3  # relative difference of collapse loads that counts as none
-SWAYED = 0.08  # of a peak, missing by an estimate; told a little below what counts as off
+SWAYED = 0.08  # of a peak, missing by an estimate; a little below what counts as an error
 
 
 @dataclass(frozen=True)
@@ -110,49 +111,33 @@ class ColumnEstimate:
         column, line = self.column.column, self.line
         spring = f"an elastic spring of {column.restraint_stiffness / 1e6:.4g} MN/m"
         held = {"fixed": "no axial movement", "guided": spring, "pinned": spring}[column.head]
-        yield Finding(
+        yield finding(
             "estimate",
-            f"the line {line.base} to {line.head} stands for the frame: base {column.base}, head "
-            f"{column.head}, {held}, {column.axial_load / 1e3:.4g} kN of dead load and "
-            f"{column.head_mass:.4g} kg at the head are estimates",
+            base=line.base,
+            head=line.head,
+            support=column.base,
+            held=f"{column.head}, {held}",
+            axial=column.axial_load / 1e3,
+            mass=column.head_mass,
         )
-        yield Finding("ends", self._ends())
+        yield finding("ends", effect=self._ends())
         missing = self.swayed
         if missing is None or missing > SWAYED:
             share = "much" if missing is None else f"up to {100.0 * missing:.0f} %"
-            yield Finding(
-                "sway",
-                f"joints that sway and turn, as the ends of the column do not, give {share} of the "
-                "peak, less while their mass holds them: it comes out too small by that",
-                instead=ON_FRAME,
-                number=missing,
-            )
+            yield finding("sway", missing, share=share)
         if self.fall > 1.0:
-            yield Finding(
-                "fall",
-                f"the hit brings {self.fall:.2f} times the energy that the mechanism of the frame "
-                "takes before its dead loads carry it on: the frame may fall, which the column "
-                "cannot say",
-                instead=ON_FRAME,
-                number=self.fall,
-            )
+            yield finding("fall", self.fall, ratio=self.fall)
         if self.bent > BENT:
-            yield Finding(
-                "dead-moments",
-                f"dead loads bend the ends of the column by {self.bent:.2f} of its plastic moment: "
-                "the column that stands for it is straight and free of moments",
-                instead=ON_FRAME,
-            )
+            yield finding("dead-moments", share=self.bent)
 
     def _ends(self) -> str:
-        text = "sway and rotation of the joints at the ends of the column are left out: "
         ratio = self.collapse_ratio
         if ratio is None:
-            return text + "the plastic resistance of the frame does not reach for its dead loads"
+            return "the plastic resistance of the frame does not reach for its dead loads"
         if abs(ratio - 1.0) < SAME:
-            return text + "by limit analysis the column's own mechanism governs, so they stay small"
+            return "by limit analysis the column's own mechanism governs, so they stay small"
         which = "small" if ratio < 1.0 else "large"
-        return text + (
+        return (
             f"by limit analysis the frame resists {ratio:.2f} of the force that the column's own "
             f"mechanism does, so that peaks come out too {which}"
         )
@@ -161,13 +146,7 @@ class ColumnEstimate:
         """Whether the spring carried a `force` (N) beyond the collapse of the frame."""
         limit = self.restraint_limit
         if limit is not None and force > limit:
-            yield Finding(
-                "restraint",
-                f"the spring at the head carries up to {force / 1e3:.4g} kN, but the frame "
-                f"without the column collapses at {limit / 1e3:.4g} kN: peaks in catenary action "
-                "come out too small",
-                instead=ON_FRAME,
-            )
+            yield finding("restraint", force=force / 1e3, limit=limit / 1e3)
 
 
 def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnEstimate:
@@ -205,7 +184,7 @@ def column_like(scenario: FrameImpact) -> ColumnImpact | None:
 
 @lru_cache(maxsize=64)
 def _column_of_unit(frame: Frame, node: str, direction: str) -> ColumnImpact | None:
-    """The column whatever hits it: one frame is asked for many strikers."""
+    """The column, the same for all strikers of a frame."""
     striker = FrameStriker(1.0, 1.0, node=node, direction=direction)
     scenario = FrameImpact("unit", frame, striker, 1.0)
     try:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from workbench.frames import finding
 from workbench.frames.collapse_load import member_strength
 from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.frames.shear import shear_findings
@@ -35,16 +36,11 @@ def frame_findings(scenario: FrameScenario) -> list[Finding]:
     pattern = scenario.loads if isinstance(scenario, FrameStatic | FramePulse) else ()
     twisted = [p.node for p in (*frame.loads, *pattern) if p.moment and p.node in spinning]
     if twisted:
-        text = f"a moment acts on node {twisted[0]}, where only pins meet: nothing resists it"
-        findings.append(Finding("mechanism", text, refusal=True))
+        findings.append(finding("moment-on-pins", node=twisted[0]))
     elif frame.loads:
         findings += _dead_load_findings(frame)
     elif isinstance(scenario, FrameStatic) and ElasticFrame(frame).is_mechanism:
-        text = (
-            "for small displacements the frame is a mechanism: something moves without resistance "
-            "until its shape has changed"
-        )
-        findings.append(Finding("mechanism", text))
+        findings.append(finding("mechanism"))
     if isinstance(scenario, FrameGroundMotion) and not scenario.load_as_mass:
         findings += _massless_findings(frame)
     return findings + shear_findings(scenario)
@@ -58,39 +54,25 @@ def _massless_findings(frame: Frame) -> list[Finding]:
     there = steel + sum(masses.values())
     if missing <= _SHARE * there:
         return []
-    text = (
-        f"dead loads weigh as much as {missing:.3g} kg that no node has, beside {there:.3g} kg of "
-        "steel and nodes: the ground shakes too little"
-    )
-    remedy = "set ground.load_as_mass = true, or give the nodes their mass"
-    return [Finding("mass", text, remedy=remedy, number=missing / there)]
+    return [finding("mass", missing / there, missing=missing, there=there)]
 
 
 def _dead_load_findings(frame: Frame) -> list[Finding]:
     """What the dead loads do to the elastic frame, springs and locks left out."""
     state = dead_load_state(frame)
     if state.factor is None:
-        text = "under its dead loads the frame is a mechanism: it moves without resistance"
-        return [Finding("mechanism", text, refusal=True)]
+        return [finding("mechanism-under-dead-loads")]
     findings = []
     for member, force in zip(frame.members, state.axial, strict=True):
         squash = member_strength(frame, member)[int(force < 0.0)]
         if abs(force) >= squash:
-            text = (
-                f"dead loads bring {force / 1e3:.4g} kN (tension positive) into member "
-                f"{member.name}, which resists {squash / 1e3:.4g} kN"
-            )
             ratio = float(abs(force) / squash)
-            findings.append(Finding("squash", text, refusal=True, number=ratio))
+            values = {"force": force / 1e3, "resistance": squash / 1e3}
+            findings.append(finding("squash", ratio, member=member.name, **values))
     if state.factor <= 1.0:
-        text = f"the frame buckles elastically under {state.factor:.3g} of its dead loads"
-        findings.append(Finding("buckling", text, refusal=True, number=state.factor))
+        findings.append(finding("buckles", state.factor, factor=state.factor))
     elif state.factor < BUCKLING_WARNING:
-        text = (
-            f"dead loads are {1.0 / state.factor:.2f} of those under which the elastic frame "
-            "buckles: second-order bending between the hinges, which rigid bars lack, matters"
-        )
-        findings.append(Finding("buckling", text, number=state.factor, instead=()))
+        findings.append(finding("buckling", state.factor, share=1.0 / state.factor))
     return findings
 
 
@@ -109,18 +91,8 @@ def hit_mass_findings(scenario: FrameScenario, parts: Sequence[int]) -> list[Fin
     share = striker.mass / sum(steel.values())
     light = []
     if share < 1.0 and len(struck) < len(frame.members):
-        text = (
-            f"the striker weighs {share:.2f} of the members that it hits: the frame swings in "
-            "modes that the few bars of members beyond do not have; on nine such frames that were "
-            "drawn peaks came out -9 to +12 % off"
-        )
-        light = [Finding("light-striker", text, number=share, instead=())]
+        light = [finding("light-striker", share, share=share)]
     if lost <= _MUCH_SHARED:
         return light
-    text = (
-        f"the elements beside node {striker.node} share {shared:.3g} kg of their mass with the "
-        f"striker at once: the first collision takes {100.0 * lost:.0f} % of the energy, which a "
-        "beam keeps, and peaks come out too small by up to as much; more of them (option elements)"
-        " share less"
-    )
-    return [*light, Finding("hit-mass", text, number=lost, instead=())]
+    hit = finding("hit-mass", lost, node=striker.node, mass=shared, percent=100.0 * lost)
+    return [*light, hit]

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from functools import lru_cache
 from math import sqrt
 
+from workbench.frames import finding
 from workbench.frames.chains import chains, eventful, named
 from workbench.materials import Steel
 from workbench.responses import Finding
@@ -100,7 +101,7 @@ def shear_findings(
     demand = shear_demand(scenario)
     if members is not None:
         demand = {name: share for name, share in demand.items() if name in members}
-    return _told("shear", scenario.frame, demand, "a plastic mechanism needs up to")
+    return _ratio_findings("shear", scenario.frame, demand, "a plastic mechanism needs up to")
 
 
 def shear_reached(scenario: FrameScenario, reached: Mapping[str, float]) -> list[Finding]:
@@ -113,30 +114,24 @@ def shear_reached(scenario: FrameScenario, reached: Mapping[str, float]) -> list
     """
     demand = shear_demand(scenario)
     needed = {name: min(share, demand[name]) for name, share in reached.items()}
-    return _told("shear-reached", scenario.frame, needed, "the mean along the member reaches")
+    source = "the mean along the member reaches"
+    return _ratio_findings("shear-reached", scenario.frame, needed, source)
 
 
-def _told(subject: str, frame: Frame, ratios: Mapping[str, float], source: str) -> list[Finding]:
+def _ratio_findings(
+    subject: str, frame: Frame, ratios: Mapping[str, float], source: str
+) -> list[Finding]:
     """Findings of V/Vpl by member, `source` in words: above one, and above the bound."""
     worst = [name for name in ratios if ratios[name] > SOLID_BOUND]  # which is the least of all
     worst.sort(key=lambda name: -ratios[name])
     bounds = {name: shear_bound(frame.strength_section(name)) for name in worst}
     findings = []
     above = [name for name in worst if ratios[name] > 1.0 + ROUND_OFF]
-    if above:
-        text = (
-            f"{source} V/Vpl = {ratios[above[0]]:.2f} in {named(above)}: webs yield in shear "
-            "before, so that every model without shear yielding overestimates the plastic "
-            "resistance"
-        )
-        findings.append(Finding(subject, text, number=ratios[above[0]], instead=()))
     near = [name for name in worst if bounds[name] < ratios[name] <= 1.0 + ROUND_OFF]
-    if near:
-        least = min(bounds[name] for name in near)
-        text = (
-            f"{source} V/Vpl = {ratios[near[0]]:.2f} in {named(near)}: above {least:.2f} shear "
-            f"yielding takes more than {100 * SHEAR_LOSS:g} % of the resistance, which models "
-            "without it leave out"
-        )
-        findings.append(Finding(subject, text, number=ratios[near[0]], instead=()))
+    least = min((bounds[name] for name in near), default=1.0)
+    for key, names in (("webs-yield", above), ("webs-weaken", near)):
+        if names:
+            ratio = ratios[names[0]]
+            values = {"source": source, "ratio": ratio, "members": named(names), "least": least}
+            findings.append(finding(key, ratio, subject, loss=100 * SHEAR_LOSS, **values))
     return findings

@@ -126,12 +126,12 @@ class FrameStructure:
 
     @property
     def is_column(self) -> bool:
-        """Whether it is a column told as a frame: its head cannot drift."""
+        """Whether it stands for a column, whose head cannot drift."""
         return bool(self.hinges)
 
     @property
     def sense(self) -> float:
-        """Sign of the moments that are told: a column's are positive at the base.
+        """Sign of the reported moments: those of a column are positive at the base.
 
         The strike on it flies along +x and it goes up, which is the other way round in a frame.
         """

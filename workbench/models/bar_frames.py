@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
+from workbench.frames import finding
 from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
 from workbench.frames.findings import hit_mass_findings
 from workbench.frames.runs import OPEN_LEDGER
@@ -83,12 +84,7 @@ class BarFrames(FrameModel):
         names = [member.name for member in event.frame.members]
         fewest = min(parts[names.index(name)] for name in event.members)
         if fewest < FEWEST_LOADED:
-            text = (
-                "a line load acts at the ends of elements, half of what stands on each: with "
-                f"{fewest} per member elastic deflections come out up to 20 % too small"
-            )
-            remedy = f"take elements = {FEWEST_LOADED}"
-            findings.append(Finding("line-load", text, remedy=remedy, number=fewest))
+            findings.append(finding("line-load", fewest, fewest=fewest, wanted=FEWEST_LOADED))
         return findings
 
     def parts(self, scenario: FrameScenario) -> list[int]:

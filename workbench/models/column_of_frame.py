@@ -1,10 +1,10 @@
-"""An impacted frame told as one of its columns, as an engineer does it by hand.
+"""An impacted frame reduced to the column that is hit, as an engineer does it by hand.
 
 Heng 2017, section 5.2, puts a guided head with an axial spring and a dead load in the place of the
 rest of the frame. Here the spring is the elastic stiffness that the frame without the column has
 between the two ends of it, the dead load is that of the elastic frame, and the mass at the head is
 that of what stands on it. What the ends do besides, sway and rotation, is left out; so is the
-strength of the frame, unless the restraint is said to yield.
+strength of the frame, unless the restraint may yield.
 """
 
 from dataclasses import dataclass, replace
@@ -14,6 +14,7 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, checked
+from workbench.frames import finding
 from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
 from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.findings import frame_findings
@@ -105,8 +106,7 @@ class ColumnOfFrame(Answering):
         except OutOfDomainError as error:
             return [*findings, Finding("column", str(error), refusal=True)]
         if self.restraint == "yielding" and estimate.restraint_limit is None:
-            text = "without the column the frame collapses under its dead loads: nothing restrains"
-            findings.append(Finding("restraint", text, refusal=True))
+            findings.append(finding("no-restraint"))
         inner = MODELS[self.model].domain(estimate.column)
         return [*findings, *inner, *estimate.findings()]
 
@@ -123,11 +123,11 @@ class ColumnOfFrame(Answering):
         else:
             response = model.simulate(estimate.column)
             force = _spring_force(response, estimate.column.column)
-        known = {finding.text for finding in model.domain(estimate.column)}
+        known = {each.text for each in model.domain(estimate.column)}
         findings = [
-            finding
-            for finding in warnings_of(response)
-            if finding.text not in known and finding.subject != IMPLAUSIBLE
+            warning
+            for warning in warnings_of(response)
+            if warning.text not in known and warning.subject != IMPLAUSIBLE
         ]
         if force is not None and self.restraint == "elastic":
             findings += estimate.restraint_findings(force)

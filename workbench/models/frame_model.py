@@ -1,4 +1,4 @@
-"""What all models of frames share: runs, steps and drivers, and a column told as a frame."""
+"""What all models of frames share: runs, steps, drivers; a column is a frame of two members."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -70,7 +70,7 @@ def one_thread() -> AbstractContextManager[Any]:
 
 
 def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
-    """A scenario of a frame; that of a column as what happens to the frame of its two members."""
+    """Return the frame scenario; a column becomes its two-member frame."""
     if not isinstance(scenario, COLUMNS):
         return scenario
     if "frame" not in scenario.kept:
@@ -80,7 +80,7 @@ def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
 
 
 def as_column(structure: FrameStructure) -> FrameStructure:
-    """The frame of a column, told of in the words of columns."""
+    """The frame of a column, with the histories and hinges that columns report."""
     watched = {"shortening": structure.dof("head", "-y")}
     return replace(structure, watched=watched, hinges=COLUMN_HINGES)
 
@@ -103,7 +103,7 @@ class Clock:
 
 
 class FrameModel(ABC, Declared, table="option"):
-    """A model of frames, which sees a column as one and tells of it in its own words.
+    """A model of frames, which takes a column as a frame and reports it as a column.
 
     `time_step` in s (None: by rule); `largest_error` of the energy ledger and `least_yield_ratio`
     of an impact, see `run_impact`; `collision_halvings`, see `impact`.
@@ -175,7 +175,7 @@ class FrameModel(ABC, Declared, table="option"):
         return response
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
-        """Subjects of findings, said before the run, that it knows better.
+        """Subjects of findings of the domain that the run replaces by what it has measured.
 
         Such as the shear of a mechanism of members between joints that hold still.
         """

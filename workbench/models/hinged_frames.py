@@ -16,6 +16,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames import finding
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.shear import fiber_section, shear_demand, shear_stiffness
 from workbench.frames.structure import FrameStructure
@@ -44,7 +45,6 @@ from workbench.structures.bars import (
 from workbench.structures.fibers.section import spread_of_yield
 
 SAFE = 0.9  # of the Euler load of a pin-ended bar, which the squash load must not exceed
-FIRST = ("plastic-hinge",)
 IMPERFECT = 0.877  # AISC 360, E3: strength of a slender column over its Euler load
 CATENARY = 0.5  # Mp / Npl, from where the hinge models without elongation are warned of
 NO_MOMENT_LOST = 0.25  # of the squash load, tension of a run; EN 1993-1-1, 6.2.9.1 (4)
@@ -68,15 +68,11 @@ class BarHinges(BarFrames):
         if isinstance(event, FrameImpact) and not self.stretches:
             reach = catenary_reach(event)
             if reach > CATENARY:
-                text = (
-                    f"the hit bends the struck member by up to {reach:.2g} Mp/Npl, into catenary "
-                    "action, in which hinges elongate as they turn, and do not in this model"
-                )
-                findings.append(Finding("catenary", text, number=reach, instead=FIRST))
+                findings.append(finding("catenary", reach, reach=reach))
         if self.loses_moment:
             findings += axial_findings(event.frame, self.loses_moment)
         if self.in_cycles and _reverses(event):
-            findings.append(Finding("cycles", self.in_cycles, instead=FIRST))
+            findings.append(finding("cycles", effect=self.in_cycles))
         return super().domain(scenario) + findings
 
     def settled(self, scenario: FrameImpact, response: Response) -> set[str]:
@@ -316,5 +312,5 @@ def axial_findings(frame: Frame, effect: str) -> list[Finding]:
     worst = max(shares, key=lambda name: shares[name])
     if shares[worst] <= AXIAL_SHARE:
         return []
-    text = f"dead loads bring {shares[worst]:.2f} of the squash load into member {worst}: {effect}"
-    return [Finding("interaction", text, number=shares[worst], instead=FIRST)]
+    values = {"share": shares[worst], "member": worst}
+    return [finding("interaction", shares[worst], effect=effect, **values)]

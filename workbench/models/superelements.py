@@ -21,6 +21,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Number, checked
+from workbench.frames import finding
 from workbench.frames.elastic import wave_times
 from workbench.frames.runs import run_impact
 from workbench.frames.shear import shear_findings
@@ -158,9 +159,7 @@ class _HingedBars(BarFrames):
         webs = {m.name: self._web(frame, m) for m in frame.members}
         findings: list[Finding] = []
         if any(webs.values()) and not (self.alpha is None and self.beta is None):
-            text = "exponents do not apply to members with webs, whose N-M-V domain is of plates"
-            remedy = "take shear = none for a super-elliptic surface"
-            findings.append(Finding("exponents", text, remedy=remedy))
+            findings.append(finding("exponents"))
         alike: dict[tuple[ShearSurface, float, float], list[str]] = {}
         for name, web in webs.items():
             if web is not None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
+from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.frames.structure import FrameStructure, stand_frame
@@ -173,24 +174,16 @@ class FiberReference(FrameModel):
 def joint_findings(frame: Frame) -> list[Finding]:
     """What a rotational spring at the end of a fiber member leaves out of a joint."""
     used = {m.joint_start for m in frame.members} | {m.joint_end for m in frame.members}
-    left_out = (
-        (
-            ("plastic_moment", "plastic_moment_negative"),
-            "are rotational springs here: their plastic moment does not depend on the axial force, "
-            "which overestimates them in catenary action",
-        ),
-        (
-            ("axial_stiffness", "tension_resistance", "compression_resistance"),
-            "are rigid along the member here: axial stiffness and axial resistances of joints are "
-            "left out",
-        ),
-    )
+    left_out = {
+        "joint-moments": ("plastic_moment", "plastic_moment_negative"),
+        "joint-axial": ("axial_stiffness", "tension_resistance", "compression_resistance"),
+    }
     findings = []
-    for options, text in left_out:
-        given = [j for j in frame.joints if any(getattr(j, key) is not None for key in options)]
+    for key, options in left_out.items():
+        given = [j for j in frame.joints if any(getattr(j, name) is not None for name in options)]
         names = [joint.name for joint in given if joint.name in used]
         if names:
-            findings.append(Finding("joints", f"joints {', '.join(names)} {text}"))
+            findings.append(finding(key, names=", ".join(names)))
     return findings
 
 
@@ -224,4 +217,4 @@ def override_findings(
         return []
     texts = [f"{difference} ({named(names)})" for difference, names in differing.items()]
     more = f" and {len(texts) - 4} more" if len(texts) > 4 else ""
-    return [Finding("section", f"{text}: {', '.join(texts[:4])}{more}")]
+    return [finding("section", reason=text, differences=", ".join(texts[:4]) + more)]

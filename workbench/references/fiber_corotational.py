@@ -12,12 +12,13 @@ from typing import ClassVar
 
 from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames import finding
 from workbench.frames.shear import fiber_section, shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
 from workbench.references.refine import COARSEST, REFINEMENT, refined
-from workbench.responses import Finding, Outcome, Response, findings_of, outcome_of, set_findings
+from workbench.responses import Outcome, Response, findings_of, outcome_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams, lobatto_points, radau_rule
@@ -78,12 +79,9 @@ class FiberCorotational(FiberReference):
 
         response = respond(self, scenario, solve)
         if coarser and outcome_of(response) is not Outcome.OUT_OF_DOMAIN:
-            text = (
-                f"an element crumples with refinement = {self.refinement}; answered with "
-                f"refinement = {coarser[-1].refinement}, elements {2 ** len(coarser)} times as long"
-            )
-            remedy = "compare fiber-reissner, whose elements do not crumple"
-            set_findings(response, [Finding("mesh", text, remedy=remedy), *findings_of(response)])
+            taken, times = coarser[-1].refinement, 2 ** len(coarser)
+            doubt = finding("crumpled", wanted=self.refinement, taken=taken, times=times)
+            set_findings(response, [doubt, *findings_of(response)])
         return response
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
+from workbench.frames import finding
 from workbench.frames.chains import chains, eventful, named
 from workbench.frames.structure import POINTS, MemberReader
 from workbench.responses import Finding
@@ -190,19 +191,12 @@ def mesh_findings(scenario: FrameScenario, lengths: list[Array], sampled: float)
         excess[names[0]] = sampled * (parts[names[0]][0] + parts[names[-1]][-1]) / whole
     above = [name for name in excess if excess[name] > LARGEST_EXCESS]
     if above:
-        text = (
-            f"elements next to the hinges overestimate the resistance of {named(above)} by up to "
-            f"{100 * max(excess.values()):.0f} %: refine"
-        )
-        findings.append(Finding("mesh", text))
+        percent = 100 * max(excess.values())
+        findings.append(finding("coarse-hinges", members=named(above), percent=percent))
     longest = max(float(part.max()) for part in lengths)
     limit = WARNED_IN_DYNAMICS * _longest(frame)
     if not isinstance(scenario, FrameStatic) and longest > limit:
-        text = (
-            f"elements of {longest:.3g} m inside the members are too long for travelling plastic "
-            "hinges, peaks may be several percent off: reduce largest_element"
-        )
-        findings.append(Finding("mesh", text))
+        findings.append(finding("coarse-inside", longest=longest))
     return findings
 
 

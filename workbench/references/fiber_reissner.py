@@ -14,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
+from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.shear import shear_stiffness
 from workbench.materials import Steel
@@ -62,17 +63,10 @@ class ExactBeams(FiberReference):
         members = as_frame(scenario).frame.members
         others = [m.name for m in members if not isinstance(m.section.shape, ISection)]
         if self.residual_stress != "none" and others:
-            text = (
-                f"option.residual_stress = {self.residual_stress}: patterns are known for I "
-                f"sections only, not for {named(others)}; use none"
-            )
-            findings.append(Finding("residual-stress", text, refusal=True))
+            pattern = self.residual_stress
+            findings.append(finding("residual-stress", pattern=pattern, members=named(others)))
         if self.out_of_straightness != 0.0 and not isinstance(scenario, COLUMNS):
-            text = (
-                f"option.out_of_straightness = {self.out_of_straightness:g}: bows are known for "
-                "columns only; put nodes where a member is crooked"
-            )
-            findings.append(Finding("out-of-straightness", text, refusal=True))
+            findings.append(finding("out-of-straightness", amplitude=self.out_of_straightness))
         return findings
 
     def placed(self, mesh: FrameMesh) -> FrameMesh:

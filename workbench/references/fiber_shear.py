@@ -7,6 +7,7 @@ solid sections) that yield under normal and shear stress together, sigma^2 + 3 t
 from dataclasses import dataclass
 from typing import ClassVar
 
+from workbench.frames import finding
 from workbench.materials import Steel
 from workbench.models.domain import DIRECT_SHEAR, shear_demand
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
@@ -48,16 +49,11 @@ class FiberShear(ExactBeams):
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """As all; and pulses that webs decide, which are those between the flanges here."""
         findings = super().domain(scenario)
-        known = {finding.subject for finding in findings}
+        known = {each.subject for each in findings}
         if isinstance(scenario, MemberPulse) and DIRECT_SHEAR not in known:
             needed = max(shear_demand(scenario).values())
             if needed > 1.0:
-                text = (
-                    f"a plastic mechanism needs V/Vpl = {needed:.2f}: webs decide the resistance, "
-                    "here the clear ones, some percent weaker than those of a solid, and near the "
-                    "resistance a pulse makes far more of it"
-                )
-                findings.append(Finding("clear-web", text, number=needed, instead=()))
+                findings.append(finding("clear-web", needed, needed=needed))
         return findings
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
@@ -106,3 +108,26 @@ class Finding:
         subject, severity, text, remedy, number, instead = (stored[name] for name in COLUMNS)
         instead = None if instead is None else tuple(instead)
         return cls(subject, text, severity == REFUSAL, remedy, number, instead)
+
+
+def findings_in(path: Path) -> Callable[..., Finding]:
+    """Return the maker of the findings that a TOML file declares, called as `make(key, number)`.
+
+    Each has a `text`, filled with the values given by name, and may have a `subject` (its key
+    unless given there or in the call), `remedy`, `instead` and `refusal`, see `Finding`.
+    """
+    declared = tomllib.loads(path.read_text(encoding="utf-8"))
+
+    def make(key: str, number: float | None = None, subject: str = "", **values: Any) -> Finding:
+        entry = declared[key]
+        instead = entry.get("instead")
+        return Finding(
+            subject or entry.get("subject", key),
+            entry["text"].format(**values),
+            entry.get("refusal", False),
+            entry.get("remedy", "").format(**values),
+            number,
+            None if instead is None else tuple(instead),
+        )
+
+    return make

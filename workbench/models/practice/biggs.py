@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import checked
+from workbench.frames import finding
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.deflected_shape import Stage, beam_of
 from workbench.models.practice.hand_estimate import AXIAL, SECTION, plastic_moment
@@ -69,13 +70,7 @@ class Biggs(SingleDof):
         factors = [stage.load_mass_factor for stage in stages]
         spread = max(factors) / min(factors)
         if spread > _ALIKE:
-            text = (
-                f"the equivalent mass of its stages lies between {min(factors):.2f} and "
-                f"{max(factors):.2f} of the member's: where one shape gives way to another kinetic "
-                "energy is lost that the member keeps, and the peak comes out too small; the "
-                "method is meant for loads near midspan"
-            )
-            findings.append(Finding("shapes", text, number=spread, instead=()))
+            findings.append(finding("shapes", spread, least=min(factors), most=max(factors)))
         return findings
 
     def with_mass(self, scenario: ColumnImpact) -> ColumnImpact:

@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, checked
+from workbench.frames import finding
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
@@ -23,7 +24,6 @@ from workbench.scenarios import Column, ColumnImpact
 NONE, LINEAR, SECTION = "none", "linear", "section"
 AXIAL = Choice((NONE, LINEAR, SECTION))  # how the axial load lowers the plastic moment
 _MUCH = 0.1  # share of the energy that may be left out without a warning
-_MEND = ("energy-estimate",)  # its resistance knows it
 
 
 def plastic_moment(column: Column, axial: str) -> float:
@@ -96,26 +96,14 @@ class HandEstimate(Answering):
         displacement = energy / force
         sinking = 0.5 * slope_sum(column) * column.axial_load * displacement / force
         if sinking > _MUCH:
-            text = (
-                f"the axial load does {sinking:.2f} of the work of the mechanism as the column "
-                "shortens, which the estimate leaves out: the peak comes out too small"
-            )
-            findings.append(Finding("axial-work", text, number=sinking, instead=_MEND))
+            findings.append(finding("axial-work", sinking, share=sinking))
         beyond = max(displacement - catenary_start(column), 0.0)
         tension = slope_sum(column) ** 2 * beyond**4 / (8.0 * axial_flexibility(column)) / energy
         if tension > _MUCH:
-            text = (
-                f"catenary action could take {tension:.2f} of the energy, which the estimate "
-                "leaves out: the peak comes out too large"
-            )
-            findings.append(Finding("catenary", text, number=tension, instead=_MEND))
+            findings.append(finding("no-catenary", tension, share=tension))
         elastic = elastic_energy(scenario.column) / energy
         if elastic > _MUCH:
-            text = (
-                f"the column takes {elastic:.2f} of the energy elastically, for which a "
-                "rigid-plastic estimate has no displacement: the peak comes out too small"
-            )
-            findings.append(Finding("elastic", text, number=elastic, instead=_MEND))
+            findings.append(finding("elastic", elastic, share=elastic))
         return findings
 
     def _solve(self, scenario: ColumnImpact) -> Response:

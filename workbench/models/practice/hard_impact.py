@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 from scipy.optimize import brentq
 
 from workbench.fields import Choice, Number, checked
+from workbench.frames import finding
 from workbench.models.base import Answering
 from workbench.models.practice.hand_estimate import SECTION, mechanism_load
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
@@ -66,11 +67,8 @@ class HardImpact(Answering):
         findings = limits.curve_findings(scenario, self.resistance)
         capacity, needed = self.deformation_capacity, self._soft_deformation(scenario)
         if capacity is not None and needed > capacity:
-            text = (
-                f"soft impact (C.2.2) takes a deformation of {needed:.3g} m of the column, of "
-                f"which it has {capacity:.3g} m: it cannot absorb a rigid striker"
-            )
-            findings.append(Finding("soft-impact", text, number=needed / capacity))
+            values = {"needed": needed, "capacity": capacity}
+            findings.append(finding("soft-impact", needed / capacity, **values))
         return findings
 
     def _soft_deformation(self, scenario: ColumnImpact) -> float:
@@ -95,21 +93,10 @@ class HardImpact(Answering):
         values["shear_utilisation"], warnings = limits.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
         if top <= _RIGID * crush:
-            text = (
-                f"the striker crushes by {crush:.3g} m and takes the energy, the column moves "
-                f"{top:.3g} m: the answer for a vehicle of {self.striker_stiffness:.3g} N/m, not "
-                "for the rigid striker of the scenario"
-            )
-            remedy = "give the striker_stiffness, or take a model of rigid strikers"
-            warnings.append(Finding("striker", text, remedy=remedy, number=crush / top))
+            values_of = {"crush": crush, "top": top, "stiffness": self.striker_stiffness}
+            warnings.append(finding("striker", crush / top, **values_of))
         else:
-            text = (
-                f"the column moves {top:.3g} m, the striker crushes by {crush:.3g} m against a "
-                "rigid wall: the structure is not the hard side, and the rule gives it more force "
-                "than there is"
-            )
-            first = ("soft-impact",)  # has both springs
-            warnings.append(Finding("hard-impact", text, number=top / crush, instead=first))
+            warnings.append(finding("hard-impact", top / crush, crush=crush, top=top))
         response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         rule = {
             "rule.force": (pulse.peak, "N", "force of hard impact"),

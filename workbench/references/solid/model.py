@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
+from workbench.frames import finding
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
@@ -115,7 +116,7 @@ class SolidPlaneStress(Declared, table="option"):
 
     def domain(self, scenario: ColumnScenario) -> list[Finding]:
         """Buckling under the axial load, and overrides that a solid cannot follow."""
-        findings = [finding for finding in member_findings(scenario) if finding.refusal]
+        findings = [each for each in member_findings(scenario) if each.refusal]
         text = "the solid takes its shape from the section alone and leaves overrides out"
         return findings + override_findings(frame_of(scenario.column), _values, text)
 
@@ -204,9 +205,8 @@ class _States:
         )
         open_by = energy_error(response) or 0.0
         if open_by > (LARGEST_IMBALANCE if time is None else OPEN_LEDGER):
-            text = f"the energy ledger is open by {open_by:.2g} of the energy brought in"
-            finding = Finding("energy-balance", text, remedy="take a smaller step", number=open_by)
-            set_findings(response, [*findings_of(response), finding])
+            doubt = finding("energy-balance", open_by, error=open_by)
+            set_findings(response, [*findings_of(response), doubt])
         mesh = self.solid.mesh
         response.attrs.update(
             elements=len(mesh.dofs),
@@ -281,21 +281,12 @@ def localisation(
     findings = []
     kinked = np.flatnonzero(strains > KINKED)
     if kinked.size and hardening_ratio < REGULAR:
-        text = (
-            f"plastic kinks of the length of an element from {path[kinked[0]]:.4g} m on (nominal "
-            f"strain {strains.max():.3g} at the end): where bending governs, force falls by "
-            "several per cent with each halving of the mesh; compare refinements, or set "
-            "hardening_ratio to 0.01"
-        )
-        findings.append(Finding("mesh", text))
+        start, strain = path[kinked[0]], strains.max()
+        findings.append(finding("kinks", start=start, strain=strain))
     folded = np.flatnonzero((strains > LOCALISED) | (areas < SQUEEZED))
     if folded.size:
-        text = (
-            f"kinks fold up from {path[folded[0]]:.4g} m on: a point reaches the nominal strain "
-            f"{strains.max():.3g} or keeps {areas.min():.2g} of its area; steel would tear or "
-            "buckle locally, and forces beyond are an indication only"
-        )
-        findings.append(Finding("localisation", text))
+        values = {"start": path[folded[0]], "strain": strains.max(), "area": areas.min()}
+        findings.append(finding("localisation", **values))
     return findings
 
 

@@ -1,4 +1,4 @@
-"""Beam-columns whose plasticity is lumped at, or told of as that of, their two ends."""
+"""Beam-columns with plastic ends: hinges of zero length, refined hinges, fiber sections."""
 
 from workbench.structures.bars.group import NO_INTERACTION as NO_INTERACTION
 from workbench.structures.bars.group import Bar as Bar

@@ -52,8 +52,8 @@ def force_law(tables, e, duration, q, Q, strains, old, new, k):
     """Forces of element `e` at deformations `q` (3,) from its committed state.
 
     Arguments: committed forces `Q` (3,) and `strains` (points, 2), which the new ones replace;
-    fiber states `old`, `new` (points, states, f). Writes the tangent `k` (3, 3); NaN forces tell
-    that no solution was found.
+    fiber states `old`, `new` (points, states, f). Writes the tangent `k` (3, 3); NaN forces mean
+    that there is no solution.
     """
     points = strains.shape[0]
     pinned, xi, weights = tables.pinned[e], tables.xi[e], tables.weights[e]

@@ -99,7 +99,7 @@ class Bar:
 
 
 class BarElements(HingedElements):
-    """Two-node bars that are elastic but for what is plastic at, or told of at, their ends.
+    """Two-node elastic bars; all plastic deformation is reported at their ends.
 
     The kinds are `hinged_bars`, `refined_bars` and `fiber_bars`: each has its compiled `kernels`,
     its empty `state`, the `tables` of the kernels, made of the rows of BAR and the lengths, and the

@@ -197,7 +197,7 @@ def assemble(step, bars, points, sections, old, new):
     for e in range(bars.dofs.shape[0]):
         chord = chord_at(bars, e, step.end)
         begin, inner = old.inner[e], new.inner[e]
-        # the law is asked where fibers yield, within the step; `inner` then goes on to its end
+        # fibers yield within the step; `inner` then goes on to its end
         inner[0] = chord.elongation
         for i in range(inner.size):
             at = rest * begin[i] + weight * inner[i]
