@@ -116,10 +116,6 @@ class Superelement(Declared, table="superelement"):
             ]
         )
 
-    def exponents(self) -> Array:
-        """Exponents alpha and beta of both hinges (2, 2)."""
-        return np.array([[end.surface.alpha, end.surface.beta] for end in (self.start, self.end)])
-
 
 def sway_stiffness(
     length: float, bending_stiffness: float, joints: tuple[float, float] = (inf, inf)
@@ -229,7 +225,8 @@ class Superelements(HingedElements):
                 webs[e] = kind.web.record
         self._slide: Flags = webs["stiffness"] > 0.0
         pinned = np.array([[kind.start.pinned, kind.end.pinned] for kind in self._kinds])
-        exponents = np.stack([kind.exponents() for kind in self._kinds])
+        ends = [(kind.start.surface, kind.end.surface) for kind in self._kinds]
+        exponents = np.array([[(end.alpha, end.beta) for end in pair] for pair in ends])
         self._powers: Array = np.moveaxis(exponents, -1, 0)[:, None].copy()
         self._tables = HingeTables(
             bending,
