@@ -195,7 +195,7 @@ def test_models_that_were_not_asked_are_told(small):
 
     models = {**small.study.models, "frames only": ColumnOfFrame()}
     wider = replace(small.study, models=models)
-    asked = {name for (label, _), names in wider.unasked().items() for name in names
+    asked = {name for (label, _), names in wider.unsupported().items() for name in names
              if label == "frames only"}  # fmt: skip
     assert asked == {case.name for case in wider.cases if not case.models}
     last = missing(wider, Stored(small.directory, wider)).blocks[-1]

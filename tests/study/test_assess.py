@@ -249,8 +249,8 @@ def test_survival_against_collapse_fails_and_collapse_on_both_sides_agrees(
         dataclasses.replace(case, models=("soft", "fine") if case.name == "v20.0" else ())
         for case in study.cases
     )
-    unasked, *_ = assess(dataclasses.replace(study, cases=cases), tmp_path).verdicts
-    assert (unasked.verdict, unasked.counts["asked"]) == ("pass", 2)
+    unsupported, *_ = assess(dataclasses.replace(study, cases=cases), tmp_path).verdicts
+    assert (unsupported.verdict, unsupported.counts["asked"]) == ("pass", 2)
 
 
 def test_the_car_park_column_that_only_the_single_dof_lets_survive(

@@ -95,7 +95,7 @@ def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
     yield Paragraph(f"Cells: {counts}.")
-    for (label, kind), names in summary.study.unasked().items():
+    for (label, kind), names in summary.study.unsupported().items():
         yield Paragraph(f"Not asked: {label} does not answer {kind} ({len(names)} of the cases).")
     text = f"The results are in {summary.directory}; `workbench report {again}` shows them."
     yield Paragraph(text)

@@ -211,8 +211,8 @@ class Study:
                 case = Case(varied_case(budget.case, key), varied)
                 yield from ((case, label) for label in budget.models)
 
-    def unasked(self) -> dict[tuple[str, str], list[str]]:
-        """Cases that a label is not asked, as its model does not answer their kind.
+    def unsupported(self) -> dict[tuple[str, str], list[str]]:
+        """Cases of kinds that the model of a label does not answer.
 
         Keys are (label, kind of scenario), values names of cases.
         """

@@ -65,7 +65,7 @@ def missing(study: Study, stored: Stored) -> Section | None:
         cells=len(stored.cells),
         silent=[
             (label, study.models[label].name, kind, names)
-            for (label, kind), names in study.unasked().items()
+            for (label, kind), names in study.unsupported().items()
         ],
         refusals=refusals,
         failures=len(problems) - refusals,
