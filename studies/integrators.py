@@ -7,7 +7,7 @@ from workbench.cli import main
 from workbench.impact.schemes import CLASSICAL, SCHEMES
 from workbench.models.integrators import ImpactExact, ImpactIntegrator, problem_of
 from workbench.scenarios import ImpactProblem
-from workbench.scenarios.impact_problem import PROBLEMS
+from workbench.scenarios.laboratory import PROBLEMS
 from workbench.study import Case, Figure, Study
 
 EXACT = "exact"

@@ -181,13 +181,15 @@ def checked(
     optional: bool = False,
     path: str = "",
     compare: bool = True,
+    help: str = "",
 ) -> Any:
-    """A dataclass field held to `rule`; `optional` also allows None (and defaults to it).
+    """Declare a dataclass field held to `rule`; `optional` also allows None, its default then.
 
     `path` is the key's path in a scenario file where it differs from ``table.field``; `compare`,
-    whether it takes part in comparisons.
+    whether it takes part in comparisons; `help`, what it means, where its name and rule do not
+    say it.
     """
-    metadata = {"rule": rule, "optional": optional, "path": path}
+    metadata = {"rule": rule, "optional": optional, "path": path, "help": help}
     if optional and default is dataclasses.MISSING:
         default = None
     return dataclasses.field(default=default, metadata=metadata, compare=compare)
@@ -216,21 +218,21 @@ class Declared:
 
     @property
     def kept(self) -> dict[str, Any]:
-        """What was found of it once, by name."""
-        found: dict[str, Any] = self.__dict__.setdefault("_kept", {})
-        return found
+        """Results that depend on this object alone and are computed once, by name."""
+        results: dict[str, Any] = self.__dict__.setdefault("_kept", {})
+        return results
 
     def __hash__(self) -> int:
-        """Hash of all fields, found once: whole frames are asked for by what is kept of them."""
+        """Hash of all fields, computed once: whole frames are keys of results."""
         try:
-            found: int = self.__dict__["_kept"]["hash"]
+            value: int = self.__dict__["_kept"]["hash"]
         except KeyError:
             compared = (f.name for f in dataclasses.fields(self) if f.compare)
-            found = self.kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
-        return found
+            value = self.kept["hash"] = hash(tuple(getattr(self, name) for name in compared))
+        return value
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a copy takes along: hashes of words mean nothing in another process."""
+        """State of a copy, without results: hashes of words differ in another process."""
         return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def __post_init__(self) -> None:
@@ -245,7 +247,7 @@ class Declared:
         """Refuse what the fields cannot be together. Raises `InputError`."""
 
     def refusal(self, name: str, allowed: str, advice: str = "") -> InputError:
-        """The error of the field of this name, "" for all; the rest as in `InputError`."""
+        """Return the error of the field of this name, "" for all; the rest as in `InputError`."""
         field = self.__dataclass_fields__.get(name)
         if field is None:
             return InputError(f"{self.TABLE}.{getattr(self, self.LABEL)}", None, allowed, advice)
@@ -259,16 +261,15 @@ class Declared:
 @cache
 def _checks(kind: type[Declared]) -> list[tuple[dataclasses.Field[Any], Rule, bool, str]]:
     """Fields of a class and their rules, whether they may be None, and the path if all share it."""
-    found = []
-    for field in dataclasses.fields(kind):
-        if "rule" in field.metadata:
-            path = "" if kind.LABEL else path_of(field, kind.TABLE)
-            found.append((field, field.metadata["rule"], field.metadata["optional"], path))
-    return found
+    return [
+        (field, data["rule"], data["optional"], "" if kind.LABEL else path_of(field, kind.TABLE))
+        for field in dataclasses.fields(kind)
+        if "rule" in (data := field.metadata)
+    ]
 
 
 def did_you_mean(word: object, known: Iterable[str], otherwise: str = "") -> str:
-    """The question after a word that is not known, or `otherwise` when nothing is near it."""
+    """Return the question after an unknown word, or `otherwise` when nothing is near it."""
     near = difflib.get_close_matches(word, list(known), 1) if isinstance(word, str) else []
     return f"did you mean {near[0]}?" if near else otherwise
 

@@ -18,7 +18,7 @@ from workbench.report.gallery import draw_all
 from workbench.report.stored import Stored
 from workbench.responses import outcome_of
 from workbench.scenarios import ImpactProblem, scenario_from, to_toml
-from workbench.scenarios.impact_problem import PROBLEMS
+from workbench.scenarios.laboratory import PROBLEMS
 from workbench.study import Case, Figure, Study, run_study
 from workbench.study.assess import assess
 

@@ -31,7 +31,7 @@ from workbench.scenarios import (
     frame_scenario,
     load_scenario,
 )
-from workbench.scenarios.members import OVERRIDES
+from workbench.scenarios.parts import OVERRIDES
 from workbench.testing import check_model
 
 REFERENCES = {kind.name: kind for kind in (FiberReissner, FiberCorotational, FiberShear)}

@@ -53,12 +53,6 @@ def test_loops_over_the_load_factor(frames):
         draw(request(frames, "force-displacement", quantity="shear"))
 
 
-def test_records_end_at_the_first_displacement_beyond_the_limit(frames):
-    data = draw(request(frames, "force-displacement", until=0.03, labels=["reference"])).data
-    assert data["displacement_SI"].abs().max() <= 0.03
-    assert data["displacement_SI"].min() == pytest.approx(-0.02, abs=2e-3)
-
-
 def test_moments_over_rotations_have_their_units(tmp_path):
     push = FrameStatic("turn", portal(), (Load("C", moment=1e4),), "C", "rotation", (0.1, -0.1))
     study = replace(

@@ -18,9 +18,16 @@ from test_report_figures import request
 
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
-from workbench.report.drawing.multiples import YIELDING, YIELDS, colour_of, hinge_places
-from workbench.report.drawing.shapes import INSTANTS, Shapes, magnification, shapes_of
+from workbench.report.drawing.shapes import (
+    INSTANTS,
+    YIELDING,
+    YIELDS,
+    Shapes,
+    magnification,
+    shapes_of,
+)
 from workbench.report.figures import draw
+from workbench.report.figures.deformed import colour_of, hinge_places
 from workbench.scenarios import (
     Frame,
     FrameStatic,
@@ -34,9 +41,8 @@ from workbench.study import Case
 
 
 def shapes(stored, case: str, label: str) -> Shapes:
-    return shapes_of(
-        next(c for c in stored.study.cases if c.name == case), stored.response(case, label)
-    )
+    scenario = next(c.scenario for c in stored.study.cases if c.name == case)
+    return shapes_of(scenario, stored.response(case, label))
 
 
 def test_points_and_states_are_those_of_the_snapshots(frames):
@@ -110,11 +116,6 @@ def test_bad_instants_are_refused(frames, instants):
         draw(request(frames, "deformed", instants=instants))
 
 
-def test_bad_layouts_are_refused(frames):
-    with pytest.raises(InputError, match=r"figure\.options\.layout.*must be one of instants"):
-        draw(request(frames, "deformed", layout="pile"))
-
-
 def test_scale_is_true_or_told(frames):
     large = draw(request(frames, "deformed", cases=[frames.study.cases[0]]))
     assert large.statements[0] == "True to scale, displacements too."
@@ -142,13 +143,6 @@ def test_models_without_shapes_are_named(frames):
     assert "Without deformed shape: bare." in drawing.statements
 
 
-def test_overlaid_frames_have_one_panel_per_case(frames):
-    drawing = draw(request(frames, "deformed", layout="overlaid"))
-    titles = [panel.get_title(loc="left") for panel in drawing.canvas.axes]
-    assert titles == ["storeys", "from above", "cycles", "shaken"]
-    assert set(drawing.data["instant"]) == {"peak", "end"}
-
-
 def test_columns_lie_with_named_axes_and_say_that_lines_are_chords(small):
     drawing = draw(request(small, "deformed", cases=[small.study.cases[0]]))
     (panel,) = drawing.canvas.axes
@@ -161,16 +155,6 @@ def test_columns_lie_with_named_axes_and_say_that_lines_are_chords(small):
     ]
     peak = small.number(small.study.cases[0].name, "reference", "peak_displacement")
     assert data["x_m"].max() == pytest.approx(peak, rel=1e-3)
-
-
-def test_columns_also_come_as_small_multiples(small):
-    drawing = draw(
-        request(
-            small, "deformed", cases=[small.study.cases[0]], layout="instants", labels=["reference"]
-        )
-    )
-    assert len(drawing.canvas.axes) == 3
-    assert "Without utilisation of member ends: reference." in drawing.statements
 
 
 def test_circles_stand_beside_the_ends_of_curves():

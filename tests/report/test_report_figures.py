@@ -164,10 +164,9 @@ def test_numbers_in_the_data_file_are_those_of_the_store(small):
     assert row["relative_error"] == pytest.approx(expected / reference - 1.0)
 
 
-def test_histories_end_where_asked_and_keep_their_peak(small):
+def test_histories_keep_their_peak(small):
     case = small.study.cases[0]
-    data = draw(request(small, "history", cases=[case], until=0.03)).data
-    assert data["time_s"].max() <= 0.03
+    data = draw(request(small, "history", cases=[case])).data
     top = data[data["label"] == "reference"]["displacement_SI"].max()
     assert top == pytest.approx(small.number(case.name, "reference", "peak_displacement"), rel=1e-4)
 
@@ -281,19 +280,20 @@ def test_a_dollar_in_a_name_is_no_formula(small, tmp_path):
 
 
 def test_a_domain_map_classes_errors_and_names_silent_ones(sweep):
-    options = {"x": "velocity (m/s)", "over": "position (L)", "y": "v/La", "bounds": (0.01, 0.04)}
+    options = {"x": "velocity (m/s)", "over": "position (L)", "y": "v/La"}
     drawing = draw(request(sweep, "domain-map", **options))
     assert drawing.canvas is not None
     data = drawing.data
     fine = data[(data["model"] == "four-dof") & (data["x"] == 10.0)]
-    assert set(fine["class"]) == {"more than 4 % too large"}  # 5 % everywhere
+    assert set(fine["class"]) == {"within 10 %"}  # 5 % everywhere, rounded up
+    small = data[(data["model"] == "single-dof") & data["error"].notna()]
+    assert set(small["class"]) == {"more than 10 % too small"}
     failed = data[(data["model"] == "four-dof") & (data["x"] == 25.0)]
     assert set(failed["class"]) == {"no answer"}
     assert set(data["model"]) == set(sweep.study.models) - {sweep.study.reference}
-    own = data[(data["model"] == "four-dof") & data["error"].notna()]
-    silent = int((~own["warned"]).sum())
-    assert 0 < silent < len(own)
-    assert f"four-dof: {silent} errors beyond 4 % carry no warning." in drawing.statements
+    silent = int((~small["warned"]).sum())
+    assert 0 < silent < len(small)
+    assert f"single-dof: {silent} errors beyond 10 % carry no warning." in drawing.statements
 
 
 def test_a_domain_map_needs_its_parameter(sweep):

@@ -29,7 +29,7 @@ from workbench.scenarios import (
     cyclic_path,
     regular_frame,
 )
-from workbench.scenarios.frame_parts import HELD
+from workbench.scenarios.parts import HELD
 from workbench.sections import find, square
 
 SECTION = find("HEB 220")

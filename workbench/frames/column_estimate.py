@@ -28,7 +28,7 @@ from workbench.scenarios import (
     Striker,
     frame_of,
 )
-from workbench.scenarios.members import OVERRIDES
+from workbench.scenarios.parts import OVERRIDES
 
 HEADS = ("joined", "pinned")
 ON_FRAME = ("flexible-superelement",)  # which answers the frame itself

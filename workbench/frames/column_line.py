@@ -12,7 +12,7 @@ from workbench.errors import OutOfDomainError
 from workbench.frames.chains import chains
 from workbench.frames.elastic import ElasticFrame
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
-from workbench.scenarios.members import OVERRIDES
+from workbench.scenarios.parts import OVERRIDES
 
 OBLIQUE = 0.02  # sine of the largest angle between the strike and the normal of the column
 RIGID, PINNED = 8.0, 0.5  # stiffness of a joint over EI/L: EN 1993-1-8, 5.2.2.5 (braced frames)

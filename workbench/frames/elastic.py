@@ -19,7 +19,7 @@ from workbench.frames.chains import chains
 from workbench.frames.shear import shear_stiffness
 from workbench.frames.structure import hinge_names, nodal_loads
 from workbench.scenarios import Frame, FrameImpact, Load, Member
-from workbench.scenarios.frame_parts import COMPONENT
+from workbench.scenarios.parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS
 
 NO_STIFFNESS = 1e-11  # eigenvalue of the scaled stiffness that counts as none

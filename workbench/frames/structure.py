@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.arrays import Array, Indices
 from workbench.scenarios import Frame, Load
-from workbench.scenarios.frame_parts import COMPONENT
+from workbench.scenarios.parts import COMPONENT
 from workbench.structures.assembly import COMPONENTS, PlanarAssembly
 from workbench.structures.elements import ElementGroup
 from workbench.structures.paths import apply_loads

@@ -34,7 +34,7 @@ from workbench.scenarios import (
     frame_scenario,
     to_toml,
 )
-from workbench.scenarios.members import OVERRIDES
+from workbench.scenarios.parts import OVERRIDES
 
 # rigid in shear but for `four-dof-shear`
 MODELS: dict[str, Any] = {

@@ -9,7 +9,7 @@ from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.hinges import ShearSurface
 from workbench.responses import Finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, FrameScenario, MemberPulse
-from workbench.scenarios.members import MemberProperties
+from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
 RESTITUTION, DIRECT_SHEAR = "restitution", "direct-shear"  # subjects

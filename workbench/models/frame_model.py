@@ -63,20 +63,13 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
+as_frame = frame_scenario  # a column becomes its two-member frame
+
+
 def one_thread() -> AbstractContextManager[Any]:
     """Band solves and small eigenvalue problems are far too small for several threads."""
     limited: AbstractContextManager[Any] = _libraries().limit(limits=1)
     return limited
-
-
-def as_frame(scenario: FrameScenario | ColumnScenario) -> FrameScenario:
-    """Return the frame scenario; a column becomes its two-member frame."""
-    if not isinstance(scenario, COLUMNS):
-        return scenario
-    if "frame" not in scenario.kept:
-        scenario.kept["frame"] = frame_scenario(scenario)
-    event: FrameScenario = scenario.kept["frame"]
-    return event
 
 
 def as_column(structure: FrameStructure) -> FrameStructure:

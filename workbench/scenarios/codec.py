@@ -1,4 +1,4 @@
-"""Value objects to and from nested tables, as TOML has them, by the declarations of their fields.
+"""Declared objects to and from TOML, by the declarations of their fields.
 
 A declared field stands in a file at ``TABLE.name``, `TABLE` that of its class, or at the path that
 it declares. A part within an object has keys of its own; a list of parts is an array of tables,
@@ -39,7 +39,7 @@ class Place(NamedTuple):
 
 
 def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
-    """An object of this declared class from the tables of a file. Raises `InputError`."""
+    """Return an object of this declared class from the tables of a file. Raises `InputError`."""
     known: dict[str, list[str]] = {}
     for place in _leaves(kind):
         known.setdefault(place.table or place.key, []).extend([place.key] if place.table else [])
@@ -55,9 +55,9 @@ def read(kind: type[Declared], tables: Mapping[str, Any]) -> Any:
 
 
 def write_text(whole: Any, without: str) -> str:
-    """The nested tables of a declared object as TOML, one field left out.
+    """Return the nested tables of a declared object as TOML, one field left out.
 
-    What its parts say is written once: the same column is hit by many strikers.
+    The text of a part is kept with it: the same column is hit by many strikers.
     """
     texts = [text for _, text in _texts(whole, without).values()]
     plain = [text for text in texts if not text.startswith("[")]  # TOML wants them first
@@ -66,39 +66,41 @@ def write_text(whole: Any, without: str) -> str:
 
 
 def _texts(whole: Any, without: str = "") -> dict[str, tuple[Any, str]]:
-    """What stands at every top key of an object, and its TOML."""
-    own: dict[str, Any] = {}
-    found: dict[str, tuple[Any, str]] = {}
+    """Return the value at every top key of an object, and its TOML."""
+    values: dict[str, Any] = {}
+    texts: dict[str, tuple[Any, str]] = {}
     kind: Any = type(whole)
     for place in _written(kind, False):
         value = getattr(whole, place.field.name)
         if place.part and value is not None:
             if "toml" not in value.kept:
                 value.kept["toml"] = _texts(place.part.of(value) if place.rule.form else value)
-            found |= value.kept["toml"]
+            texts |= value.kept["toml"]
         elif place.field.name != without:
-            _put(own, place, value)
-            found.setdefault(place.table or place.key, ({}, ""))
-    for key, value in own.items():  # some beside those of a part
-        whole_table = {**found[key][0], **value} if isinstance(value, dict) else value
-        found[key] = whole_table, dumped(key, whole_table)
-    return found
+            _put(values, place, value)
+            texts.setdefault(place.table or place.key, ({}, ""))
+    for key, value in values.items():  # some beside those of a part
+        table = {**texts[key][0], **value} if isinstance(value, dict) else value
+        texts[key] = table, dumped(key, table)
+    return texts
 
 
 def dumped(key: str, value: Any) -> str:
-    """A key as TOML: what `tomli_w` writes, which takes ten times as long for plain values."""
-    if isinstance(value, dict) and all(map(_is_plain, value.values())):
-        return "".join([f"[{key}]\n", *(f"{name} = {_plain(v)}\n" for name, v in value.items())])
-    return f"{key} = {_plain(value)}\n" if _is_plain(value) else tomli_w.dumps({key: value})
+    """Return a key as TOML: what `tomli_w` writes, which takes ten times as long for plain values.
 
-
-def _is_plain(value: Any) -> bool:
-    """Whether it is a number with a point or a word that needs no escapes."""
-    return type(value) is float or (type(value) is str and _ESCAPED.search(value) is None)
-
-
-def _plain(value: float | str) -> str:
-    return str(value) if isinstance(value, float) else f'"{value}"'
+    Plain is a number with a point, or a text that needs no escapes.
+    """
+    table = value if isinstance(value, dict) else {key: value}
+    if not all(
+        type(each) is float or (type(each) is str and _ESCAPED.search(each) is None)
+        for each in table.values()
+    ):
+        return tomli_w.dumps({key: value})
+    lines = [
+        f"{name} = {each}\n" if isinstance(each, float) else f'{name} = "{each}"\n'
+        for name, each in table.items()
+    ]
+    return "".join([f"[{key}]\n", *lines] if table is value else lines)
 
 
 def label_of(entry: Mapping[str, Any], number: int) -> str:
@@ -169,15 +171,15 @@ def _value(place: Place, path: str, value: Any) -> Any:
     return place.rule.check(path, [value] if alone else value)
 
 
-def _entry(part: Any) -> dict[str, Any]:
-    """An entry of an array of tables, without its defaults."""
-    found: dict[str, Any] = {}
+def _entry_table(part: Any) -> dict[str, Any]:
+    """Return an entry of an array of tables, without its defaults."""
+    entry: dict[str, Any] = {}
     kind: Any = type(part)
     for place in _written(kind, True):
         value = getattr(part, place.field.name)
         if value != place.field.default:
-            _put(found, place, value)
-    return found
+            _put(entry, place, value)
+    return entry
 
 
 def _put(tables: dict[str, Any], place: Place, value: Any) -> None:
@@ -185,7 +187,7 @@ def _put(tables: dict[str, Any], place: Place, value: Any) -> None:
     if value is None or (place.entries and not value):
         return
     if place.entries:
-        value = tuple(map(_entry, value))
+        value = tuple(map(_entry_table, value))
     elif isinstance(place.rule, Instance) and place.rule.write:
         value = place.rule.write(value)
     holder = tables.setdefault(place.table, {}) if place.table else tables

@@ -6,8 +6,10 @@ from typing import Any, ClassVar, Self
 
 from workbench.fields import Choice, Declared, Flag, Instance, Number, Text, checked
 from workbench.materials import Steel
-from workbench.scenarios.members import (
+from workbench.scenarios.parts import (
+    FORCE,
     LENGTH,
+    SPRING,
     MemberProperties,
     member_properties,
     override,
@@ -23,37 +25,39 @@ DURATION = Number(1e-9, 10.0, "s", advice="durations are in seconds")
 
 @dataclass(frozen=True)
 class Column(Declared, table="column"):
-    """A steel column with one point at which it is hit.
+    """A steel column with one point at which it is hit. Raises `InputError`.
 
-    Arguments (SI): `section` and `steel`; `length_below` and `length_above` the hit point;
-    `base` clamped or pinned; `head` guided (rotation and sway held, free to shorten), pinned
-    (sway held, free to rotate and shorten) or fixed (as guided, and locked against shortening
-    once the axial load is on); `axial_load` on the head, compression positive;
-    `restraint_stiffness` of an axial spring at the head that is unstressed once the axial load is
-    on; `head_mass`; `fillets`: whether root fillets count in the strength of the section.
-    The elastic stiffness and the mass are those of the rolled profile, fillets included, in both
-    cases (as in Heng 2017, section 5.2). The other fields override what the section gives.
-    Raises `InputError`.
+    The elastic stiffness and the mass are those of the rolled profile, fillets included, whether
+    or not `fillets` count in the strength (as in Heng 2017, section 5.2).
     """
 
     section: Section = checked(SECTION)
-    length_below: float = checked(LENGTH)
-    length_above: float = checked(LENGTH)
+    length_below: float = checked(LENGTH, help="from the base to the hit point")
+    length_above: float = checked(LENGTH, help="from the hit point to the head")
     steel: Steel = checked(Instance(Steel), Steel())
-    fillets: bool = checked(Flag(), True)
+    fillets: bool = checked(Flag(), True, help="whether root fillets count in the strength")
     base: str = checked(Choice(("clamped", "pinned")), "clamped")
-    head: str = checked(Choice(("guided", "pinned", "fixed")), "guided")
-    axial_load: float = checked(
-        Number(-1e9, 1e9, "N", advice="forces are in N, compression positive"), 0.0
+    head: str = checked(
+        Choice(("guided", "pinned", "fixed")),
+        "guided",
+        help="guided: rotation and sway held, free to shorten; pinned: sway held; fixed: as "
+        "guided, and held against shortening once the axial load is on",
     )
-    restraint_stiffness: float = checked(Number(0.0, 1e14, "N/m"), 0.0)
+    axial_load: float = checked(
+        replace(FORCE, advice="forces are in N, compression positive"), 0.0, help="on the head"
+    )
+    restraint_stiffness: float = checked(
+        SPRING, 0.0, help="axial spring at the head, unstressed once the axial load is on"
+    )
     head_mass: float = checked(Number(0.0, 1e7, "kg"), 0.0)
     area: float | None = override("area")
     second_moment: float | None = override("second_moment")
     plastic_moment: float | None = override("plastic_moment")
     squash_load: float | None = override("squash_load")
     mass_per_length: float | None = override("mass_per_length")
-    impact_mass: float | None = checked(Number(1e-3, 1e7, "kg"), optional=True)
+    impact_mass: float | None = checked(
+        Number(1e-3, 1e7, "kg"), optional=True, help="lumped at the hit point, else rho A L / 3"
+    )
 
     def check(self) -> None:
         """Refuse loads above the squash load and columns that are no beams."""
@@ -95,11 +99,11 @@ class Column(Declared, table="column"):
 
 @dataclass(frozen=True)
 class Striker(Declared, table="striker"):
-    """A rigid mass that hits the column: `mass` in kg, `velocity` in m/s, Newton `restitution`."""
+    """A rigid mass that hits the column."""
 
     mass: float = checked(MASS)
     velocity: float = checked(VELOCITY)
-    restitution: float = checked(RESTITUTION, 0.0)
+    restitution: float = checked(RESTITUTION, 0.0, help="Newton's, velocity after over before")
 
 
 class Impact:
@@ -119,7 +123,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class ColumnPushover(Declared, table="pushover"):
-    """Quasi-static push of the hit point to a `displacement` (m), by displacement control."""
+    """Quasi-static push of the hit point by displacement control."""
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))
@@ -140,7 +144,7 @@ class ColumnPushover(Declared, table="pushover"):
 
 @dataclass(frozen=True)
 class ColumnImpact(Impact, Declared, table="time"):
-    """A rigid striker hits the column at rest; followed for `duration` (s)."""
+    """A rigid striker hits the column at rest."""
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))

@@ -1,4 +1,4 @@
-"""Scenarios as TOML: reading, overriding single values, canonical writing, hashing."""
+"""Scenario files: reading, overriding single values, canonical writing, hashing."""
 
 import hashlib
 import tomllib
@@ -12,12 +12,11 @@ from workbench.fields import Choice
 from workbench.scenarios.codec import dumped, label_of, read, write_text
 from workbench.scenarios.column import ColumnImpact, ColumnPushover
 from workbench.scenarios.frame_events import FrameGroundMotion, FrameImpact, FramePulse, FrameStatic
-from workbench.scenarios.impact_problem import ImpactProblem
+from workbench.scenarios.frame_events import FrameScenario as FrameScenario
+from workbench.scenarios.laboratory import ImpactProblem, StudTests
 from workbench.scenarios.pulse import MemberPulse
-from workbench.scenarios.stud import StudTests
 
 ColumnScenario = ColumnPushover | ColumnImpact | MemberPulse
-FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion | FramePulse
 Scenario = ColumnScenario | FrameScenario | StudTests | ImpactProblem
 
 KINDS: dict[str, type[Any]] = {
@@ -78,18 +77,18 @@ def apply_override(tables: dict[str, Any], override: str) -> None:
 
 
 def _entry(entries: list[Any], key: str, override: str) -> Any:
-    """The entry that a key of an override names."""
+    """Return the entry that a key of an override names."""
     tables = [entry for entry in entries if isinstance(entry, dict)]
-    found = [entry for number, entry in enumerate(tables) if label_of(entry, number) == key]
-    found = found or [entry for number, entry in enumerate(tables) if str(number) == key]
-    if len(found) == 1:
-        return found[0]
-    how = "several entries are" if found else "no entry is"
+    named = [entry for number, entry in enumerate(tables) if label_of(entry, number) == key]
+    named = named or [entry for number, entry in enumerate(tables) if str(number) == key]
+    if len(named) == 1:
+        return named[0]
+    how = "several entries are" if named else "no entry is"
     raise InputError("--set", override, f"{how} called {key}", "numbers from 0 name entries, too")
 
 
 def parse_value(text: str) -> Any:
-    """A TOML value, or the text itself if it is not one (so that quotes may be left out)."""
+    """Return a TOML value, or the text itself if it is not one: quotes may be left out."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except _UNREADABLE:
@@ -111,7 +110,7 @@ def scenario_from(tables: Mapping[str, Any]) -> Scenario:
 
 
 def to_toml(scenario: Scenario) -> str:
-    """The canonical TOML text of a scenario; reading it back gives an equal scenario.
+    """Return the canonical TOML text of a scenario; reading it back gives an equal scenario.
 
     Defaults are written out, except in entries of arrays of tables.
     """
@@ -119,12 +118,12 @@ def to_toml(scenario: Scenario) -> str:
 
 
 def scenario_hash(scenario: Scenario) -> str:
-    """SHA-256 of what happens (the name left out), as 16 hexadecimal digits."""
+    """Return the SHA-256 of the scenario without its name, as 16 hexadecimal digits."""
     return canonical(scenario)[1]
 
 
 def canonical(scenario: Scenario) -> tuple[str, str]:
-    """The canonical TOML text of a scenario and the hash of what happens in it."""
+    """Return the canonical TOML text of a scenario and the hash of it without the name."""
     if "canonical" not in scenario.kept:
         head = dumped("kind", scenario.KIND) + dumped("name", scenario.name)
         body = write_text(scenario, without="name")

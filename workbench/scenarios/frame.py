@@ -1,66 +1,83 @@
-"""The frame: nodes, members, joints and dead loads that fit together."""
+"""The frame: nodes, members, joints and dead loads that fit together and are supported."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
 from typing import Any, cast
 
+import numpy as np
+
+from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Declared, Flag, Instance, Many, checked, did_you_mean
 from workbench.materials import Steel
-from workbench.scenarios.frame_parts import PREDEFINED, RIGID, Joint, Load, Member, Node
-from workbench.scenarios.members import (
+from workbench.scenarios.parts import (
     LENGTH,
+    PREDEFINED,
+    RIGID,
+    Joint,
+    Load,
+    Member,
     MemberProperties,
+    Node,
     member_properties,
     strength_section,
 )
-from workbench.scenarios.topology import check_connected, check_places, check_supported, extent
 from workbench.sections import Section
 
 GRAVITY = 9.81  # m/s2
 ROUNDING = 1.0 - 1e-9  # a length that is computed from coordinates
+APART = 1e-6  # m; nodes closer than this are in one place
+FREE = 1e-6  # singular value of the support conditions below which a motion is free
 
 
 @dataclass(frozen=True)
 class Frame(Declared, table="frame"):
     """A planar steel frame.
 
-    Arguments: `nodes`, `members`; `loads`, dead loads that are brought on first and kept;
-    `joints` beside the predefined ``rigid`` and ``pinned``; `steel`; `fillets`, whether root
-    fillets count in the strength of the sections (stiffness and mass are those of the rolled
-    profile either way). Raises `InputError` for names that do not fit together, members without
-    length, parts that are not connected, and supports that leave the whole free to move.
+    Raises `InputError` for names that do not fit together, members without length, parts that are
+    not connected, and supports that leave the whole free to move.
     """
 
     nodes: tuple[Node, ...] = checked(Many(Instance(Node), 2))
     members: tuple[Member, ...] = checked(Many(Instance(Member), 1))
-    loads: tuple[Load, ...] = checked(Many(Instance(Load)), ())
-    joints: tuple[Joint, ...] = checked(Many(Instance(Joint)), ())
+    loads: tuple[Load, ...] = checked(
+        Many(Instance(Load)), (), help="dead loads that are brought on first and kept"
+    )
+    joints: tuple[Joint, ...] = checked(
+        Many(Instance(Joint)), (), help="beside the predefined rigid and pinned"
+    )
     steel: Steel = checked(Instance(Steel), Steel())
-    fillets: bool = checked(Flag(), True)
+    fillets: bool = checked(
+        Flag(), True, help="whether root fillets count in the strength (always in stiffness, mass)"
+    )
 
     def check(self) -> None:
         """Refuse parts that do not fit together, do not hang together or are not held."""
         for joint in self.joints:
             if joint.name in PREDEFINED:
                 raise InputError("joint.name", joint.name, "is predefined", "choose another name")
-        for parts in self._lists.values():
-            counts = Counter(part.name for part in parts)
-            for part in parts:
+        for parts in (self.nodes, self.members, self.joints):
+            counts = Counter(part.name for part in cast(Sequence[Node], parts))
+            for part in cast(Sequence[Node], parts):
                 if counts[part.name] > 1:
                     raise part.refusal("name", "is given twice", "names must be unique")
         for member in self.members:
             self._check_member(member)
         for load in self.loads:
             self.node(load.node, f"load.{load.node}.node")
-        check_places(self.nodes, self.members)
-        check_connected(self.nodes, self.members)
-        check_supported(self.nodes, self.turned, loaded=bool(self.loads))
+        places = [(round(node.x / APART), round(node.y / APART)) for node in self.nodes]
+        advice = "join the members at one node; joints make pins"
+        _check_unique(self.nodes, places, "lies where node {} lies", advice)
+        pairs = [frozenset((member.start, member.end)) for member in self.members]
+        text = "joins the same nodes as member {}"
+        _check_unique(self.members, pairs, text, "drop one of them")
+        _check_connected(self.nodes, self.members)
+        _check_supported(self)
 
     def _check_member(self, member: Member) -> None:
         path = f"member.{member.name}"
@@ -74,21 +91,20 @@ class Frame(Declared, table="frame"):
             raise member.refusal("", text, LENGTH.advice)
 
     @cached_property
+    def _named(self) -> dict[str, dict[str, Any]]:
+        """Nodes, members and joints by their kind and name."""
+        return {
+            "node": {node.name: node for node in self.nodes},
+            "member": {member.name: member for member in self.members},
+            "joint": PREDEFINED | {joint.name: joint for joint in self.joints},
+        }
+
+    @cached_property
     def turned(self) -> set[str]:
         """Names of nodes that cannot turn without a member."""
         ends = [(m.start, m.joint_start) for m in self.members]
         ends += [(m.end, m.joint_end) for m in self.members]
         return {node for node, joint in ends if self.joint(joint).rotational_stiffness != 0.0}
-
-    @property
-    def _lists(self) -> dict[str, Sequence[Any]]:
-        return {"node": self.nodes, "member": self.members, "joint": self.joints}
-
-    @cached_property
-    def _parts(self) -> dict[str, dict[str, Any]]:
-        """Nodes, members and joints by their kind and name."""
-        named = {kind: {part.name: part for part in parts} for kind, parts in self._lists.items()}
-        return {**named, "joint": PREDEFINED | named["joint"]}
 
     @cached_property
     def _properties(self) -> dict[str, MemberProperties]:
@@ -98,21 +114,21 @@ class Frame(Declared, table="frame"):
         }
 
     def node(self, name: str, path: str = "node") -> Node:
-        """The node of this name. Raises `InputError` naming `path`."""
-        return cast(Node, _named("node", self._parts["node"], name, path))
+        """Return the node of this name. Raises `InputError` naming `path`."""
+        return cast(Node, _find("node", self._named["node"], name, path))
 
     def member(self, name: str, path: str = "member") -> Member:
-        """The member of this name. Raises `InputError` naming `path`."""
-        return cast(Member, _named("member", self._parts["member"], name, path))
+        """Return the member of this name. Raises `InputError` naming `path`."""
+        return cast(Member, _find("member", self._named["member"], name, path))
 
     def joint(self, name: str, path: str = "joint") -> Joint:
-        """The joint of this name. Raises `InputError` naming `path`."""
-        return cast(Joint, _named("joint", self._parts["joint"], name, path))
+        """Return the joint of this name. Raises `InputError` naming `path`."""
+        return cast(Joint, _find("joint", self._named["joint"], name, path))
 
     @cached_property
     def extent(self) -> float:
         """Diagonal of the box around the nodes, in m."""
-        return extent(self.nodes)
+        return hypot(np.ptp([n.x for n in self.nodes]), np.ptp([n.y for n in self.nodes]))
 
     @cached_property
     def load_masses(self) -> dict[str, float]:
@@ -124,20 +140,23 @@ class Frame(Declared, table="frame"):
 
     def length(self, member: Member | str) -> float:
         """Length of a member, in m."""
-        given = self._own(member)
-        start, end = self.node(given.start), self.node(given.end)
+        ends = self._member(member)
+        start, end = self.node(ends.start), self.node(ends.end)
         return hypot(end.x - start.x, end.y - start.y)
 
     def properties(self, member: Member | str) -> MemberProperties:
         """Section values of a member with its overrides applied."""
-        return self._properties[self._own(member).name]
+        return self._properties[self._member(member).name]
 
     def strength_section(self, member: Member | str) -> Section:
-        """The section whose fibers and envelope give a member's strength (`fillets` applied)."""
-        return strength_section(self._own(member).section, self.fillets)
+        """Return the section whose fibers and envelope give a member's strength."""
+        return strength_section(self._member(member).section, self.fillets)
+
+    def _member(self, member: Member | str) -> Member:
+        return self.member(member.name if isinstance(member, Member) else member)
 
     def split(self, member: Member | str, at: float, node: str) -> Frame:
-        """The frame with a new `node` on a member, `at` m from its start.
+        """Return the frame with a new `node` on a member, `at` m from its start.
 
         The parts are named ``<member>/1`` and ``<member>/2``; joints stay at the outer ends.
         Raises `InputError`.
@@ -146,41 +165,100 @@ class Frame(Declared, table="frame"):
         return self.split_all([(name, at, node)])
 
     def split_all(self, splits: Iterable[tuple[str, float, str]]) -> Frame:
-        """The frame after many splits, each as in `split`, which is checked once as a whole."""
-        nodes, members = dict(self._parts["node"]), list(self.members)
+        """Return the frame after many splits, each as in `split`; it is checked once."""
+        nodes, members = dict(self._named["node"]), dict(self._named["member"])
         for name, at, node in splits:
-            known = {member.name: member for member in members}
-            whole = _named("member", known, name, "split.member")
+            whole = _find("member", members, name, "split.member")
             start, end = nodes[whole.start], nodes[whole.end]
             length = hypot(end.x - start.x, end.y - start.y)
             distance = float(LENGTH.check("split.at", at))
             if not distance <= length - LENGTH.low:
-                on = (
-                    f"must lie on member {name}, from {LENGTH.low:g} to {length - LENGTH.low:.6g} m"
-                )
-                advice = "measure from the start of the member"
-                raise InputError("split.at", at, f"{on} from its start", advice)
+                reach = f"from {LENGTH.low:g} to {length - LENGTH.low:.6g} m from its start"
+                text = f"must lie on member {name}, {reach}"
+                raise InputError("split.at", at, text, "measure from the start of the member")
             if node in nodes:
                 text = "is the name of a node already"
                 raise InputError("split.node", node, text, "choose another")
             share = distance / length
             x, y = start.x + share * (end.x - start.x), start.y + share * (end.y - start.y)
             nodes[node] = Node(node, x, y)
-            place = members.index(whole)
-            members[place : place + 1] = (
+            parts = (
                 replace(whole, name=f"{name}/1", end=node, joint_end=RIGID.name),
                 replace(whole, name=f"{name}/2", start=node, joint_start=RIGID.name),
             )
-        return replace(self, nodes=tuple(nodes.values()), members=tuple(members))
+            rows = [parts if each is whole else (each,) for each in members.values()]
+            members = {part.name: part for row in rows for part in row}
+        return replace(self, nodes=tuple(nodes.values()), members=tuple(members.values()))
 
-    def _own(self, member: Member | str) -> Member:
-        return self.member(member.name if isinstance(member, Member) else member)
 
-
-def _named(kind: str, parts: Mapping[str, Any], name: str, path: str) -> Any:
-    """The part of this name. Raises `InputError` naming `path`, with the nearest names."""
+def _find(kind: str, parts: Mapping[str, Any], name: str, path: str) -> Any:
+    """Return the part of this name. Raises `InputError` naming `path`, with the nearest names."""
     if isinstance(name, str) and name in parts:
         return parts[name]
     shown = ", ".join(list(parts)[:8]) + (", ..." if len(parts) > 8 else "")
     advice = did_you_mean(name, parts, f"known are {shown}")
     raise InputError(path, name, f"there is no {kind} of this name", advice)
+
+
+def _check_unique(parts: Sequence[Any], keys: Sequence[Hashable], text: str, advice: str) -> None:
+    """Refuse parts with equal keys (`InputError`); `text` names the earlier one as ``{}``."""
+    first: dict[Hashable, Any] = {}
+    for part, key in zip(parts, keys, strict=True):
+        if first.setdefault(key, part) is not part:
+            raise part.refusal("", text.format(first[key].name), advice)
+
+
+def _check_connected(nodes: Sequence[Node], members: Sequence[Member]) -> None:
+    """Refuse nodes that no chain of members joins to the first one (`InputError`)."""
+    beside: dict[str, list[str]] = {node.name: [] for node in nodes}
+    for member in members:
+        beside[member.start].append(member.end)
+        beside[member.end].append(member.start)
+    for node in nodes:
+        if not beside[node.name]:
+            raise node.refusal("", "no member ends there", "drop the node")
+    reached, ahead = {nodes[0].name}, [nodes[0].name]
+    while ahead:
+        new = set(beside[ahead.pop()]) - reached
+        reached |= new
+        ahead += new
+    apart = next((node.name for node in nodes if node.name not in reached), None)
+    if apart is not None:
+        chain = f"no chain of members joins node {apart} to node {nodes[0].name}"
+        advice = "add a member or make it a scenario of its own"
+        raise InputError("frame.members", None, f"the frame falls apart: {chain}", advice)
+
+
+def _check_supported(frame: Frame) -> None:
+    """Refuse a frame that can move as a rigid body (`InputError`).
+
+    Springs and locks act only once the dead loads are on, which the supports carry before.
+    """
+    places = np.array([[node.x, node.y] for node in frame.nodes])
+    centre, size = places.mean(axis=0), frame.extent
+    rows = []
+    for node, (x, y) in zip(frame.nodes, (places - centre) / size, strict=True):
+        # what a motion of the whole does to each displacement of the node
+        motion = {"u": (1.0, 0.0, -y), "v": (0.0, 1.0, x), "rotation": (0.0, 0.0, 1.0)}
+        held = set(node.held) if frame.loads else node.resisted
+        held -= set() if node.name in frame.turned else {"rotation"}
+        rows += [row for component, row in motion.items() if component in held]
+    # motion of the whole: displacement of the centre along x and y, rotation times extent
+    _, values, motions = np.linalg.svd(np.array([*rows, *np.zeros((3, 3))]))
+    free = motions[values < FREE]
+    if len(free):
+        can = _motion_text(free[0] / np.array([1.0, 1.0, size]), centre, size)
+        how = "nothing holds it" if len(free) == 3 else f"it can {can}"
+        when = " under its dead loads, before springs and locks act" if frame.loads else ""
+        text = f"the frame is not supported{when}: {how}"
+        raise InputError("node.support", None, text, "add supports")
+
+
+def _motion_text(motion: Array, centre: Array, size: float) -> str:
+    along_x, along_y, turn = (float(value) for value in motion)
+    if abs(turn) * size > FREE:
+        x, y = centre + np.array([-along_y, along_x]) / turn
+        return f"turn about x = {round(x, 3) + 0.0:g} m, y = {round(y, 3) + 0.0:g} m"
+    if abs(along_y) < FREE:
+        return "slide along x"
+    return "slide along y" if abs(along_x) < FREE else "slide"

@@ -1,18 +1,26 @@
-"""What can happen to a frame: a static loading, an impact, a motion of its ground."""
+"""What can happen to a frame, and a column as its two-member frame."""
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, astuple, dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from math import hypot
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Instance, Many, Number, Text, checked
-from workbench.scenarios.column import DURATION, Impact, Striker
+from workbench.scenarios.column import (
+    DURATION,
+    Column,
+    ColumnImpact,
+    ColumnPushover,
+    Impact,
+    Striker,
+)
 from workbench.scenarios.frame import Frame
 from workbench.scenarios.frame_forms import FrameForm
-from workbench.scenarios.frame_parts import COMPONENT, NAME, Load
-from workbench.scenarios.pulse import Pulse
+from workbench.scenarios.parts import COMPONENT, NAME, OVERRIDES, Load, Member, Node
+from workbench.scenarios.pulse import UNIFORM, MemberPulse, Pulse
 
 MOTIONS = ("x", "y", "rotation", "-x", "-y", "-rotation")
 STRIKES = ("+x", "-x", "+y", "-y")
@@ -24,28 +32,23 @@ ACCELERATIONS = Many(
 )
 FRAME = Instance(Frame, form=FrameForm)
 RECORD = replace(DURATION, high=1e3)
+HEADS = {"guided": "guide-y", "pinned": "roller-y", "fixed": "guide-y"}
 
 
 @dataclass(frozen=True)
 class FrameStriker(Striker):
-    """A rigid mass that hits a node of a frame.
-
-    Arguments: `mass` in kg; `velocity` in m/s; Newton `restitution`; name of the `node`;
-    `direction` in which it flies, +x, -x, +y or -y. Raises `InputError`.
-    """
+    """A rigid mass that hits a node of a frame."""
 
     _: KW_ONLY
     node: str = checked(NAME)
-    direction: str = checked(Choice(STRIKES), "+x")
+    direction: str = checked(Choice(STRIKES), "+x", help="of its flight")
 
 
 @dataclass(frozen=True)
 class FrameStatic(Declared, table="push"):
     """Static loading of a frame by a pattern of loads times a load factor.
 
-    Arguments: `name`; `frame`, whose own loads are brought on first and kept; `loads`, the
-    pattern; `node` and `direction` (x, y or rotation, with an optional minus sign) of the
-    displacement that is recorded; `path`, what is reached one after the other:
+    The dead loads of the frame are brought on first and kept. `path` is reached target by target:
 
     * control ``displacement``: displacements (m or rad) along the direction; several for cycles;
     * control ``load``: load factors;
@@ -57,8 +60,8 @@ class FrameStatic(Declared, table="push"):
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
     loads: tuple[Load, ...] = checked(Many(Instance(Load), 1), path="pattern")
-    node: str = checked(NAME)
-    direction: str = checked(Choice(MOTIONS))
+    node: str = checked(NAME, help="whose displacement is recorded")
+    direction: str = checked(Choice(MOTIONS), help="of the displacement that is recorded")
     path: tuple[float, ...] = checked(TARGETS)
     control: str = checked(Choice(CONTROLS), "displacement")
 
@@ -71,7 +74,7 @@ class FrameStatic(Declared, table="push"):
         for load in self.loads:
             node = self.frame.node(load.node, f"pattern.{load.node}.node")
             for axis, value in (("x", load.x), ("y", load.y), ("rotation", load.moment)):
-                moves |= value != 0.0 and COMPONENT[axis] not in node.held and node.locked != axis
+                moves |= value != 0.0 and not _is_held(node, axis)
         if not moves:
             text = "no load acts where the frame can move"
             raise InputError("pattern", None, text, "give x, y or moment")
@@ -107,7 +110,7 @@ class FrameStatic(Declared, table="push"):
 
 @dataclass(frozen=True)
 class FrameImpact(Impact, Declared, table="time"):
-    """A rigid striker hits a frame at rest under its dead loads; followed for `duration` (s)."""
+    """A rigid striker hits a frame at rest under its dead loads."""
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
@@ -125,24 +128,25 @@ class FrameImpact(Impact, Declared, table="time"):
 
 @dataclass(frozen=True)
 class FrameGroundMotion(Declared, table="ground"):
-    """The ground under all supports of a frame at rest moves along `direction` (x or y).
-
-    Arguments: `name`; `frame`; `acceleration` of the ground in m/s2, at the times 0, `time_step`
-    (s), 2 time_step and so on, zero after its end; `node`, whose displacement relative to the
-    ground is recorded; `direction`; `duration` in s (None: to the end of the acceleration);
-    `damping` in 1/s, forces in proportion to mass and relative velocity; `load_as_mass`, whether
-    nodes have the mass of their dead loads too. Raises `InputError`.
-    """
+    """The ground under all supports of a frame at rest moves. Raises `InputError`."""
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
-    acceleration: tuple[float, ...] = checked(ACCELERATIONS)
+    acceleration: tuple[float, ...] = checked(
+        ACCELERATIONS, help="of the ground, at 0, time_step, 2 time_step, ..., then zero"
+    )
     time_step: float = checked(Number(1e-6, 1.0, "s", advice="time steps are in seconds"))
-    node: str = checked(NAME)
+    node: str = checked(NAME, help="whose displacement relative to the ground is recorded")
     direction: str = checked(Choice(("x", "y")), "x")
-    duration: float = checked(RECORD, optional=True, path="time.duration")  # never None afterwards
-    damping: float = checked(Number(0.0, 1e4, "1/s"), 0.0)
-    load_as_mass: bool = checked(Flag(), False)
+    duration: float = checked(
+        RECORD, optional=True, path="time.duration", help="by default to the end of the record"
+    )  # never None afterwards
+    damping: float = checked(
+        Number(0.0, 1e4, "1/s"), 0.0, help="forces in proportion to mass and relative velocity"
+    )
+    load_as_mass: bool = checked(
+        Flag(), False, help="whether nodes have the mass of their dead loads too"
+    )
 
     KIND: ClassVar[str] = "frame-ground-motion"
     READING: ClassVar[int] = 1  # raised when what all models read off their histories changes
@@ -168,20 +172,17 @@ class FrameGroundMotion(Declared, table="ground"):
 
 @dataclass(frozen=True)
 class FramePulse(Declared, table="pulse"):
-    """A pulse on a frame at rest under its dead loads; followed for `duration` (s).
-
-    Arguments: `name`; `frame`; the `pulse`, a factor on the `loads` of a pattern, and a line load
-    (N/m) along `direction` (+x, -x, +y or -y) on every metre of the `members`; `node`, whose
-    displacement along `direction` is recorded. Raises `InputError`.
-    """
+    """A pulse on a frame at rest under its dead loads. Raises `InputError`."""
 
     name: str = checked(Text(), path="name")
     frame: Frame = checked(FRAME)
-    pulse: Pulse = checked(Instance(Pulse))
-    node: str = checked(NAME)
-    direction: str = checked(Choice(STRIKES), "+x")
+    pulse: Pulse = checked(Instance(Pulse), help="factor on the loads, line load on the members")
+    node: str = checked(NAME, help="whose displacement along direction is recorded")
+    direction: str = checked(Choice(STRIKES), "+x", help="of the line load and the displacement")
     loads: tuple[Load, ...] = checked(Many(Instance(Load)), (), path="pattern")
-    members: tuple[str, ...] = checked(Many(NAME, different=True), ())
+    members: tuple[str, ...] = checked(
+        Many(NAME, different=True), (), help="that the line load (N/m) acts on"
+    )
     duration: float = checked(DURATION, 0.1, path="time.duration")
 
     KIND: ClassVar[str] = "frame-pulse"
@@ -201,6 +202,9 @@ class FramePulse(Declared, table="pulse"):
             raise self.refusal("members", "must not be empty without a [[pattern]] of loads")
 
 
+FrameScenario = FrameStatic | FrameImpact | FrameGroundMotion | FramePulse
+
+
 def cyclic_path(amplitudes: Sequence[float], cycles: int = 1) -> tuple[float, ...]:
     """Targets that swing `cycles` times between both signs of each amplitude, then end at zero.
 
@@ -218,7 +222,53 @@ def _check_motion(
 ) -> None:
     """Refuse nodes that are not there or cannot move along a direction."""
     node, axis = frame.node(motion.node, f"{motion.TABLE}.node"), motion.direction.lstrip("+-")
-    if COMPONENT[axis] in node.held or node.locked == axis:
+    if _is_held(node, axis):
         by = f"support {node.support}" if COMPONENT[axis] in node.held else "lock"
         text = f"node {node.name} cannot move there: its {by} holds it"
         raise motion.refusal("direction", text, "take another node or direction")
+
+
+def _is_held(node: Node, axis: str) -> bool:
+    return COMPONENT[axis] in node.held or node.locked == axis
+
+
+@lru_cache(maxsize=64)
+def frame_of(column: Column) -> Frame:
+    """Return a column as a frame: nodes base, hit and head, members below and above the hit point.
+
+    Its axial load is a dead load on the head, its restraint a spring there. Members carry their
+    own mass: a column's `impact_mass`, meant for lumped models, has no place in a frame.
+    """
+    head = Node("head", 0.0, column.length, HEADS[column.head], column.head_mass)
+    locked = "y" if column.head == "fixed" else "none"
+    head = replace(head, spring_y=column.restraint_stiffness, locked=locked)
+    base, hit = Node("base", 0.0, 0.0, column.base), Node("hit", 0.0, column.length_below)
+    overrides = {name: getattr(column, name) for name in OVERRIDES}
+    members = (
+        Member("below", "base", "hit", column.section, **overrides),
+        Member("above", "hit", "head", column.section, **overrides),
+    )
+    loads = (Load("head", y=-column.axial_load),) if column.axial_load else ()
+    return Frame((base, hit, head), members, loads, steel=column.steel, fillets=column.fillets)
+
+
+@lru_cache(maxsize=64)
+def frame_scenario(
+    scenario: FrameScenario | ColumnPushover | ColumnImpact | MemberPulse,
+) -> FrameScenario:
+    """Return the frame scenario; a column becomes its two-member frame, acted on along +x."""
+    if isinstance(scenario, FrameScenario):
+        return scenario
+    frame, name = frame_of(scenario.column), scenario.name
+    if isinstance(scenario, ColumnImpact):
+        mass, velocity, restitution = astuple(scenario.striker)
+        striker = FrameStriker(mass, velocity, restitution, node="hit", direction="+x")
+        return FrameImpact(name, frame, striker, scenario.duration)
+    pattern = (Load("hit", x=1.0),)
+    if isinstance(scenario, ColumnPushover):
+        path = (scenario.displacement,)
+        return FrameStatic(name, frame, pattern, "hit", "x", path, "displacement")
+    on: Any = {"loads": pattern}
+    if scenario.load == UNIFORM:
+        on = {"members": ("below", "above")}
+    return FramePulse(name, frame, scenario.pulse, "hit", "+x", duration=scenario.duration, **on)

@@ -11,8 +11,7 @@ from workbench.errors import InputError
 from workbench.fields import Choice, Declared, Flag, Instance, Many, checked
 from workbench.materials import Steel
 from workbench.scenarios.frame import Frame
-from workbench.scenarios.frame_parts import NAME, RIGID, Joint, Load, Member, Node
-from workbench.scenarios.members import LENGTH
+from workbench.scenarios.parts import LENGTH, NAME, RIGID, Joint, Load, Member, Node
 from workbench.sections import SECTION, Section
 
 SPANS = Many(LENGTH, 1, 100)
@@ -30,7 +29,7 @@ class RegularForm(Declared, table="frame"):
     beam_joint: str = checked(NAME, RIGID.name)
 
     def frame(self, steel: Steel, fillets: bool, joints: Sequence[Joint]) -> Frame:
-        """The frame, its beams joined by one of `joints`. Raises `InputError`."""
+        """Return the frame, its beams joined by one of `joints`. Raises `InputError`."""
         words = (product(ascii_uppercase, repeat=length) for length in count(1))
         letters = ("".join(word) for word in chain.from_iterable(words))
         axes = list(islice(letters, len(self.bays) + 1))  # A to Z, then AA, AB and so on
@@ -73,12 +72,12 @@ class FrameForm(Declared):
 
     @classmethod
     def of(cls, frame: Frame) -> FrameForm:
-        """The form of a frame that lists its parts."""
+        """Return the form of a frame that lists its parts."""
         parts = frame.nodes, frame.joints, frame.members
         return cls(frame.fillets, frame.steel, None, *parts, loads=frame.loads)
 
     def build(self) -> Frame:
-        """The frame. Raises `InputError`."""
+        """Return the frame. Raises `InputError`."""
         if self.regular is not None:
             for joint in self.joints:
                 if joint.name != self.regular.beam_joint:
@@ -107,7 +106,7 @@ def regular_frame(
     beam_joint: str | Joint = RIGID.name,
     joints: Sequence[Joint] = (),
 ) -> Frame:
-    """A frame of columns on axes A, B, ... and of beams on every level above the ground.
+    """Return a frame of columns on axes A, B, ... and of beams on every level above the ground.
 
     Arguments: widths of the `bays` from the left and heights of the `storeys` from the ground, in
     m; sections; `base`, clamped or pinned; `beam_joint` at both ends of every beam, a joint or the

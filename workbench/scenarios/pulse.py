@@ -1,4 +1,4 @@
-"""A force that comes and goes: pulses of impact rules and of blast, and histories of one's own."""
+"""Forces over time: pulses of impact rules and of blast, tabulated histories."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,19 +21,17 @@ _FACTORS = Many(Number(-1e6, 1e6), 2, 100_000)
 class Pulse(Declared, table="pulse"):
     """A force over time, p(t) = `peak` f(t) from t = 0 on.
 
-    Arguments: `shape` and its `length` T (s), with x = t / T: rectangular f = 1, triangular
-    f = 1 - x, friedlander f = (1 - x) exp(-`decay` x), all zero after T; exponential
-    f = exp(-x) for ever; ramp f = x, and 1 after T; table: straight lines between `factors` at
-    `times` (s, rising from 0), zero after the last. `peak` in N, or N/m along a member. Raises
-    `InputError`.
+    With x = t / T, T the `length`: rectangular f = 1, triangular f = 1 - x, friedlander
+    f = (1 - x) exp(-`decay` x), all zero after T; exponential f = exp(-x) for ever; ramp f = x,
+    and 1 after T; table: straight lines, zero after the last time. Raises `InputError`.
     """
 
     shape: str = checked(Choice(PULSES))
-    peak: float = checked(Number(0.0, 1e12, "N or N/m", low_included=False))
+    peak: float = checked(Number(0.0, 1e12, "N or N/m", low_included=False), help="N/m on members")
     length: float | None = checked(LENGTH, optional=True)
-    decay: float = checked(Number(0.01, 100.0), 1.0)
-    times: tuple[float, ...] | None = checked(_TIMES, optional=True)
-    factors: tuple[float, ...] | None = checked(_FACTORS, optional=True)
+    decay: float = checked(Number(0.01, 100.0), 1.0, help="of the friedlander pulse")
+    times: tuple[float, ...] | None = checked(_TIMES, optional=True, help="of a table, from 0")
+    factors: tuple[float, ...] | None = checked(_FACTORS, optional=True, help="f at these times")
 
     def check(self) -> None:
         """Refuse shapes that lack what they are made of, or have what is of another."""
@@ -120,17 +118,21 @@ class Pulse(Declared, table="pulse"):
 
 @dataclass(frozen=True)
 class MemberPulse(Declared, table="time"):
-    """A member at rest under its axial load meets a pulse; followed for `duration` (s).
+    """A pulse on a member, a `column` at rest under its axial load.
 
-    Arguments: `name`; the member, a `column`; the `pulse`; `load`: point, its force (N) acts on
-    the hit point, or uniform, a line load (N/m) on the whole length; then the hit point is where
-    the displacement is recorded and where lumped models have their hinge.
+    Under a uniform load the hit point is where the displacement is recorded and where lumped
+    models have their hinge.
     """
 
     name: str = checked(Text(), path="name")
     column: Column = checked(Instance(Column))
     pulse: Pulse = checked(Instance(Pulse))
-    load: str = checked(Choice((POINT, UNIFORM)), POINT, path="pulse.load")
+    load: str = checked(
+        Choice((POINT, UNIFORM)),
+        POINT,
+        path="pulse.load",
+        help="point: a force (N) on the hit point; uniform: a line load (N/m) on all the length",
+    )
     duration: float = checked(DURATION, 0.1)
 
     KIND: ClassVar[str] = "member-pulse"

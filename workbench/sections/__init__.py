@@ -9,6 +9,7 @@ from workbench.sections.reading import plate as plate
 from workbench.sections.reading import rectangle as rectangle
 from workbench.sections.reading import rectangular_tube as rectangular_tube
 from workbench.sections.reading import section_from as section_from
+from workbench.sections.reading import section_value as section_value
 from workbench.sections.reading import square as square
 from workbench.sections.reading import square_tube as square_tube
 from workbench.sections.section import Section as Section

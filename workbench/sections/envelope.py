@@ -7,8 +7,7 @@ import numpy as np
 
 from workbench.arrays import Array, Flags
 from workbench.errors import SolverError
-from workbench.sections.bands import half_integrals
-from workbench.sections.shapes import Shape
+from workbench.sections.shapes import Shape, half_integrals
 
 _LARGEST_EXPONENT = 20.0
 
@@ -85,9 +84,9 @@ def fit_superellipse(shape: Shape, points: int = 181) -> tuple[float, float]:
         return superellipse_radius(angle, exponents[0], exponents[1]) - radius
 
     bounds = ([1.0, 1.0], [_LARGEST_EXPONENT, _LARGEST_EXPONENT])
-    found = least_squares(error, (1.2, 1.6), bounds=bounds, xtol=1e-12, ftol=1e-14, gtol=1e-12)
-    if not found.success:
-        raise SolverError("super-elliptic fit", float(found.optimality), "trust region")
+    fit = least_squares(error, (1.2, 1.6), bounds=bounds, xtol=1e-12, ftol=1e-14, gtol=1e-12)
+    if not fit.success:
+        raise SolverError("super-elliptic fit", float(fit.optimality), "trust region")
     # The solver stays a rounding error inside its bounds; a linear exponent means exactly 1.
-    alpha, beta = (1.0 if x < 1.0 + 1e-9 else float(x) for x in found.x)
+    alpha, beta = (1.0 if x < 1.0 + 1e-9 else float(x) for x in fit.x)
     return alpha, beta

@@ -1,12 +1,17 @@
 """Sections by catalogue name, from dimensions in Python, and from values of a scenario file."""
 
+import csv
+import difflib
 import inspect
+import re
 from collections.abc import Callable, Mapping
+from functools import cache
 from itertools import chain
+from types import MappingProxyType
 
+from workbench.datafiles import data_directory
 from workbench.errors import InputError
 from workbench.fields import Instance, check_keys
-from workbench.sections.catalogue import canonical, families, nearest, profiles
 from workbench.sections.section import Section
 from workbench.sections.shapes import (
     DIMENSION,
@@ -18,9 +23,55 @@ from workbench.sections.shapes import (
     Shape,
 )
 
+_LONGEST = 40  # characters of a name
+_DIMENSIONS = ("height", "width", "web", "flange", "fillet")
+
+
+@cache
+def profiles() -> MappingProxyType[str, ISection]:
+    """Read all profiles of the catalogue, in the order of the file, by name."""
+    path = data_directory() / "profiles" / "european_profiles.csv"
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    shapes = {}
+    for row in rows:
+        # Moving the decimal point in the text keeps the nearest number: 3.8 mm is 0.0038 m.
+        metres = (float(f"{row[f'{dimension}_mm']}e-3") for dimension in _DIMENSIONS)
+        shapes[row["name"]] = ISection(*metres)
+    return MappingProxyType(shapes)
+
+
+def _spelled(name: str) -> str:
+    """Spell a profile name as the catalogue does: ``heb220`` and ``HE 220 B`` are HEB 220."""
+    spelled = name.strip() if len(name) <= _LONGEST else ""
+    parts = re.fullmatch(r"([A-Za-z]+)[\s_-]*([0-9]+)[\s_-]*([ABMabm]?)", spelled)
+    if parts is None:
+        return name
+    return f"{parts[1]}{parts[3]} {parts[2]}".upper()
+
+
+def _nearest(name: str) -> list[str]:
+    """Find up to two names of the catalogue that may have been meant."""
+    known = list(profiles())
+    family, _, size = _spelled(name).partition(" ")
+    same = [candidate for candidate in known if candidate.split()[0] == family]
+    if same and size.isdecimal() and len(size) < 9:
+        same.sort(key=lambda candidate: abs(int(candidate.split()[1]) - int(size)))
+        return same[:2]
+    return difflib.get_close_matches(_spelled(name).upper(), known, 2, cutoff=0.7)
+
+
+def _families() -> str:
+    """Name the families of the catalogue with their smallest and largest profile."""
+    sizes: dict[str, list[str]] = {}
+    for name in profiles():
+        family, size = name.split()
+        sizes.setdefault(family, []).append(size)
+    return ", ".join(f"{family} {size[0]} to {size[-1]}" for family, size in sizes.items())
+
 
 def names() -> tuple[str, ...]:
-    """List the names of all profiles in the catalogue."""
+    """Return the names of all profiles in the catalogue."""
     return tuple(profiles())
 
 
@@ -30,12 +81,12 @@ def find(name: str, path: str = "section") -> Section:
     Raises `InputError` naming `path`, with the nearest known names.
     """
     known = profiles()
-    spelled = canonical(name) if isinstance(name, str) else ""
+    spelled = _spelled(name) if isinstance(name, str) else ""
     if spelled in known:
         return Section(spelled, known[spelled])
-    near = nearest(name) if isinstance(name, str) else []
+    near = _nearest(name) if isinstance(name, str) else []
     guess = "did you mean " + " or ".join(near) + "?" if near else "or give its dimensions in m"
-    raise InputError(path, name, f"must be a profile of the catalogue ({families()})", guess)
+    raise InputError(path, name, f"must be a profile of the catalogue ({_families()})", guess)
 
 
 def i_section(
@@ -115,4 +166,10 @@ def section_from(value: object, path: str = "section") -> Section:
         raise InputError(field, error.value, error.allowed, error.advice) from None
 
 
-SECTION = Instance(Section, "use sections.find(name)", section_from, Section.to_toml)
+def section_value(section: Section) -> str | dict[str, float]:
+    """Return the value that `section_from` turns back into a section: its name or dimensions."""
+    known = profiles().get(section.name) == section.shape
+    return section.name if known else section.shape.dimensions
+
+
+SECTION = Instance(Section, "use sections.find(name)", section_from, section_value)

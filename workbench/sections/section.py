@@ -12,10 +12,8 @@ from workbench.arrays import Array
 from workbench.errors import InputError
 from workbench.fields import Declared, Instance, Number, Text, checked
 from workbench.materials import Steel
-from workbench.sections.bands import half_integrals
-from workbench.sections.catalogue import profiles
 from workbench.sections.envelope import corner_share, envelope, fit_superellipse
-from workbench.sections.shapes import ISection, Shape
+from workbench.sections.shapes import ISection, Shape, half_integrals
 
 _LAYERS = Number(4, 10_000, integer=True)
 _POINTS = Number(3, 100_000, integer=True)
@@ -23,13 +21,9 @@ _POINTS = Number(3, 100_000, integer=True)
 
 @dataclass(frozen=True)
 class Section(Declared, table="section"):
-    """A doubly symmetric cross section bent about its strong axis.
+    """A doubly symmetric cross section bent about its strong axis; equal by its shape."""
 
-    Arguments: `name`, a label that takes no part in comparisons; `shape`, the geometry. Two
-    sections are equal when their shapes are.
-    """
-
-    name: str = checked(Text(), compare=False)
+    name: str = checked(Text(), compare=False, help="a label that takes no part in comparisons")
     shape: Shape = checked(Instance(Shape, "use find(name) or a constructor such as i_section"))
 
     @property
@@ -162,9 +156,3 @@ class Section(Declared, table="section"):
         first = self.plastic_section_modulus - upright * self.height**2 / 4.0
         thickness = self.height - 2.0 * first / beside
         return upright + 0.5 * beside / thickness, thickness
-
-    def to_toml(self) -> str | dict[str, float]:
-        """Catalogue name, or the table of dimensions, that `section_from` turns back into this."""
-        if profiles().get(self.name) == self.shape:
-            return self.name
-        return self.shape.dimensions

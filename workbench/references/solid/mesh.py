@@ -20,7 +20,7 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 from workbench.arrays import Array, Flags, Indices
 from workbench.scenarios import Column
 from workbench.sections import Section
-from workbench.sections.bands import half_integrals
+from workbench.sections.shapes import half_integrals
 from workbench.structures.assembly import graded_lengths, halved
 
 _ROWS = 4  # per height of the section, before refinement; a flange has at least one

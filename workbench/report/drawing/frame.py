@@ -19,7 +19,7 @@ from workbench.scenarios import (
     FrameScenario,
     FrameStatic,
 )
-from workbench.scenarios.frame_parts import Load, Member, Node
+from workbench.scenarios.parts import Load, Member, Node
 from workbench.sections import Section
 
 TINTS = ("#b9c4cf", "#e3cfa8", "#a9cdb9", "#d9b8cc")  # one per section

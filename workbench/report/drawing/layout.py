@@ -1,4 +1,4 @@
-"""The frame of a case, and where its parts stand on paper: inches, free sides, levels.
+"""A frame and where its parts stand on paper: inches, free sides, levels.
 
 Points and directions are complex numbers, x + iy.
 """
@@ -10,9 +10,15 @@ from functools import cached_property
 import numpy as np
 
 from workbench.content.formatting import Unit, unit_of
-from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
-from workbench.scenarios.column_as_frame import frame_scenario
-from workbench.study.definition import Case
+from workbench.scenarios import (
+    Frame,
+    FrameScenario,
+    ImpactProblem,
+    Member,
+    Scenario,
+    StudTests,
+    frame_scenario,
+)
 
 _LEAST_DEPTH = 0.035  # inches that a member takes at least, so that it can be seen
 _WIDE, _HIGH, _UPRIGHT = 4.2, 2.9, 2.4  # inches that a frame, and a single column, may take
@@ -51,8 +57,8 @@ class Layout:
 
     def at(self, node: str) -> complex:
         """Position of a node, in inches."""
-        found = self.frame.node(node)
-        return (complex(found.x, found.y) - self.origin) * self.scale
+        place = self.frame.node(node)
+        return (complex(place.x, place.y) - self.origin) * self.scale
 
     def true_depth(self, member: Member) -> float:
         """Depth of a member to scale, in inches."""
@@ -70,12 +76,12 @@ class Layout:
     @cached_property
     def members_at(self) -> dict[str, list[tuple[Member, complex]]]:
         """Members that end at each node, with the unit vector that leads away from it."""
-        found: dict[str, list[tuple[Member, complex]]] = {n.name: [] for n in self.frame.nodes}
+        members: dict[str, list[tuple[Member, complex]]] = {n.name: [] for n in self.frame.nodes}
         for member in self.frame.members:
             along = self.along(member)
-            found[member.start].append((member, along))
-            found[member.end].append((member, -along))
-        return found
+            members[member.start].append((member, along))
+            members[member.end].append((member, -along))
+        return members
 
     def half_depth(self, node: str, direction: complex) -> float:
         """How far members reach from a node along `direction`, across their own axes."""
@@ -113,18 +119,14 @@ class Layout:
         return [float(v) for v in values[np.diff(values, prepend=-np.inf) > _SAME]]
 
 
-def frame_scenario_of(case: Case) -> FrameScenario | None:
-    """The scenario of a case on a frame; a column is the frame of its two segments.
-
-    None if the case is about neither.
-    """
-    scenario = case.scenario
-    if isinstance(scenario, ColumnScenario):
-        return frame_scenario(scenario)
-    return scenario if isinstance(scenario, FrameScenario) else None
+def frame_scenario_of(scenario: Scenario) -> FrameScenario | None:
+    """Return the frame scenario; a column becomes its two-member frame. None without a frame."""
+    if isinstance(scenario, StudTests | ImpactProblem):
+        return None
+    return frame_scenario(scenario)
 
 
 def displacement_unit(scenario: FrameScenario) -> Unit:
-    """Display unit of the displacement that a scenario follows."""
+    """Return the display unit of the displacement that a scenario follows."""
     rotation = getattr(scenario, "direction", "").endswith("rotation")
     return Unit("rad", 1.0) if rotation else unit_of("displacement")

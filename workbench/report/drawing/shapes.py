@@ -6,7 +6,7 @@ numbers, x + iy in m.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -17,14 +17,25 @@ from workbench.content.formatting import NO_BREAK, THIN, number
 from workbench.errors import InputError
 from workbench.report.drawing.layout import displacement_unit, frame_scenario_of
 from workbench.report.drawing.sheet import Absences, Array, Request
+from workbench.report.drawing.style import PALETTE
 from workbench.responses import Response
-from workbench.scenarios import Column, ColumnScenario, Frame, FrameScenario
+from workbench.scenarios import Column, ColumnScenario, Frame, FrameScenario, Scenario
 from workbench.study.definition import Case
 
 Points = NDArray[np.complex128]
 INSTANTS = ("start", "half-way", "peak", "end")
+REST, YIELDING = "#a8a8a8", PALETTE[1]  # colours: structure at rest, yielding member ends
+YIELDS = 0.995  # utilisation from which a section counts as yielding
 _CHORDS = 60  # instants taken from a history that has no snapshots
 _SMALL, _SHOWN = 0.015, 0.05  # of the size of the frame: too small to see; shown instead
+
+
+def rest_lines(frame: Frame, points: int = 2) -> Points:
+    """Members at rest, complex places (members, points) in m from their start to their end."""
+    nodes = {node.name: complex(node.x, node.y) for node in frame.nodes}
+    ends = np.array([(nodes[m.start], nodes[m.end]) for m in frame.members])
+    lines: Points = ends[:, :1] + np.linspace(0.0, 1.0, points) * (ends[:, 1:] - ends[:, :1])
+    return lines
 
 
 @dataclass(frozen=True)
@@ -42,8 +53,8 @@ class Shapes:
     at: Array
     curves: Points
     moved: Array
-    hinges: tuple[str, ...]
-    used: Array
+    hinges: tuple[str, ...] = ()
+    used: Array = field(default_factory=lambda: np.empty((0, 0)))
     chords: bool = False
 
     @property
@@ -59,11 +70,7 @@ class Shapes:
     @cached_property
     def rest(self) -> Points:
         """The members (members, points) at rest."""
-        share = np.linspace(0.0, 1.0, self.curves.shape[1])
-        nodes = {node.name: complex(node.x, node.y) for node in self.frame.nodes}
-        ends = np.array([(nodes[m.start], nodes[m.end]) for m in self.frame.members])
-        lines: Points = ends[:, :1] + share * (ends[:, 1:] - ends[:, :1])
-        return lines
+        return rest_lines(self.frame, self.curves.shape[1])
 
     @property
     def size(self) -> float:
@@ -71,7 +78,7 @@ class Shapes:
         return float(max(np.ptp(self.rest.real), np.ptp(self.rest.imag)))
 
     def index(self, instant: str | float) -> int:
-        """The snapshot of an instant: one of `INSTANTS`, or a time (s) or step."""
+        """Return the snapshot of an instant: one of `INSTANTS`, or a time (s) or step."""
         if instant == "half-way":
             size = np.abs(self.moved)
             return int(np.argmax(size[: self.peak + 1] >= 0.5 * size[self.peak]))
@@ -81,7 +88,7 @@ class Shapes:
         return int(np.argmin(np.abs(self.at - float(instant))))
 
     def words(self, snapshot: int) -> str:
-        """When a snapshot was taken and how far the frame had moved."""
+        """Say when a snapshot was taken and how far the frame had moved."""
         when = f"step {self.at[snapshot]:g}"
         if self.history == "time":
             when = f"{number(1e3 * self.at[snapshot], 3)}{THIN}ms"
@@ -90,62 +97,59 @@ class Shapes:
             size = 0.0  # rounding
         return f"{when}, {number(size * unit.factor, 3)}{NO_BREAK}{unit.text}"
 
-    def largest(self, snapshots: Sequence[int] | slice) -> float:
+    def largest(self, snapshots: Sequence[int]) -> float:
         """Largest displacement of any drawn point in some snapshots, in m."""
         return float(np.abs(self.curves[..., snapshots] - self.rest[..., None]).max())
 
     def magnified(self, snapshot: int, times: float) -> Points:
-        """The members (members, points) with displacements drawn so many times."""
+        """Return the members (members, points) with displacements drawn so many times."""
         moved: Points = self.rest + times * (self.curves[..., snapshot] - self.rest)
         return moved
 
     def numbers(self, instant: str | float) -> Iterator[dict[str, Any]]:
-        """The numbers of a drawn shape: points of the members, then states of their ends."""
-        snapshot = self.index(instant)
+        """Yield the numbers of a drawn shape: points of the members, then states of their ends."""
+        snapshot, points = self.index(instant), self.curves.shape[1]
         head = {"instant": str(instant), self.history: self.at[snapshot]}
         names = [member.name for member in self.frame.members]
-        points = self.curves.shape[1]
-        drawn = self.curves[..., snapshot].ravel()
-        yield {
-            **head,
+        place = {
             "member": np.repeat(names, points),
             "point": np.tile(np.linspace(0.0, 1.0, points), len(names)),
-            "x_m": drawn.real,
-            "y_m": drawn.imag,
         }
+        drawn = self.curves[..., snapshot].ravel()
+        yield {**head, **place, "x_m": drawn.real, "y_m": drawn.imag}
         if self.hinges:
             yield {**head, "hinge": list(self.hinges), "utilisation": self.used[:, snapshot]}
 
 
-Found = list[tuple[Case, dict[str, Shapes]]]
+ShapesOfCases = list[tuple[Case, dict[str, Shapes]]]  # by label
 
 
-def collected(request: Request, cases: Iterable[Case], said: list[str]) -> Found:
-    """Shapes by case and label; `said` gets statements on what is absent."""
+def collected(request: Request, cases: Iterable[Case], said: list[str]) -> ShapesOfCases:
+    """Return the shapes by case and label; `said` gets statements on what is absent."""
     absent, chords = Absences(), dict[str, None]()
-    found: Found = []
+    shapes_of_cases: ShapesOfCases = []
     for case in cases:
         by_label = {}
         for label, response in request.answers(case, absent).items():
-            shapes = shapes_of(case, response)
+            shapes = shapes_of(case.scenario, response)
             if shapes is None:
                 absent.without("deformed shape", label)
                 continue
             by_label[label] = shapes
             chords |= {label: None} if shapes.chords else {}
         if by_label:
-            found.append((case, by_label))
+            shapes_of_cases.append((case, by_label))
     said += absent.sentences()
     if chords:
         said.append(
             f"Straight lines, {', '.join(chords)}: these models state the displacement of the hit "
             "point and the shortening only; the shape between is not known."
         )
-    return found
+    return shapes_of_cases
 
 
 def instants_of(option: Any) -> tuple[str | float, ...]:
-    """The option `instants` of a figure, checked. Raises `InputError`."""
+    """Return the option `instants` of a figure, checked. Raises `InputError`."""
     chosen = (option,) if isinstance(option, (str, float, int)) else tuple(option)
     for instant in chosen:
         known = instant in INSTANTS if isinstance(instant, str) else np.isfinite(instant)
@@ -159,7 +163,7 @@ def instants_of(option: Any) -> tuple[str | float, ...]:
 
 
 def magnification(largest: float, size: float) -> float:
-    """How many times displacements are drawn: once, or a round number if they are small.
+    """Return how many times displacements are drawn: once, or a round number if they are small.
 
     Arguments: `largest` displacement and `size` of the frame, in m.
     """
@@ -176,30 +180,28 @@ def corners_of(curves: Iterable[Points]) -> tuple[complex, complex]:
     return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
 
 
-def shapes_of(case: Case, response: Response) -> Shapes | None:
-    """The deformed shapes that a response knows, None if it knows none."""
-    scenario = frame_scenario_of(case)
-    if scenario is None or "displacement" not in response:
+def shapes_of(scenario: Scenario, response: Response) -> Shapes | None:
+    """Return the deformed shapes that a response to a scenario knows, None if it knows none."""
+    on_frame = frame_scenario_of(scenario)
+    if on_frame is None or "displacement" not in response:
         return None
     history = "time" if "time" in response.coords else "step"
     when, moved = (response[name].values.astype(float) for name in (history, "displacement"))
-    hinges: tuple[str, ...] = ()
-    used = np.empty((0, 0))
     if "shape_x" in response:
         at = response["snapshot_at"].values.astype(float)
         curves = response["shape_x"].values + 1j * response["shape_y"].values
+        states: dict[str, Any] = {}
         if "utilisation" in response:
-            used = response["utilisation"].values.astype(float)
-            hinges = tuple(str(name) for name in response["hinge"].values)
-    elif "shortening" in response and isinstance(case.scenario, ColumnScenario):
+            states["hinges"] = tuple(str(name) for name in response["hinge"].values)
+            states["used"] = response["utilisation"].values.astype(float)
+        return Shapes(on_frame, history, at, curves, np.interp(at, when, moved), **states)
+    if "shortening" in response and isinstance(scenario, ColumnScenario):
         even = np.linspace(0, len(when) - 1, min(_CHORDS, len(when))).round().astype(int)
-        chosen = np.unique([*even, int(np.argmax(np.abs(moved)))])
-        at, down = when[chosen], response["shortening"].values.astype(float)[chosen]
-        curves = _chords(case.scenario.column, moved[chosen], down)
-    else:
-        return None
-    moved = np.interp(at, when, moved)
-    return Shapes(scenario, history, at, curves, moved, hinges, used, "shape_x" not in response)
+        few = np.unique([*even, int(np.argmax(np.abs(moved)))])
+        down = response["shortening"].values.astype(float)[few]
+        curves = _chords(scenario.column, moved[few], down)
+        return Shapes(on_frame, history, when[few], curves, moved[few], chords=True)
+    return None
 
 
 def _chords(column: Column, sideways: Array, down: Array) -> Points:

@@ -17,8 +17,7 @@ from workbench.assessment.budget import PEAK, RESIDUAL
 from workbench.content.formatting import duration, in_unit, interval
 from workbench.report.chapters.answer import GOOD
 from workbench.report.chapters.choice import FAIR
-from workbench.report.drawing.multiples import YIELDS
-from workbench.report.drawing.shapes import Points, Shapes, shapes_of
+from workbench.report.drawing.shapes import YIELDS, Points, Shapes, shapes_of
 from workbench.report.drawing.sheet import evenly, thinned
 from workbench.report.figures.energy import ledger
 from workbench.report.stored import CellState
@@ -82,17 +81,17 @@ class Record:
     def kept(self, detail: Detail) -> dict[str, Any]:
         """The curves as the page holds them."""
         time, moved = thinned(self.time, self.moved, detail.points)
-        found: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
+        curves: dict[str, Any] = {"t": packed(time), "d": packed(moved)}
         if self.band is not None:
-            found["band"] = dict(zip(("t", "w"), map(packed, self.band), strict=True))
+            curves["band"] = dict(zip(("t", "w"), map(packed, self.band), strict=True))
         if self.energies is not None:
             at, parts, brought = self.energies
             few = evenly(len(at), detail.coarse)
-            curves = {name: packed(part[few]) for name, part in parts.items()}
-            found["energy"] = {"t": packed(at[few]), "parts": curves, "in": packed(brought[few])}
+            kinds = {name: packed(part[few]) for name, part in parts.items()}
+            curves["energy"] = {"t": packed(at[few]), "parts": kinds, "in": packed(brought[few])}
         if self.shapes is not None:
-            found["shape"] = _shape(self.shapes, detail)
-        return found
+            curves["shape"] = _shape(self.shapes, detail)
+        return curves
 
 
 def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
@@ -105,7 +104,7 @@ def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
         struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
         energies = ledger(response, "time", struck)
     known = _band(time, response) if band else None
-    return Record(time, moved, known, energies, shapes_of(case, response))
+    return Record(time, moved, known, energies, shapes_of(case.scenario, response))
 
 
 def _band(time: Array, response: Response) -> tuple[Array, Array] | None:

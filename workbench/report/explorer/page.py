@@ -15,7 +15,7 @@ from workbench.content.tree import Callout, Cell, Table
 from workbench.report.chapters import answer, choice, measured
 from workbench.report.drawing.frame import DIRECTIONS
 from workbench.report.drawing.layout import frame_scenario_of
-from workbench.report.drawing.multiples import REST, YIELDING
+from workbench.report.drawing.shapes import REST, YIELDING, rest_lines
 from workbench.report.drawing.style import INTERVAL, looks
 from workbench.report.explorer.cells import (
     DETAILS,
@@ -49,7 +49,7 @@ def explorer(study: Study, stored: Stored, largest: int = LARGEST) -> str | None
     they may be. Equal stores give equal text.
     """
     cases = tuple(_cases(study, stored))
-    if not any(cell.record for case in cases for cell in case.cells):
+    if not any(cell.record for case in cases for cell in case.answers):
         return None
     made = [block.text for block in measured.synthetic(stored) if isinstance(block, Callout)]
     title = f"{measured.MARK if made else ''}{study.title}"
@@ -85,66 +85,66 @@ class _Answer:
 
 
 @dataclass(frozen=True)
-class _Asked:
-    """A case, the reference that counts in it, and its answers."""
+class _CaseOfPage:
+    """A case, the row of its governing reference, and its answers."""
 
     case: Case
-    standing: Mapping[str, Any]
-    cells: tuple[_Answer, ...]
+    reference: Mapping[str, Any]
+    answers: tuple[_Answer, ...]
 
     def kept(self, detail: Detail, texts: dict[str, int]) -> dict[str, Any]:
         """The case as the page holds it."""
         return {
             "name": self.case.name,
             "at": {name: _plain(value) for name, value in self.case.parameters.items()},
-            "reference": self.standing.get("label", ""),
-            "inside": bool(self.standing.get("inside")),
-            "why": self.standing.get("reason", ""),
+            "reference": self.reference.get("label", ""),
+            "inside": bool(self.reference.get("inside")),
+            "why": self.reference.get("reason", ""),
             **_structure(self.case),
-            "cells": [cell.kept(detail, texts) for cell in self.cells],
+            "cells": [cell.kept(detail, texts) for cell in self.answers],
         }
 
 
-def _cases(study: Study, stored: Stored) -> Iterator[_Asked]:
-    standings = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
+def _cases(study: Study, stored: Stored) -> Iterator[_CaseOfPage]:
+    governing = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
     errors: dict[tuple[str, str], dict[str, Any]] = {}
-    for (name, label, quantity), row in against_best(stored.rows, standings).items():
+    for (name, label, quantity), row in against_best(stored.rows, governing).items():
         errors.setdefault((name, label), {})[quantity] = row
     for case in study.cases:
         if case.scenario.STATIC is not False:
             continue
-        standing = standings.get(case.name, {})
-        best = stored.cells.get((case.name, standing.get("label", "")))
-        best = None if stored.synthetic else best
-        cells = []
+        reference = governing.get(case.name, {})
+        best = stored.cells.get((case.name, reference.get("label", "")))
+        best, sure = None if stored.synthetic else best, bool(reference.get("inside"))
+        answers = []
         for label in study.models:
             state = stored.cells.get((case.name, label))
             if state is None:
                 continue
             response = stored.response(case.name, label, keep=False)
-            own = errors.get((case.name, label), {})
-            counts = label == standing.get("label")
-            record = None if response is None else record_of(case, response, band=counts)
-            numbers = numbers_of(state, response, own, best=best, sure=bool(standing.get("inside")))
-            cells.append(_Answer(state, numbers, record))
-        yield _Asked(case, standing, tuple(cells))
+            band = label == reference.get("label")
+            record = None if response is None else record_of(case, response, band=band)
+            compared = errors.get((case.name, label), {})
+            numbers = numbers_of(state, response, compared, best=best, sure=sure)
+            answers.append(_Answer(state, numbers, record))
+        yield _CaseOfPage(case, reference, tuple(answers))
 
 
 def _structure(case: Case) -> dict[str, Any]:
     """Members at rest, supports and the place of the strike, in m."""
-    scenario = frame_scenario_of(case)
+    scenario = frame_scenario_of(case.scenario)
     if scenario is None:
         return {}
-    frame = scenario.frame
-    ends = [(frame.node(m.start), frame.node(m.end)) for m in frame.members]
-    found: dict[str, Any] = {
-        "rest": [[a.x, a.y, b.x, b.y] for a, b in ends],
-        "held": [[n.x, n.y, n.support] for n in frame.nodes if n.support != "free"],
-    }
+    frame, hit = scenario.frame, {}
     if isinstance(scenario, FrameImpact):
         node, along = frame.node(scenario.striker.node), DIRECTIONS[scenario.striker.direction]
-        found["hit"] = [node.x, node.y, along.real, along.imag]
-    return found
+        hit = {"hit": [node.x, node.y, along.real, along.imag]}
+    lines = rest_lines(frame)
+    return {
+        "rest": np.stack([lines.real, lines.imag], axis=-1).reshape(-1, 4).tolist(),
+        "held": [[n.x, n.y, n.support] for n in frame.nodes if n.support != "free"],
+        **hit,
+    }
 
 
 def _fixed(study: Study, synthetic: bool, matrix: Rows, models: Rows) -> dict[str, Any]:
@@ -206,7 +206,7 @@ def _shown(group: str, cell: Cell, row: Mapping[str, Any] | None) -> dict[str, A
     return {"group": group, "lines": cell.text.split("\n"), "ends": ends, **look}
 
 
-def _seen(study: Study, cases: Sequence[_Asked], matrix: Rows, models: Rows) -> dict[str, Any]:
+def _seen(study: Study, cases: Sequence[_CaseOfPage], matrix: Rows, models: Rows) -> dict[str, Any]:
     """What the template writes itself."""
     names = list(dict.fromkeys(name for case in cases for name in case.case.parameters))
     return {
@@ -221,7 +221,7 @@ def _seen(study: Study, cases: Sequence[_Asked], matrix: Rows, models: Rows) -> 
     }
 
 
-def _axis(name: str, cases: Sequence[_Asked]) -> Iterator[dict[str, Any]]:
+def _axis(name: str, cases: Sequence[_CaseOfPage]) -> Iterator[dict[str, Any]]:
     """A control over a parameter that varies: its stops, evenly spread if there are many values."""
     given = [c.case.parameters[name] for c in cases if name in c.case.parameters]
     values: list[Any] = list(dict.fromkeys(map(_plain, given)))
@@ -245,9 +245,9 @@ def _plain(value: Any) -> float | str:
     return float(f"{float(value):.5g}") if number and np.isfinite(value) else str(value)
 
 
-def _thinned(cases: Sequence[_Asked], detail: Detail) -> str:
+def _thinned(cases: Sequence[_CaseOfPage], detail: Detail) -> str:
     """What the page leaves out."""
-    records = [cell.record for case in cases for cell in case.cells if cell.record]
+    records = [cell.record for case in cases for cell in case.answers if cell.record]
     points = max(len(record.time) for record in records)
     taken = max((len(r.shapes.at) for r in records if r.shapes), default=0)
     shapes = min(taken, detail.snapshots + 1)  # the peak may be one more

@@ -32,7 +32,7 @@ def draw(request: Request) -> Drawing:
     said: list[str] = []
     needed = {"axial_force", "moment"}
     case, found = request.first_answered(needed, "forces in hinges", said)
-    scenario = None if case is None else frame_scenario_of(case)
+    scenario = None if case is None else frame_scenario_of(case.scenario)
     if case is None or scenario is None:
         return nothing("No model states hinge forces over time for these cases.")
     frame, alone = scenario.frame, len(found) == 1

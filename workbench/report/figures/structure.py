@@ -42,7 +42,7 @@ def draw(request: Request) -> Drawing:
     """Every different structure once, with all that happens to it."""
     found: dict[Frame, list[tuple[str, FrameScenario]]] = {}
     for case in request.named():
-        scenario = frame_scenario_of(case)
+        scenario = frame_scenario_of(case.scenario)
         if scenario is not None:
             found.setdefault(scenario.frame, []).append((case.name, scenario))
     if not found:

@@ -18,7 +18,7 @@ from workbench.models.base import respond
 from workbench.responses import Finding, Response, build_response
 from workbench.responses.uncertainty import SAMPLED
 from workbench.scenarios import Scenario
-from workbench.scenarios.stud import CSV, StudTests
+from workbench.scenarios.laboratory import CSV, StudTests
 from workbench.studs.fit_protocol import Judged, plain
 from workbench.studs.reading import examine
 from workbench.studs.schema import POINTS, TESTS, Table

@@ -10,7 +10,7 @@ from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence import dataset
 from workbench.fields import Choice, Number, checked
 from workbench.responses import Finding
-from workbench.scenarios.stud import StudTests
+from workbench.scenarios.laboratory import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel, load_split
 from workbench.studs.damaged import damaged_rows
 from workbench.studs.fit_protocol import judge

@@ -12,7 +12,7 @@ import pandas as pd
 from workbench.errors import InputError
 from workbench.fields import Choice, Flag, checked
 from workbench.responses import Finding
-from workbench.scenarios.stud import StudTests
+from workbench.scenarios.laboratory import StudTests
 from workbench.studs.answers.common import Found, Split, StudModel
 from workbench.studs.answers.evidence import RESIDUAL, calibrated
 from workbench.studs.damaged import damaged_rows

@@ -1,0 +1,82 @@
+"""How many functions of the package (code objects) one answer and one figure call."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+import pytest
+
+import workbench
+from workbench.registry import make_model
+from workbench.scenarios import load_scenario
+from workbench.study import Case, Figure, Study, run_study
+from workbench.study.assess import assess
+
+ROOT = str(Path(workbench.__file__).parent)
+SCENARIO = load_scenario(Path(ROOT).parent / "data/published/heng2017_impact_column.toml")
+MOST_OF_AN_ANSWER, MOST_OF_A_FIGURE = 60, 250
+KINDS = ("structure", "history", "deformed", "peaks", "energy", "cost", "interaction")
+
+
+def touched(call: Callable[[], Any]) -> set[CodeType]:
+    """Code objects of the package that a call runs."""
+    codes: set[CodeType] = set()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and frame.f_code.co_filename.startswith(ROOT):
+            codes.add(frame.f_code)
+
+    sys.setprofile(note)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+    return codes
+
+
+def names(codes: set[CodeType]) -> list[str]:
+    return sorted(f"{Path(code.co_filename).name} {code.co_qualname}" for code in codes)
+
+
+def test_a_closed_formula_touches_few_functions() -> None:
+    model = make_model("energy-estimate")
+    model.simulate(SCENARIO)
+    codes = touched(lambda: model.simulate(SCENARIO))
+    assert len(codes) <= MOST_OF_AN_ANSWER, names(codes)
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    from workbench.report.stored import Stored
+
+    root = tmp_path_factory.mktemp("two-cells")
+    models = {name: make_model(name) for name in ("four-dof", "single-dof")}
+    case, quantities = Case("hit", SCENARIO), ("peak_displacement",)
+    study = Study("two", "Two cells", "Which?", (case,), models, "four-dof", quantities=quantities)
+    directory = run_study(study, root, jobs=0).directory
+    assess(study, root)
+    return Stored(directory, study)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_figure_touches_few_functions(stored: Any, kind: str) -> None:
+    from workbench.report.drawing.sheet import Request
+    from workbench.report.drawing.style import looks
+    from workbench.report.figures import draw
+    from workbench.report.gallery import to_svg
+
+    study = stored.study
+    fresh = type(stored)(stored.directory, study)
+
+    def picture() -> str:
+        figure = Figure(kind, kind, kind, kind)
+        labels = tuple(study.models)
+        request = Request(study, figure, fresh, study.cases, labels, looks(study))
+        return to_svg(draw(request).canvas, kind)
+
+    codes = touched(picture)
+    assert len(codes) <= MOST_OF_A_FIGURE, names(codes)

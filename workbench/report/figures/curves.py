@@ -1,0 +1,171 @@
+"""Curves of all labels over each other, one panel per case: histories, pushes, bench records.
+
+``history``, options: `quantity` (a history; `impulse` stands for the percussions summed up),
+`hinge` (a name, for quantities that belong to hinges), `cases`.
+``force-displacement``, options: `quantity` (``force``, the default, or ``load_factor``), `cases`.
+``place``: the last unknown of an integrator's problem and the exact one.
+"""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from workbench.content.formatting import Unit, axis_label, title_of, unit_of
+from workbench.fields import Choice
+from workbench.report.drawing.layout import displacement_unit
+from workbench.report.drawing.sheet import Array, Drawing, Request, Sheet, nothing, thinned
+from workbench.report.drawing.style import INK, MUTED, Style, entry
+from workbench.responses import Response
+from workbench.scenarios import FrameStatic
+from workbench.study.definition import Case
+
+_PEAKS = {"displacement": ("peak_displacement", "time_of_peak")}
+_TIME = unit_of("time").factor
+_QUANTITY = Choice(("force", "load_factor"))
+_LOOPS = 0.8  # width of a line that turns back, over that of one that does not
+_EXACT: Style = {"color": INK, "linewidth": 2.2, "alpha": 0.25}
+
+
+def history(request: Request) -> Drawing:
+    """Overlaid histories in time; models without a history show their peak."""
+    quantity, hinge = str(request.option("quantity", "displacement")), request.option("hinge", "")
+    said: list[str] = []
+    cases = request.chosen(said, static=False)
+    if not cases:
+        return nothing("Histories in time need an impact or a ground motion; no case is one.")
+    if hinge:
+        said.append(f"Hinge: {hinge}.")
+    sheet, unit = Sheet.grid(len(cases), said, sharey=False), unit_of(quantity).factor
+    for case, panel in zip(cases, sheet.panels, strict=True):
+        for label, response in request.answers(case, sheet.absent).items():
+            curve, look = _history(response, quantity, str(hinge)), request.looks[label]
+            if curve is None:
+                _peak(request, sheet, case, label, panel)
+                continue
+            time, values = thinned(*curve)
+            panel.plot(time * _TIME, values * unit, **look.curve())
+            sheet.legend(entry(label, **look.curve()))
+            sheet.record(case=case.name, label=label, time_s=time, **{f"{quantity}_SI": values})
+        sheet.name(panel, case.name, axis_label("time"), axis_label(quantity))
+        panel.set_xlim(left=0.0)
+        panel.margins(x=0.0)
+        if not panel.lines:
+            panel.text(0.5, 0.5, "no curve", transform=panel.transAxes, ha="center", color=MUTED)
+    sheet.level()
+    return sheet.finish(
+        f"{title_of(quantity)} over time for {', '.join(case.name for case in cases)}",
+        empty=f"No model answered these cases with {title_of(quantity)}.",
+    )
+
+
+def _history(response: Response, quantity: str, hinge: str) -> tuple[Array, Array] | None:
+    stored = "percussion" if quantity == "impulse" else quantity
+    if "time" not in response.coords or stored not in response:
+        return None
+    values = response[stored]
+    if values.dims == ("hinge", "time") and hinge in values["hinge"].values:
+        values = values.sel(hinge=hinge)
+    if values.dims != ("time",):
+        return None
+    curve = values.values.astype(float)
+    return response["time"].values.astype(float), curve.cumsum() if stored != quantity else curve
+
+
+def _peak(request: Request, sheet: Sheet, case: Case, label: str, panel: Axes) -> None:
+    """Draw the peak of a model without a history: a marker, or a line if its time is unknown."""
+    quantity, hinge = str(request.option("quantity", "displacement")), request.option("hinge", "")
+    names, look = _PEAKS.get(quantity, ()), request.looks[label]
+    peak, when = (*(request.number(case, label, name) for name in names), None, None)[:2]
+    if peak is None:
+        where = f" of {hinge} in {case.name}" if hinge else ""
+        sheet.absent.without(f"{title_of(quantity)} over time{where}", label)
+        return
+    shown = peak * unit_of(quantity).factor
+    if when is None:
+        style = look.curve(linestyle=":")
+        panel.axhline(shown, **style)
+    else:
+        style = look.points()
+        panel.plot([when * _TIME], [shown], **style)
+    sheet.legend(entry(f"{label} (peak only)", **style))
+    at = np.nan if when is None else when
+    sheet.record(case=case.name, label=label, time_s=at, **{f"{quantity}_SI": peak})
+
+
+def force_displacement(request: Request) -> Drawing:
+    """Force over displacement of static loading, with all of its reversals."""
+    quantity = request.option("quantity", "force")
+    quantity = _QUANTITY.check("figure.options.quantity", quantity)
+    said: list[str] = []
+    cases = request.chosen(said, static=True)
+    if not cases:
+        return nothing("Force-displacement curves need static loading; no case is static.")
+    sheet = Sheet.grid(len(cases), said, height=2.6, sharey=False)
+    what, units = f"{title_of(quantity)} and displacement", set()
+    for case, panel in zip(cases, sheet.panels, strict=True):
+        (along, across), (up, upright) = _axes(case, quantity)
+        units.add(up.text)
+        turning = False
+        answers = request.answers(case, sheet.absent, (quantity, "displacement"), what)
+        for label, response in answers.items():
+            x, y = response["displacement"].values, response[quantity].values
+            back = bool(np.any(np.diff(x) < 0.0))
+            turning |= back
+            x, y = thinned(x, y, 2400 if back else 700)
+            look = request.looks[label]
+            width = look.width * (_LOOPS if back else 1.0)
+            panel.plot(x * along.factor, y * up.factor, **look.curve(linewidth=width))
+            sheet.legend(entry(label, **look.curve()))
+            sheet.record(case=case.name, label=label, displacement_SI=x, **{f"{quantity}_SI": y})
+        if turning:  # loops get axes through the origin and air around them
+            panel.axhline(0.0, color=MUTED, linewidth=0.6, zorder=1)
+            panel.axvline(0.0, color=MUTED, linewidth=0.6, zorder=1)
+            panel.margins(x=0.04, y=0.06)
+        else:
+            panel.margins(x=0.0)
+            panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
+        height = f"{upright} ({up.text})" if up.text else upright
+        sheet.name(panel, case.name, f"{across} ({along.text})", height)
+    if len(units) == 1:  # forces beside forces
+        sheet.level()
+    return sheet.finish(
+        f"{title_of(quantity)} over displacement for {', '.join(case.name for case in cases)}",
+        empty="No model answered these cases with a curve.",
+    )
+
+
+def _axes(case: Case, quantity: str) -> tuple[tuple[Unit, str], tuple[Unit, str]]:
+    """Return display unit and name of displacement and quantity; patterns may be moments only."""
+    scenario = case.scenario
+    if not isinstance(scenario, FrameStatic):
+        across = unit_of("displacement"), "displacement"
+    else:
+        along = displacement_unit(scenario)
+        across = along, "rotation" if along.text == "rad" else "displacement"
+        if quantity == "force" and not any(load.x or load.y for load in scenario.loads):
+            return across, (unit_of("moment"), "moment")
+    return across, (unit_of(quantity), title_of(quantity))
+
+
+def place(request: Request) -> Drawing:
+    """Places in time of integrators; what leaves the frame of the exact answer is cut."""
+    said: list[str] = []
+    cases = request.chosen(said)
+    sheet = Sheet.grid(len(cases), said, sharey=False)
+    needed = {"record.place", "record.exact"}
+    for case, panel in zip(cases, sheet.panels, strict=True):
+        exact = np.zeros(1)
+        for label, response in request.answers(case, sheet.absent, needed, "a record").items():
+            time, values = response["time"].values, response["record.place"].values
+            exact = response["record.exact"].values
+            panel.plot(time, exact, **_EXACT, zorder=0)
+            panel.plot(time, values, **request.looks[label].curve(linewidth=0.8))
+            sheet.record(case=case.name, label=label, time=time, place=values)
+        low, high = float(exact.min()), float(exact.max())
+        margin = 0.6 * max(high - low, 1e-12)
+        panel.set_ylim(low - 0.25 * margin, high + margin)
+        panel.margins(x=0.0)
+        sheet.name(panel, case.name, "time (s)", "place (m)")
+    sheet.legend(entry("exact", **_EXACT))
+    sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
+    empty = "No integrator has answered a problem."
+    return sheet.finish("places of the last unknown in time, a panel per problem", empty=empty)

@@ -1,0 +1,78 @@
+"""Rules of plastic interaction, section by section: of axial force and moment, of shear and moment.
+
+``yield-surfaces``: two panels per section, the curves of N and M, and the deviation of their radii
+from the exact ones over the angle atan2(N / N_p, M / M_p).
+``shear-surfaces``: a panel per section with webs, without axial force. The exact curve is that of
+one shear rate per section (`ShearSurface.one_shear_rate`); EN 1993-1-1, 6.2.8 reduces the strength
+of the web by (2 V / V_pl - 1)^2 above V_pl / 2; the additive form is m + (V / V_pl)^2 = 1.
+"""
+
+import numpy as np
+
+from workbench.arrays import Array
+from workbench.hinges import ShearSurface, has_webs
+from workbench.hinges.interaction import ANGLES, RULES, radial_error, radius
+from workbench.report.drawing.layout import frame_scenario_of
+from workbench.report.drawing.sheet import Drawing, Request, Sheet
+from workbench.report.drawing.style import INK, MUTED, Style
+
+_POINTS = 201
+
+
+def axial(request: Request) -> Drawing:
+    """Two panels per section of the frames and columns of the cases, in their order."""
+    known = (frame_scenario_of(case.scenario) for case in request.cases)
+    frames = [scenario.frame for scenario in known if scenario]
+    sections = list(dict.fromkeys(f.strength_section(m) for f in frames for m in f.members))
+    sheet = Sheet.grid(2 * len(sections), height=2.6, sharey=False)
+    angle = np.linspace(0.0, 0.5 * np.pi, ANGLES)
+    panels = iter(sheet.panels)
+    for section in sections:
+        curves, errors = next(panels), next(panels)
+        exact = radius("exact", section, angle)
+        said = []
+        for number, rule in enumerate(RULES):
+            r = radius(rule, section, angle)
+            look: Style = {"color": f"C{number - 1}", "linewidth": 1.1}
+            look = {"color": INK, "linewidth": 1.8} if rule == "exact" else look
+            n, m, off = r * np.sin(angle), r * np.cos(angle), 100.0 * (r / exact - 1.0)
+            sheet.legend(*curves.plot(m, n, label=rule, **look))
+            errors.plot(np.degrees(angle), off, **look)
+            sheet.record(section=section.name, rule=rule, axial=n, moment=m, error_percent=off)
+            low, high, rms = (100.0 * e for e in radial_error(rule, section))
+            if rule != "exact":
+                said.append(f"{rule} {low:.1f} to {high:+.1f} (rms {rms:.1f})")
+        sheet.name(curves, section.name, "M/Mpl", "N/Npl")
+        sheet.name(errors, "radius off the exact one, %", "angle from pure bending, degrees", "")
+        sheet.said.append(f"{section.name}, radial error in percent: {', '.join(said)}.")
+    return sheet.finish("plastic interaction of axial force and moment by seven rules")
+
+
+def shear(request: Request) -> Drawing:
+    """A panel per section of the columns that the cases hit, in their order."""
+    columns = [column for c in request.cases if (column := getattr(c.scenario, "column", None))]
+    steels = {column.strength_section: column.steel for column in columns}
+    surfaces = {s: ShearSurface(s, steel, "clear") for s, steel in steels.items() if has_webs(s)}
+    said = [f"{s.name}: no plane webs." for s in steels if not has_webs(s)]
+    sheet = Sheet.grid(max(len(surfaces), 1), said, height=2.6)
+    share = np.linspace(0.0, 1.0, _POINTS)
+    for panel, (section, surface) in zip(sheet.panels, surfaces.items(), strict=False):
+        plastic = surface.plastic_moment
+        domain = surface.moment_capacity(0.0, share * surface.shear_resistance) / plastic
+        exact = surface.one_shear_rate(share) / plastic
+        flanges = float(surface.record["flange_moment"]) / plastic
+        eurocode = 1.0 - (1.0 - flanges) * np.maximum(2.0 * share - 1.0, 0.0) ** 2
+        curves: dict[str, tuple[Array, Style]] = {
+            "one shear rate, exact": (exact, {"color": INK, "linewidth": 1.6}),
+            "panels": (domain, {"color": "C1", "linewidth": 1.4}),
+            "EN 1993-1-1, 6.2.8": (eurocode, {"color": "C0", "linestyle": "--"}),
+            "additive": (1.0 - share**2, {"color": MUTED, "linestyle": ":"}),
+        }
+        for name, (moment, look) in curves.items():
+            sheet.legend(*panel.plot(share, moment, label=name, **look))
+            sheet.record(section=section.name, rule=name, shear=share, moment=moment)
+        panel.set_ylim(0.0, 1.05)
+        sheet.name(panel, section.name, "V/Vpl", "M/Mpl")
+        lack = float(np.max(exact - domain))
+        sheet.said.append(f"{section.name}: panels lack at most {lack:.3f} M_pl.")
+    return sheet.finish("plastic moment over shear force by four rules, per section")
