@@ -66,8 +66,10 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
         text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
         response = refused_response([Finding("kind", text, refusal=True)])
         return _signed(response, model, scenario, started)
-    findings = [*model.domain(scenario), *implausible(scenario)]
-    refusals = [finding for finding in findings if finding.refusal]
+    warnings: list[Finding] = []
+    refusals: list[Finding] = []
+    for finding in (*model.domain(scenario), *implausible(scenario)):
+        (refusals if finding.refusal else warnings).append(finding)
     if refusals:
         response = refused_response(refusals)
     else:
@@ -80,7 +82,6 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
             response = failed_response(Outcome.NOT_CONVERGED, str(error))
         except OutOfDomainError as error:
             response = refused_response([Finding("domain", str(error), refusal=True)])
-    warnings = [finding for finding in findings if not finding.refusal]
     if warnings:
         set_findings(response, [*warnings, *findings_of(response)])
     return _signed(response, model, scenario, started)

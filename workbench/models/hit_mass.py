@@ -103,13 +103,14 @@ def elastic_mass(column: Column) -> float:
     rho A times the integral of phi^2, phi the deflection, 1 at the hit point: 0.37 of a clamped
     column hit in the middle, more than all of it if hit at a sixth: the longer bar moves most.
     """
-    bars = tuple(column.bars.values())
-    below, above = ((4.0 if clamped else 3.0) / length for length, clamped in bars)
-    turning = ((6.0 if clamped else 3.0) / length**2 for length, clamped in bars)
-    slope = (next(turning) - next(turning)) / (below + above)  # at the hit point
-    moved = 0.0
-    for (length, clamped), near in zip(bars, (slope, -slope), strict=True):
-        near = near * length
+    stiffness = moment = moved = 0.0
+    bars = tuple(zip(column.bars.values(), (1.0, -1.0), strict=True))
+    for (length, clamped), sign in bars:
+        stiffness += (4.0 if clamped else 3.0) / length
+        moment += sign * (6.0 if clamped else 3.0) / length**2
+    slope = moment / stiffness  # at the hit point
+    for (length, clamped), sign in bars:
+        near = sign * slope * length
         far = 0.0 if clamped else 1.5 - 0.5 * near  # of a cubic with phi = 0 and 1 at its ends
         terms = 156.0 + 4.0 * (far**2 + near**2) - 6.0 * far * near + 26.0 * far - 44.0 * near
         moved += length / 420.0 * terms

@@ -61,11 +61,16 @@ def build_response(
     is not in the table.
     """
     instants = None if time is None else np.asarray(time, dtype=float)
-    given = {n: None if v is None else np.asarray(v, dtype=float) for n, v in values.items()}
+    given: dict[str, Array | None] = {}
+    for name, value in values.items():
+        given[name] = None if value is None else np.asarray(value, dtype=float)
     derived, findings = implied(given, instants)
     known = _KNOWN["time" if time is not None else "step"]
     named = {"hinge": hinges, "segment": segments, "member": members, "upright": uprights}
-    along: dict[str, Any] = {name: tuple(names) for name, names in named.items() if len(names)}
+    along: dict[str, Any] = {}
+    for name, names in named.items():
+        if len(names):
+            along[name] = tuple(names)
     if instants is not None:
         along["time"] = instants
     elif steps is not None:
@@ -234,9 +239,11 @@ def check_response(response: Response) -> None:
         if kinds == _NUMBERS:
             numbers[name] = array.values
     time = numbers.pop("time", None)
-    large = [values for values in numbers.values() if values.size > _LARGE]
-    small = [values.ravel() for values in numbers.values() if values.size <= _LARGE]
-    if not all(map(_finite, (*large, np.concatenate([*small, ()])))):
+    large: list[Array] = []
+    small: list[Array] = [np.empty(0)]
+    for values in numbers.values():
+        (large if values.size > _LARGE else small).append(values.ravel())
+    if not all(map(_finite, (*large, np.concatenate(small)))):
         name = next(name for name, values in numbers.items() if not _finite(values))
         raise WorkbenchError(f"response variable {name!r} holds numbers that are not finite")
     if time is not None and not (time.size and _finite(time) and (time[1:] > time[:-1]).all()):

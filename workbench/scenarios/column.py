@@ -93,7 +93,7 @@ class Column(Declared, table="column"):
 
     def effective_length_factor(self) -> float:
         """Euler effective-length factor of the whole column: 0.5, 0.7 or 1."""
-        clamps = sum(clamped for _, clamped in self.bars.values())
+        clamps = (self.base == "clamped") + (self.head != "pinned")
         return {2: 0.5, 1: 0.699156, 0: 1.0}[clamps]
 
 

@@ -88,7 +88,7 @@ class ResistanceCurve:
     def _local(self, displacement: ArrayLike) -> tuple[Pieces, Array, Array]:
         """Pieces at displacements, distances from their starts, and coefficients of the force."""
         v = np.abs(np.asarray(displacement, dtype=float))
-        piece = self.pieces[np.searchsorted(self.starts, v, side="right") - 1]
+        piece = self.pieces[np.searchsorted(self.pieces["start"], v, side="right") - 1]
         return piece, v - piece["start"], _first(piece["c"])
 
     def force(self, displacement: ArrayLike) -> Array:
@@ -194,5 +194,5 @@ class ResistanceCurve:
     def _shear(self, displacement: ArrayLike) -> Array:
         """Shear forces (N) of the bars below and above, (..., 2), as `moments`."""
         at = dict(zip(self.mechanism.groups, self.moments(displacement), strict=True))
-        both = [at["hit"] + at.get(end, 0.0) for end in ("base", "head")]
-        return np.asarray(np.array(both).T / self.mechanism.lengths)
+        both = np.array([at["hit"] + at.get("base", 0.0), at["hit"] + at.get("head", 0.0)])
+        return np.asarray(both.T / self.mechanism.lengths)
