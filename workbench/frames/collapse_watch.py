@@ -1,7 +1,6 @@
 """When a frame has collapsed, so that its models mean nothing any more."""
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +33,6 @@ class Lines(NamedTuple):
     sway: Array
 
 
-@lru_cache(maxsize=16)
 def _lines(frame: Frame, size: int, dofs: tuple[tuple[int, int], ...]) -> Lines:
     """The lines of a frame with so many dofs, `dofs` u and v of its nodes."""
     lengths: Array = np.array([frame.length(member) for member in frame.members])

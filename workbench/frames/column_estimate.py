@@ -120,7 +120,13 @@ class ColumnEstimate:
             axial=column.axial_load / 1e3,
             mass=column.head_mass,
         )
-        yield finding("ends", effect=self._ends())
+        ratio = self.collapse_ratio
+        if ratio is None:
+            yield finding("ends-without-resistance")
+        elif abs(ratio - 1.0) < SAME:
+            yield finding("ends-of-own-mechanism")
+        else:
+            yield finding("ends-of-frame", ratio=ratio, which="small" if ratio < 1.0 else "large")
         missing = self.swayed
         if missing is None or missing > SWAYED:
             share = "much" if missing is None else f"up to {100.0 * missing:.0f} %"
@@ -129,18 +135,6 @@ class ColumnEstimate:
             yield finding("fall", self.fall, ratio=self.fall)
         if self.bent > BENT:
             yield finding("dead-moments", share=self.bent)
-
-    def _ends(self) -> str:
-        ratio = self.collapse_ratio
-        if ratio is None:
-            return "the plastic resistance of the frame does not reach for its dead loads"
-        if abs(ratio - 1.0) < SAME:
-            return "by limit analysis the column's own mechanism governs, so they stay small"
-        which = "small" if ratio < 1.0 else "large"
-        return (
-            f"by limit analysis the frame resists {ratio:.2f} of the force that the column's own "
-            f"mechanism does, so that peaks come out too {which}"
-        )
 
     def restraint_findings(self, force: float) -> Iterator[Finding]:
         """Whether the spring carried a `force` (N) beyond the collapse of the frame."""
@@ -156,7 +150,9 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
     `head`, ``joined`` (as the joint there says) or ``pinned``. Raises `OutOfDomainError` where
     there is no such column.
     """
-    frame, strike = scenario.frame, _strike(scenario.striker)
+    frame, striker = scenario.frame, scenario.striker
+    towards = -1.0 if striker.direction.startswith("-") else 1.0
+    strike = Load(striker.node, **{striker.direction[-1]: towards})
     impact, line, axial, bent = _column(scenario, head_mass, head)
     alone = frame_of(impact.column)
     swaying = collapse_mechanism(frame, [strike], frame.loads)
@@ -167,7 +163,7 @@ def estimate_column(scenario: FrameImpact, head_mass: str, head: str) -> ColumnE
         None if swaying is None else swaying.factor,
         collapse_factor(alone, [Load("hit", x=1.0)], alone.loads),
         bent,
-        frame.node(scenario.striker.node).mass,
+        frame.node(striker.node).mass,
         (_yielding(frame, strike), _yielding(alone, Load("hit", x=1.0)) or 0.0),
         0.0 if swaying is None else swaying.softening(frame, dead_load_state(frame).axial),
     )
@@ -191,12 +187,6 @@ def _column_of_unit(frame: Frame, node: str, direction: str) -> ColumnImpact | N
         return _column(scenario, HEAD_MASSES[0], HEADS[0])[0]
     except OutOfDomainError:
         return None
-
-
-def _strike(striker: FrameStriker) -> Load:
-    """A unit force in the place of a striker."""
-    towards = -1.0 if striker.direction.startswith("-") else 1.0
-    return Load(striker.node, **{striker.direction[-1]: towards})
 
 
 def _column(

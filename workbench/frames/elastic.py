@@ -309,15 +309,14 @@ def slowest_period(frame: Frame, node: str, direction: str) -> float:
     return float(periods[swings >= _FELT * swings.max(initial=0.0)].max(initial=0.0)) / softer
 
 
-@lru_cache(maxsize=64)
-def wave_times(frame: Frame) -> tuple[float, ...]:
+def wave_times(frame: Frame) -> list[float]:
     """Times (s) of an axial wave along every member."""
-    modulus = frame.steel.elastic_modulus
-    owns = [(frame.length(member), frame.properties(member)) for member in frame.members]
-    return tuple(
-        length / sqrt(modulus * properties.area / properties.mass_per_length)
-        for length, properties in owns
-    )
+    modulus, times = frame.steel.elastic_modulus, []
+    for member in frame.members:
+        properties = frame.properties(member)
+        speed = sqrt(modulus * properties.area / properties.mass_per_length)
+        times.append(frame.length(member) / speed)
+    return times
 
 
 def line_wave_times(frame: Frame) -> list[float]:

@@ -62,16 +62,10 @@ def shear_demand(scenario: FrameScenario) -> dict[str, float]:
     of two in the span over the length. Members that continue each other without a load or striker
     between them count as one.
     """
+    frame, demand = scenario.frame, {}
     pressed = scenario.members if isinstance(scenario, FramePulse) else ()
-    return dict(_demand(scenario.frame, frozenset(eventful(scenario)), pressed))
-
-
-@lru_cache(maxsize=64)
-def _demand(frame: Frame, events: frozenset[str], pressed: tuple[str, ...]) -> dict[str, float]:
-    """That of a frame with events at these nodes and line loads on the members `pressed`."""
-    kept = events | {node.name for node in frame.nodes if node.mass > 0.0}
-    demand = {}
-    for chain in chains(frame, kept):
+    heavy = {node.name for node in frame.nodes if node.mass > 0.0}
+    for chain in chains(frame, eventful(scenario) | heavy):
         length = sum(frame.length(name) for name in chain.members)
         moment = sum(_end_moment(frame, frame.member(name), start) for name, start in chain.ends)
         if set(chain.members) & set(pressed):

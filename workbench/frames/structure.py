@@ -179,13 +179,11 @@ class FrameStructure:
         return forces
 
 
-@lru_cache(maxsize=64)
 def hinge_names(frame: Frame) -> tuple[str, ...]:
     """Names of the two hinges of every member, in the order of the members."""
     return tuple(f"{member.name}:{end}" for member in frame.members for end in ("start", "end"))
 
 
-@lru_cache(maxsize=64)
 def member_names(frame: Frame) -> tuple[str, ...]:
     """Names of the members in their order."""
     return tuple(member.name for member in frame.members)

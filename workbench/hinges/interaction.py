@@ -79,40 +79,16 @@ class YieldSurface(Declared, table="yield_surface"):
         return cls(section.squash_load(steel), section.plastic_moment(steel), alpha, beta)
 
 
-def _exact(section: Section, n: Array) -> Array:
-    """The fully plastic section, between 721 points of its envelope."""
-    return np.interp(n, *_envelope(section))
-
-
-def _super_ellipse(section: Section, n: Array) -> Array:
-    """Heng 2017, eq. 2.16, exponents fitted to the exact curve."""
-    alpha, beta = section.interaction_fit()
-    return np.asarray((1.0 - n**beta) ** (1.0 / alpha))
-
-
-def _orbison(section: Section, n: Array) -> Array:
-    """1.15 n^2 - 0.15 n^6 + m^2 + 3.67 n^2 m^2 = 1 (Orbison, McGuire and Abel 1982)."""
-    return np.sqrt((1.0 - 1.15 * n**2 + 0.15 * n**6) / (1.0 + 3.67 * n**2))
-
-
-def _attalla(section: Section, n: Array) -> Array:
-    """0.19 n^6 + 0.54 m^6 - 1.40 n^4 - 1.64 m^4 + 2.21 n^2 + 2.10 m^2 = 1 (Attalla et al. 1994).
-
-    The left side rises with m everywhere between 0 and 1.
-    """
+def _attalla(n: Array) -> Array:
+    """Attalla et al. 1994; the left side rises with m everywhere between 0 and 1."""
     of_n = 0.19 * n**6 - 1.40 * n**4 + 2.21 * n**2
     return where_it_ends(
         lambda m: of_n + 0.54 * m**6 - 1.64 * m**4 + 2.10 * m**2 < 1.0, np.ones_like(n)
     )
 
 
-def _aisc(section: Section, n: Array) -> Array:
-    """AISC 360, equations H1-1: n + 8/9 m = 1 from n = 0.2 on, n / 2 + m = 1 below."""
-    return np.where(n >= 0.2, 9.0 / 8.0 * (1.0 - n), 1.0 - 0.5 * n)
-
-
 def _eurocode(section: Section, n: Array) -> Array:
-    """EN 1993-1-1, 6.2.9.1: (1 - n) / (1 - a/2) up to 1, a the share of the webs up to 1/2."""
+    """(1 - n) / (1 - a/2) up to 1, a the share of the webs up to 1/2."""
     shape = section.shape
     if isinstance(shape, CircularTube):
         advice = "take exact or super-ellipse"
@@ -123,9 +99,9 @@ def _eurocode(section: Section, n: Array) -> Array:
     return np.minimum(1.0, (1.0 - n) / (1.0 - 0.5 * min(webs, 0.5)))
 
 
-def _linear(section: Section, n: Array) -> Array:
-    """A straight line, m + n = 1."""
-    return 1.0 - n
+def _super_ellipse(section: Section, n: Array) -> Array:
+    alpha, beta = section.interaction_fit()
+    return np.asarray((1.0 - n**beta) ** (1.0 / alpha))
 
 
 @cache
@@ -134,13 +110,18 @@ def _envelope(section: Section) -> tuple[Array, Array]:
 
 
 _RULES: dict[str, Callable[[Section, Array], Array]] = {
-    "exact": _exact,
+    # the fully plastic section, between 721 points of its envelope
+    "exact": lambda section, n: np.interp(n, *_envelope(section)),
+    # Heng 2017, eq. 2.16, exponents fitted to the exact curve
     "super-ellipse": _super_ellipse,
-    "orbison": _orbison,
-    "attalla": _attalla,
-    "aisc": _aisc,
-    "eurocode": _eurocode,
-    "linear": _linear,
+    # 1.15 n^2 - 0.15 n^6 + m^2 + 3.67 n^2 m^2 = 1 (Orbison, McGuire and Abel 1982)
+    "orbison": lambda _, n: np.sqrt((1.0 - 1.15 * n**2 + 0.15 * n**6) / (1.0 + 3.67 * n**2)),
+    # 0.19 n^6 + 0.54 m^6 - 1.40 n^4 - 1.64 m^4 + 2.21 n^2 + 2.10 m^2 = 1
+    "attalla": lambda _, n: _attalla(n),
+    # AISC 360, equations H1-1: n + 8/9 m = 1 from n = 0.2 on, n / 2 + m = 1 below
+    "aisc": lambda _, n: np.where(n >= 0.2, 9.0 / 8.0 * (1.0 - n), 1.0 - 0.5 * n),
+    "eurocode": _eurocode,  # EN 1993-1-1, 6.2.9.1
+    "linear": lambda _, n: 1.0 - n,
 }
 RULES = tuple(_RULES)
 

@@ -26,7 +26,6 @@ from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
 from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
 from workbench.scenarios import (
-    Column,
     ColumnImpact,
     FrameImpact,
     Member,
@@ -121,8 +120,11 @@ class ColumnOfFrame(Answering):
             limit = estimate.restraint_limit if self.restraint == "yielding" else None
             response, force = _as_bars(model, estimate, limit)
         else:
-            response = model.simulate(estimate.column)
-            force = _spring_force(response, estimate.column.column)
+            response, column = model.simulate(estimate.column), estimate.column.column
+            force = None  # the largest one of the elastic spring at the head, in N
+            if "shortening" in response and column.head != "fixed":
+                shortening = response["shortening"].values
+                force = column.restraint_stiffness * float(np.max(shortening - shortening[0]))
         known = {each.text for each in model.domain(estimate.column)}
         findings = [
             warning
@@ -134,14 +136,6 @@ class ColumnOfFrame(Answering):
         set_findings(response, findings)
         response.attrs["derived_column"] = to_toml(estimate.column)
         return response
-
-
-def _spring_force(response: Response, column: Column) -> float | None:
-    """Largest force (N) of the elastic spring at the head; None if it is not known."""
-    if "shortening" not in response or column.head == "fixed":
-        return None
-    shortening = response["shortening"].values
-    return float(column.restraint_stiffness * np.max(shortening - shortening[0]))
 
 
 # -- rigid superelements, whose restraint is a bar that can yield --------------------------------

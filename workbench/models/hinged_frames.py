@@ -71,7 +71,8 @@ class BarHinges(BarFrames):
                 findings.append(finding("catenary", reach, reach=reach))
         if self.loses_moment:
             findings += axial_findings(event.frame, self.loses_moment)
-        if self.in_cycles and _reverses(event):
+        cyclic = isinstance(event, FrameStatic) and len(event.path) > 1
+        if self.in_cycles and (cyclic or isinstance(event, FrameGroundMotion)):
             findings.append(finding("cycles", effect=self.in_cycles))
         return super().domain(scenario) + findings
 
@@ -276,13 +277,6 @@ class RefinedPlasticHinge(BarHinges):
         """The elements."""
         reduction = IMPERFECT if self.imperfect else 1.0
         return refined_bars(cut[1], bars, reduction, self.regularisation, self.first_order)
-
-
-def _reverses(scenario: FrameScenario) -> bool:
-    """Whether a structure is led to and fro."""
-    if isinstance(scenario, FrameStatic):
-        return len(scenario.path) > 1
-    return isinstance(scenario, FrameGroundMotion)
 
 
 def catenary_reach(scenario: FrameImpact) -> float:

@@ -84,7 +84,9 @@ def member_lengths(
     uniform = smallest is not None and smallest == largest
     depths = inf if static or largest else rule.largest_depth
     largest = largest or bound * _longest(frame)
-    wanted = smallest or min(rule.share * _shorter(scenario), largest)
+    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
+    shorter = min(frame.length(m) for m in frame.members if node in (m.start, m.end))
+    wanted = smallest or min(rule.share * shorter, largest)
     coarser = 2.0 ** max(-refinement, 0)
     result = []
     for member in frame.members:
@@ -104,14 +106,6 @@ def member_lengths(
 def _longest(frame: Frame) -> float:
     """Length of the longest member, all its parts, in m."""
     return max(sum(frame.length(name) for name in line.members) for line in chains(frame))
-
-
-def _shorter(scenario: FrameScenario) -> float:
-    """Length of the shortest member at the struck or driven node, in m."""
-    frame = scenario.frame
-    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
-    there = [m for m in frame.members if node in (m.start, m.end)]
-    return min(frame.length(member) for member in there)
 
 
 class FrameMesh(NamedTuple):

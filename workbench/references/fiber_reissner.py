@@ -56,6 +56,7 @@ class ExactBeams(FiberReference):
     )
 
     sampled: ClassVar[float] = 0.5
+    beams: ClassVar[type[ReissnerBeams]] = ReissnerBeams
 
     def domain(self, scenario: ColumnScenario | FrameScenario) -> list[Finding]:
         """Findings common to all fiber references, and refusals of options."""
@@ -79,14 +80,9 @@ class ExactBeams(FiberReference):
         return mesh._replace(coordinates=np.stack([bow, heights], axis=1))
 
     def elements(self, frame: Frame, mesh: FrameMesh) -> ReissnerBeams:
-        """Geometrically exact beams, assembled by the compiled kernel."""
+        """Geometrically exact beams."""
         sections = [self.section(frame, member) for member in frame.members]
         return self.beams(mesh.nodes, mesh.member, sections)
-
-    @property
-    def beams(self) -> type[ReissnerBeams]:
-        """The elements, assembled by the compiled kernel."""
-        return ReissnerBeams
 
     def section(self, frame: Frame, member: Member) -> BeamSection:
         """The fibers of a member's strength section, their law and its mass.

@@ -98,26 +98,21 @@ def read(response: Response, quantities: Quantities) -> dict[str, float]:
     """Values of scalars and of points of the curve; those that are absent are left out."""
     values = {}
     for name, point in quantities.items():
-        if point is not None:
-            value = _first_at(response, point)
-        else:
-            value = float(response[name]) if name in response else None
-        if value is not None:
-            values[name] = value
+        if point is None:
+            if name in response:
+                values[name] = float(response[name])
+        elif point.variable in response and point.abscissa in response:
+            # where the abscissa first gets as far, linear between the steps
+            sign, at = (1.0 if point.at >= 0.0 else -1.0), abs(point.at)
+            way = sign * response[point.abscissa].values
+            reached = np.flatnonzero(way >= at * (1.0 - 1e-9))
+            if reached.size:
+                last = int(reached[0])
+                pair = [max(last - 1, 0), last]
+                values[name] = float(
+                    np.interp(at, way[pair], response[point.variable].values[pair])
+                )
     return values
-
-
-def _first_at(response: Response, point: CurvePoint) -> float | None:
-    """Value where the abscissa first gets as far as the point, linear between the steps."""
-    if point.variable not in response or point.abscissa not in response:
-        return None
-    way, at = response[point.abscissa].values * (1.0 if point.at >= 0.0 else -1.0), abs(point.at)
-    reached = np.flatnonzero(way >= at * (1.0 - 1e-9))
-    if reached.size == 0:
-        return None
-    last = int(reached[0])
-    pair = [max(last - 1, 0), last]
-    return float(np.interp(at, way[pair], response[point.variable].values[pair]))
 
 
 def refined(model: Any, scenario: Any, solve: Callable[[Any], Response]) -> Response:
