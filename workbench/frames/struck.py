@@ -102,7 +102,7 @@ class StruckRecord(Record):
         """As of other records."""
         return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
 
-    def told(self, start: float, name: str) -> Array:
+    def history(self, start: float, name: str) -> Array:
         """As of other records."""
         values = np.concatenate([*map(attrgetter(name), self._steps)])
         values[0] = start
