@@ -28,6 +28,32 @@ def rebound(gamma_start: float, restitution: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def may_touch(gap: float, gamma: float, dt: float, slack: float) -> bool:
+    """Whether a step of `dt` can be one of contact: the gap at its end, if it only closes."""
+    return gap + dt * min(gamma, 0.0) <= slack
+
+
+@njit(cache=True, error_model="numpy")
+def touch_velocity(striker: float, gamma: float, restitution: float) -> float:
+    """Velocity of the hit point at the end of a closed step, for the striker's as it is before P.
+
+    An open step is admissible if the hit point is at least as fast at its end.
+    """
+    return striker - rebound(gamma, restitution) * gamma
+
+
+@njit(cache=True, error_model="numpy")
+def accepts(fits: bool, may: bool, closed: bool, refused: bool) -> bool:
+    """Whether a solved state of contact is taken: it fits, or nothing else is left.
+
+    Arguments: `fits`, P >= 0 or open and not slower than `touch_velocity`; `may`, whether contact
+    was possible; whether it was `closed`; whether the other state was solved and `refused`. A
+    closed contact that pulls must open, whatever the open solution says of velocities.
+    """
+    return fits or not may or (refused and not closed)
+
+
+@njit(cache=True, error_model="numpy")
 def explicit_percussion(
     gamma_free: float, gamma_start: float, restitution: float, mass: float, striker_mass: float
 ) -> float:
@@ -81,7 +107,7 @@ def contact_step_of(hit: Any, solve: Any) -> Any:
     def step(s, progress, dt, may):
         speed, mass = hit(s)[1], progress.mass
         gamma = speed - progress.velocity
-        touch = progress.velocity - rebound(gamma, progress.restitution) * gamma
+        touch = touch_velocity(progress.velocity, gamma, progress.restitution)
         closed, refused = may and gamma <= APART * progress.approach, False
         for _ in range(2 if may else 1):
             done, end, residual, count = solve(s, dt, closed, touch, mass)
@@ -95,8 +121,7 @@ def contact_step_of(hit: Any, solve: Any) -> Any:
                     progress.release = release
                     return False, 0.0, 0.0, 0.0
             fits = impulse >= 0.0 if closed else end >= touch
-            # a closed contact that pulls must open, whatever the open solution says of velocities
-            if done and (fits or not may or (refused and not closed)):
+            if done and accepts(fits, may, closed, refused):
                 left = 0.0
                 if closed:
                     left = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)

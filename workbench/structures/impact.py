@@ -130,18 +130,17 @@ class _Stepper:
         """Take a step with the right contact state and commit it, if it can be solved."""
         gap, approach = self.gap, self._along(self.assembly.velocity) - self.striker.velocity
         evaluations, residual = 0, 0.0
-        may_touch = gap + dt * min(approach, 0.0) <= 0.0
+        touches = contact.may_touch(gap, approach, dt, 0.0)
         # what ends in overlap must have met on the way
-        states = 2 if may_touch or self._direction is not None else 1
-        closed, refused = may_touch and not approach > 0.0, False
+        states = 2 if touches or self._direction is not None else 1
+        closed, refused = touches and not approach > 0.0, False
         for _ in range(states):
             attempt = self._attempt(dt, closed, gap, approach)
             solution = attempt.trial.solution
             evaluations += solution.evaluations
             residual = max(solution.residual, residual)  # not a number stays one
             if solution.converged:
-                # a closed contact that pulls must open, whatever the open one says of velocities
-                if attempt.admissible or states == 1 or (refused and not closed):
+                if contact.accepts(attempt.admissible, states == 2, closed, refused):
                     turned = -0.5 * attempt.impulse * approach
                     if turned > self._collision and dt >= 2.0 * self.shortest:
                         return None, evaluations, residual
@@ -153,11 +152,11 @@ class _Stepper:
     def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> _Attempt:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
         striker, direction = self.striker, self._direction
-        restitution = contact.rebound(approach, striker.restitution)
-        touch, apart, pull = striker.velocity - restitution * approach, 0.0, None
+        touch = contact.touch_velocity(striker.velocity, approach, striker.restitution)
+        apart, pull = 0.0, None
         if closed:
             if direction is not None:
-                overlap = gap + 0.5 * dt * (1.0 - restitution) * approach
+                overlap = gap + 0.5 * dt * (approach + touch - striker.velocity)
                 apart = self._effective_mass * max(-overlap, 0.0)
             if apart > 0.0:  # the gap closes at the end of the step
                 touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
