@@ -63,25 +63,18 @@ class StruckRecord(Record):
     @property
     def limits(self) -> CollapseLimits:
         """Beyond what the frame has collapsed, for compiled steps."""
-        structure, lines = self.structure, self.watch.lines
-        if "limits" not in structure.found:
-            frame, dof = structure.frame, structure.assembly.dof
-            number = {node.name: i for i, node in enumerate(frame.nodes)}
-            ends = [(number[member.start], number[member.end]) for member in frame.members]
-            corners = np.array([[dof(n, c) for n in pair for c in "uv"] for pair in ends])
-            rows = np.arange(len(ends))[:, None]
-            structure.found["limits"] = CollapseLimits(
-                watch.COLLAPSE_SIDEWAYS,
-                watch.COLLAPSE_CONTRACTION,
-                watch.LEAST_LENGTH,
-                structure.members.first,
-                corners,
-                lines.across[rows, corners[:, 2:]],
-                lines.along[rows, corners[:, 2:]],
-                lines.chained.argmax(axis=0),
-                lines.chained.max(axis=0),
-            )
-        return cast(CollapseLimits, structure.found["limits"])
+        lines = self.watch.lines
+        return CollapseLimits(
+            watch.COLLAPSE_SIDEWAYS,
+            watch.COLLAPSE_CONTRACTION,
+            watch.LEAST_LENGTH,
+            self.structure.members.first,
+            lines.corners,
+            lines.across,
+            lines.along,
+            lines.chained.argmax(axis=0),
+            lines.chained.max(axis=0),
+        )
 
     def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:
         """Append several records, the states that they lead to, and those of the start.

@@ -14,6 +14,7 @@ from workbench.impact.pace import APART, RELEASED, SLACK
 # Small functions that end in one entry: inlined, without the wrappers that Python would call.
 _WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner = njit(error_model="numpy", forceinline=True, **_WRAPPERS)
+called = njit(error_model="numpy", **_WRAPPERS)  # the same, large and called in several places
 
 
 @njit(cache=True, error_model="numpy")

@@ -48,7 +48,7 @@ from workbench.structures.time_steps import (
     rigid_displacement,
 )
 
-Taken = TypeVar("Taken", PathStep, TimeStep)
+Taken = TypeVar("Taken")
 
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least

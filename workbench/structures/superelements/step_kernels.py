@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.compiled import njit
-from workbench.impact.contact import inner
+from workbench.impact.contact import called, inner
 from workbench.structures import kernels
 from workbench.structures.elements import Step
 from workbench.structures.kernels import add_inertia, copy, largest
@@ -88,8 +87,7 @@ class Work(NamedTuple):
     pivots: Indices
 
 
-# called twice: inlined it would be compiled twice
-@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@called
 def evaluate(body, motion, work, dt, closed, touch, striker, x):
     """Residual and tangent of a step of `dt` (s) that ends at displacements `x`.
 
