@@ -166,7 +166,7 @@ def _hold_back(body, work):
 
 @inner
 def newton(body, motion, work, dt, closed, touch, striker):
-    """Solve a step from `work.x`, as `newton` of `structures` does.
+    """Solve a step from `work.x`, as `newton` of `structures/equilibrium` does.
 
     A step is taken for its residual only where that falls to `FALLEN`: with halves, steps in which
     all hinges of a joint yield take a sixth more evaluations. The line search follows the tangent
