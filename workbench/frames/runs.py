@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import CollapseError, SolverError
+from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.collapse_load import sway_collapse, sway_findings
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
@@ -213,41 +214,26 @@ def _gone_far(record: Record, imposed: bool) -> list[Finding]:
     if share <= (COLLAPSE_SIDEWAYS if imposed else GONE_FAR):
         return []
     name = record.structure.frame.members[worst].name
-    text = f"the ends of member {name} have moved apart across it by {share:.2f} of its length"
-    if imposed:
-        return [Finding("rotation", f"{text}: steel would tear before", number=share)]
-    text += ": this load is carried by another shape of the frame, beyond its plastic mechanism"
-    remedy = "displacement control shows the way there"
-    return [Finding("large-displacements", text, remedy=remedy, number=share)]
+    return [finding("rotation" if imposed else "large-displacements", share, member=name)]
 
 
-def _impact_accuracy(record: Record, brought: float) -> list[Finding]:
-    """Findings on the time steps up to the peak and their damping; energy `brought` in (J)."""
+def _impact_accuracy(record: Record, input_energy: float) -> list[Finding]:
+    """Findings on the time steps up to the peak and their damping; `input_energy` in J."""
     findings = []
     displacement, algorithmic = record.column("displacement"), record.total("energies.algorithmic")
     top = int(np.argmax(displacement))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
-        text = f"the peak comes after {top} time steps only"
-        findings.append(Finding("time-step", text, remedy="reduce time_step", number=top))
-    damped = float(algorithmic[top] / brought)
+        findings.append(finding("time-step", top))
+    damped = float(algorithmic[top] / input_energy)
     if damped > LARGEST_DAMPING:
-        text = (
-            f"time stepping has dissipated {100 * damped:.1f} % of the impact energy before the "
-            "peak, as waves matter more than the motion of the frame"
-        )
-        findings.append(Finding("damping", text, remedy="raise refinement", number=damped))
+        findings.append(finding("damping", damped, percent=100.0 * damped))
     return findings
 
 
 def _softened(record: Record, least: float) -> list[Finding]:
     """Whether averaging over the steps has softened what yields: a yield ratio below `least`."""
     ratio = record.yield_ratio()
-    if ratio is None or ratio >= least:
-        return []
-    text = (
-        f"yield ratio {ratio:.4f} is below {least:g}: averaging over the step softens what yields"
-    )
-    return [Finding("yield-ratio", text, remedy="take a smaller time_step", number=ratio)]
+    return [] if ratio is None or ratio >= least else [finding("yield-ratio", ratio, least=least)]
 
 
 def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
@@ -255,15 +241,9 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
     names = [member.name for member in record.structure.frame.members]
     strains = record.shear_strain
     if strains is not None:
-        sliding = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
-        if not sliding:
-            return []
-        text = (
-            f"a mean shear strain of {strains.max():.2f} was reached in {named(sliding)}, above "
-            f"{LARGEST_SHEAR_STRAIN}: the model lets members slide without stretching and misses "
-            "the catenary action that then sets in"
-        )
-        return [Finding("shear-strain", text, number=float(strains.max()), instead=())]
+        worst = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
+        values = {"members": named(worst), "largest": LARGEST_SHEAR_STRAIN}
+        return [finding("shear-strain", float(strains.max()), **values)] if worst else []
     reached = record.unyielding_shear()
     if not (reached > SOLID_BOUND).any():
         return []

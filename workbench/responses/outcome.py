@@ -113,8 +113,9 @@ class Finding:
 def findings_in(path: Path) -> Callable[..., Finding]:
     """Return the maker of the findings that a TOML file declares, called as `make(key, number)`.
 
-    Each has a `text`, filled with the values given by name, and may have a `subject` (its key
-    unless given there or in the call), `remedy`, `instead` and `refusal`, see `Finding`.
+    Each has a `text`, filled with the `number` and the values given by name, and may have a
+    `subject` (its key unless given there or in the call), `remedy`, `instead` and `refusal`, see
+    `Finding`.
     """
     declared = tomllib.loads(path.read_text(encoding="utf-8"))
 
@@ -123,9 +124,9 @@ def findings_in(path: Path) -> Callable[..., Finding]:
         instead = entry.get("instead")
         return Finding(
             subject or entry.get("subject", key),
-            entry["text"].format(**values),
+            entry["text"].format(number=number, **values),
             entry.get("refusal", False),
-            entry.get("remedy", "").format(**values),
+            entry.get("remedy", "").format(number=number, **values),
             number,
             None if instead is None else tuple(instead),
         )
