@@ -10,6 +10,7 @@ from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure, upright_names
 from workbench.scenarios import Frame
+from workbench.structures.assembly import PlanarAssembly
 
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
@@ -35,16 +36,16 @@ class Lines(NamedTuple):
     sway: Array
 
 
-def _lines(frame: Frame, size: int, dofs: tuple[tuple[int, int], ...]) -> Lines:
-    """The lines of a frame with so many dofs, `dofs` u and v of its nodes."""
+def _lines(frame: Frame, assembly: PlanarAssembly) -> Lines:
+    """The lines of a frame and of the dofs of its assembly."""
     lengths: Array = np.array([frame.length(member) for member in frame.members])
     number = {node.name: i for i, node in enumerate(frame.nodes)}
     ends = np.array([(number[member.start], number[member.end]) for member in frame.members])
-    corners = np.array(dofs)[ends].reshape(-1, 4)
+    corners = np.array([[assembly.dof(n, c) for n in pair for c in "uv"] for pair in ends])
     points = np.array([(node.x, node.y) for node in frame.nodes])
     along = (points[ends[:, 1]] - points[ends[:, 0]]) / lengths[:, None] ** 2
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    moved, rows = np.zeros((len(lengths), size)), np.arange(len(lengths))[:, None]
+    moved, rows = np.zeros((len(lengths), assembly.size)), np.arange(len(lengths))[:, None]
     moved[rows, corners] = np.concatenate([-across, across], axis=1)
     place = {member.name: i for i, member in enumerate(frame.members)}
     straight = [chain.members for chain in chains(frame)]
@@ -62,12 +63,9 @@ class CollapseWatch:
     """Checks the committed state of a `structure` after every step."""
 
     def __init__(self, structure: FrameStructure) -> None:
-        frame, assembly = structure.frame, structure.assembly
         self._structure = structure
         if "lines" not in structure.found:
-            nodes = range(len(frame.nodes))
-            dofs = tuple((assembly.dof(n, "u"), assembly.dof(n, "v")) for n in nodes)
-            structure.found["lines"] = _lines(frame, assembly.size, dofs)
+            structure.found["lines"] = _lines(structure.frame, structure.assembly)
         self.lines: Lines = structure.found["lines"]
 
     def check(self, displacement: float, time: float | None) -> None:
