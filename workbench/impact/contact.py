@@ -96,12 +96,13 @@ def collide(
     )
 
 
-def contact_step_of(hit: Any, solve: Any) -> Any:
+def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     """The step of a model that writes contact into its equations; see `integrator.Model`.
 
     Result of `step(s, progress, dt, may)`, `may`: whether contact is possible: whether a state of
     contact fits, impulse (N s), velocity of the hit point at the end, energy lost in contact. Where
-    the contact opens within the step the length up to there is written as `progress.release`.
+    the contact opens within the step the length up to there is written as `progress.release`, if
+    contacts are `released` there: not where their forces ring, which are no straight line.
     """
 
     @inner
@@ -115,7 +116,7 @@ def contact_step_of(hit: Any, solve: Any) -> Any:
             progress.residual = residual
             progress.evaluations += count
             impulse = mass * (touch - end) if closed else 0.0
-            if done and impulse < 0.0 and progress.pushed > 0.0:  # where the force vanishes
+            if released and done and impulse < 0.0 and progress.pushed > 0.0:  # no force there
                 bend = 2.0 * (progress.pushed - impulse / dt) / (dt + progress.before)
                 release = progress.pushed / bend - 0.5 * progress.before
                 if progress.least < release < RELEASED * dt:
