@@ -89,12 +89,17 @@ class Pull(NamedTuple):
 class Trial(NamedTuple):
     """A solved step: `solution`, end `velocity` (dofs,), and internal `force` (dofs,) at the end.
 
-    With energy-exact forces that is the force of the whole step.
+    With energy-exact forces that is the force of the whole step. Of an impact the contact `impulse`
+    in N s, `apart`, which moves bodies without a velocity (Psi, kg m), and whether the state of
+    contact is `admissible`.
     """
 
     solution: Solution
     velocity: Array
     force: Array
+    impulse: float = 0.0
+    apart: float = 0.0
+    admissible: bool = True
 
 
 def solve_step(
