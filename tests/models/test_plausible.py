@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from builders import portal
 
+from workbench.models.domain import implausible
 from workbench.models.four_dof import FourDof
-from workbench.models.plausible import implausible
 from workbench.models.single_dof import SingleDof
 from workbench.responses import Outcome, outcome_of, warnings_of
 from workbench.scenarios import (

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from workbench.cli.output import Answer, Names, option, verb
-from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of
-from workbench.content.tree import Block, Callout, Cell, Column, Paragraph, Table
+from workbench.cli.simulate import Options, ScenarioFile, Settings, pairs_of, warnings
+from workbench.content.tree import Block, Cell, Column, Paragraph, Table
 from workbench.errors import InputError
 
 if TYPE_CHECKING:
@@ -66,36 +66,34 @@ def limit(
     checked = [scenario_at(end) for end in ends]  # both, before the work
     names = model or [trusted(load_scenario(scenario, settings or []))]
     models = [make_model(each, pairs_of("--option", options)) for each in names]
-    found = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
+    limits = [find_limit(each, scenario_at, (ends[0], ends[1]), tolerance) for each in models]
     content = {
         "scenario": checked[0].name,
         "over": over,
         "range": list(ends),
         "tolerance": tolerance,
-        "limits": [{**each.as_dict(), "said": _said(each, ends)} for each in found],
+        "limits": [{**each.as_dict(), "said": _meaning(each, ends)} for each in limits],
     }
-    shown = _blocks(checked[0].name, over, found, [_said(each, ends) for each in found])
-    return Answer(content, shown, int(not all(each.settled for each in found)))
+    shown = _blocks(checked[0].name, over, limits, [_meaning(each, ends) for each in limits])
+    return Answer(content, shown, int(not all(each.settled for each in limits)))
 
 
-def _said(found: Limit, ends: tuple[float, ...]) -> str:
+def _meaning(limit: Limit, ends: tuple[float, ...]) -> str:
     """What the bracket means, in one sentence."""
-    low, high = found.survives_at, found.collapses_at
+    low, high = limit.survives_at, limit.collapses_at
     if high is None:
-        text = f"no collapse up to {ends[1]:g}" if found.settled else "no collapse found"
+        text = f"no collapse up to {ends[1]:g}" if limit.settled else "no collapse found"
     elif low is None:
-        text = f"collapses already at {high:g}" if found.settled else "no survival found"
+        text = f"collapses already at {high:g}" if limit.settled else "no survival found"
     else:
         text = "turns from survival to collapse between the two"
-    if found.undecided:
-        unknown = ", ".join(f"{trial.value:.6g}" for trial in found.undecided)
-        text += f"; not known at {unknown}: {found.undecided[0].message}"
+    if limit.undecided:
+        unknown = ", ".join(f"{trial.value:.6g}" for trial in limit.undecided)
+        text += f"; not known at {unknown}: {limit.undecided[0].message}"
     return text
 
 
-def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterator[Block]:
-    from workbench.responses import Finding
-
+def _blocks(name: str, over: str, limits: list[Limit], meanings: list[str]) -> Iterator[Block]:
     yield Paragraph(f"{name}: limit of {over}, in the unit of the scenario")
     columns = (
         Column("model", width=1.5, of=lambda row: row[0].model),
@@ -104,18 +102,16 @@ def _blocks(name: str, over: str, found: list[Limit], said: list[str]) -> Iterat
         Column("tried", True, 0.6, lambda row: len(row[0].trials)),
         Column("what that means", width=3.0, of=lambda row: row[1]),
     )
-    yield Table.of("limits", "", columns, zip(found, said, strict=True))
-    for each in found:
-        for warning in each.warnings:
-            told = Finding.from_dict(warning)
-            yield Callout("doubt", f"warning of {each.model} there ({told.subject}): {told}")
+    yield Table.of("limits", "", columns, zip(limits, meanings, strict=True))
+    for each in limits:
+        yield from warnings(each.warnings, f" of {each.model} there")
     tried = (
         Column("model", width=1.5, of=lambda row: row[0]),
         Column(over, True, 1.0, lambda row: _value(row[1].value)),
         Column("outcome", width=1.0, of=lambda row: _ENDINGS[row[1].survives]),
         Column("how", width=3.5, of=lambda row: _how(row[1])),
     )
-    rows = [(each.model, t) for each in found for t in sorted(each.trials, key=lambda t: t.value)]
+    rows = [(each.model, t) for each in limits for t in sorted(each.trials, key=lambda t: t.value)]
     yield Table.of("tried", "Every value tried.", tried, rows)
 
 
@@ -124,9 +120,9 @@ def _value(value: float | None) -> Cell | None:
 
 
 def _how(trial: Trial) -> str:
-    told: dict[str, Any] | None = trial.collapse
-    if told is None:
+    collapse: dict[str, Any] | None = trial.collapse
+    if collapse is None:
         return "" if trial.survives else f"{trial.outcome}: {trial.message}"
-    at = "" if told["time"] is None else f" after {told['time']:.3g} s"
-    where = ", ".join(told["parts"])
-    return f"{told['mechanism']} ({where}) at {told['displacement']:.3g} m{at}"
+    at = "" if collapse["time"] is None else f" after {collapse['time']:.3g} s"
+    where = ", ".join(collapse["parts"])
+    return f"{collapse['mechanism']} ({where}) at {collapse['displacement']:.3g} m{at}"

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from workbench.cli.output import Answer, verb
-from workbench.cli.simulate import ScenarioFile, Settings
+from workbench.cli.simulate import ScenarioFile, Settings, warnings
 from workbench.content.bibliography import cited
 from workbench.content.tree import (
     Block,
     Bullets,
-    Callout,
     Column,
     Definitions,
     Paragraph,
@@ -82,8 +81,7 @@ def _advice(
     scenario: str, name: str, reason: str, findings: dict[str, list[Finding]]
 ) -> Iterator[Block]:
     yield Paragraph(f"{scenario}: take {name}, {reason}.")
-    for finding in findings[name]:
-        yield Callout("doubt", f"warning ({finding.subject}): {finding}")
+    yield from warnings(finding.as_dict() for finding in findings[name])
     columns = (
         Column("model", width=1.0, of=lambda pair: pair[0]),
         Column("refuses", width=1.0, of=lambda pair: _subjects(pair[1], lambda f: f.refusal)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -57,10 +57,10 @@ def simulate(
     if spread and not budget:
         raise InputError("--spread", spread[0], "is for --budget")
     spreads = pairs_of("--spread", spread, "velocity=0.1")
-    asked = Budget("", (), spreads) if budget else None
+    errors = Budget("", (), spreads) if budget else None
     given = load_scenario(scenario, settings or [])
-    if asked is not None:
-        asked.variations(given)
+    if errors is not None:
+        errors.variations(given)
     chosen = make_model(model, pairs_of("--option", options))
     response = advised(chosen, given, chosen.simulate(given))
     outcome = outcome_of(response)
@@ -70,15 +70,15 @@ def simulate(
         from workbench.study.store import to_netcdf_bytes, write_atomically
 
         write_atomically(target, to_netcdf_bytes(response))
-    found = as_object(response, given)
-    shown = list(_blocks(given.name, found, target))
-    if asked is not None:
+    content = as_object(response, given)
+    shown = list(_blocks(given.name, content, target))
+    if errors is not None:
         from workbench.report.chapters.budgets import simulated
 
-        terms = _budgeted(asked, chosen, given, response)
-        found["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
+        terms = _budgeted(errors, chosen, given, response)
+        content["budget"] = {q: list(map(_plain, rows)) for q, rows in terms.items()}
         shown += simulated({quantity: float(response[quantity]) for quantity in terms}, terms)
-    return Answer(found, shown, int(not outcome.is_answer))
+    return Answer(content, shown, int(not outcome.is_answer))
 
 
 def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     def last(name: str) -> float | None:
         return float(response[name].values.flat[-1]) if name in response else None
 
-    def held(name: str) -> dict[str, Any] | None:  # an attribute that not all models have
+    def attribute(name: str) -> dict[str, Any] | None:  # that not all models have
         text = response.attrs.get(name)
         return None if text is None else dict(json.loads(text))
 
@@ -103,12 +103,12 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
         "model": response.attrs["model"],
         "outcome": response.attrs["outcome"],
         "message": response.attrs["message"],
-        "collapse": held("collapse"),
+        "collapse": attribute("collapse"),
         **{name: last(name) for name in structural},
         "places": places_of(response),
         **_parts(response, scenario),
-        "numerical_uncertainty": held("numerical_uncertainty"),
-        "refinement": held("refinement"),
+        "numerical_uncertainty": attribute("numerical_uncertainty"),
+        "refinement": attribute("refinement"),
         "energies": {
             **{name: last(name) for name in ENERGIES},
             "input_energy": last("input_energy"),
@@ -128,7 +128,7 @@ def as_object(response: Response, scenario: Scenario) -> dict[str, Any]:
     }
     if scenario.KIND == "stud-tests":
         result |= {name: last(name) for name in STUD_TESTS}
-        result["answer"] = held("answer")
+        result["answer"] = attribute("answer")
     if scenario.KIND == "impact-problem":
         result |= {name: last(name) for name in INTEGRATORS}
     if scenario.STATIC:
@@ -158,68 +158,86 @@ def _parts(response: Response, scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _blocks(name: str, found: dict[str, Any], target: Path | None) -> Iterator[Block]:
-    from workbench.responses import Finding
-
-    yield Paragraph(f"{name}: {found['model']}, {found['outcome']}")
-    if found["message"]:
-        yield Paragraph(found["message"])
-    yield Definitions(tuple(_lines(found)))
-    for finding in map(Finding.from_dict, found["warnings"]):
-        yield Callout("doubt", f"warning ({finding.subject}): {finding}")
+def _blocks(name: str, answer: dict[str, Any], target: Path | None) -> Iterator[Block]:
+    yield Paragraph(f"{name}: {answer['model']}, {answer['outcome']}")
+    if answer["message"]:
+        yield Paragraph(answer["message"])
+    yield Definitions(tuple(_lines(answer)))
+    yield from warnings(answer["warnings"])
     if target is not None:
         yield Paragraph(f"The response is in {target}.")
 
 
-def _lines(found: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def warnings(findings: Iterable[dict[str, Any]], source: str = "") -> Iterator[Block]:
+    """Findings, as JSON holds them, as callouts; `source`, whose they are."""
+    from workbench.responses import Finding
+
+    for finding in map(Finding.from_dict, findings):
+        yield Callout("doubt", f"warning{source} ({finding.subject}): {finding}")
+
+
+def _lines(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """The numbers of a response with their names, units and numerical uncertainty."""
     from workbench.content.formatting import duration, in_unit
     from workbench.responses import ENERGIES, SCALARS, VARIABLES
 
-    widths = found["numerical_uncertainty"] or {}
-    energies = found["energies"]
-    if found["collapse"]:
-        told = found["collapse"]
-        yield "mechanism of the collapse", f"{told['mechanism']} ({', '.join(told['parts'])})"
-        if told["time"] is not None:
-            yield "time of the collapse", in_unit(told["time"], "time_of_peak")
-        yield "displacement reached", in_unit(told["displacement"], "peak_displacement")
+    widths, places = answer["numerical_uncertainty"] or {}, answer["places"]
+    energies, collapse = answer["energies"], answer["collapse"]
+    if collapse:
+        yield (
+            "mechanism of the collapse",
+            f"{collapse['mechanism']} ({', '.join(collapse['parts'])})",
+        )
+        if collapse["time"] is not None:
+            yield "time of the collapse", in_unit(collapse["time"], "time_of_peak")
+        yield "displacement reached", in_unit(collapse["displacement"], "peak_displacement")
     for name in SCALARS:
-        value = energies.get(name, found.get(name))
+        value = energies.get(name, answer.get(name))
         if value is not None:
-            place = f" ({found['places'][name]})" if name in found["places"] else ""
+            place = f" ({places[name]})" if name in places else ""
             text = in_unit(value, name, width=widths.get(name, 0.0), kind=_KIND)
-            yield VARIABLES[name].long_name.split(":")[0], f"{text}{place}"
+            yield VARIABLES[name].long_name, f"{text}{place}"
     for name in ENERGIES:
         if energies[name] is not None:
-            title = VARIABLES[name].long_name.removesuffix(" so far")
-            yield f"{title}, at the end", in_unit(energies[name], name)
+            yield f"{VARIABLES[name].long_name}, at the end", in_unit(energies[name], name)
     if energies["relative_balance_error"] is not None:
         error = energies["relative_balance_error"]
         yield "largest energy error over the input energy", f"{error:.1e}"
-    if found.get("force"):
-        yield "largest force", in_unit(max(found["force"]), "force")
-        for point, ladder in (found["refinement"] or {}).get("quantities", {}).items():
-            if " at " in point and point in widths:
-                quantity, value = point.split(" at ")[0], ladder["values"]["h"]
-                yield point, in_unit(value, quantity, width=widths[point], kind=_KIND)
-        yield "points of the curve", str(len(found["force"]))
-    for member in found["struck"]:
-        forces = [
-            told["axial_force"]
-            for hinge, told in (found["hinges"] or {}).items()
-            if hinge.rpartition(":")[0] == member and "axial_force" in told
-        ]
-        if forces:
-            low, high = min(low for low, _ in forces), max(high for _, high in forces)
-            ends = (in_unit(force, "axial_force", 3) for force in (low, high))
-            yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
-    shear = sorted((found["shear_utilisation"] or {}).items(), key=lambda pair: -pair[1])
+    if answer.get("force"):
+        yield "largest force", in_unit(max(answer["force"]), "force")
+        yield from _points(answer, widths)
+        yield "points of the curve", str(len(answer["force"]))
+    yield from _struck(answer)
+    shear = sorted((answer["shear_utilisation"] or {}).items(), key=lambda pair: -pair[1])
     for segment, value in shear[:_SEGMENTS]:
         yield f"largest V/V_pl, segment {segment}", f"{value:.3g}"
     if len(shear) > _SEGMENTS:
         yield f"largest V/V_pl, {len(shear) - _SEGMENTS} others", f"up to {shear[_SEGMENTS][1]:.3g}"
-    yield "wall time", duration(found["wall_time"])
+    yield "wall time", duration(answer["wall_time"])
+
+
+def _points(answer: dict[str, Any], widths: dict[str, float]) -> Iterator[tuple[str, str]]:
+    """Points of a static curve whose numerical uncertainty is known."""
+    from workbench.content.formatting import in_unit
+
+    for name, ladder in (answer["refinement"] or {}).get("quantities", {}).items():
+        variable = ladder["variable"]
+        if variable != name and name in widths:
+            value = ladder["values"]["h"]
+            yield name, in_unit(value, variable, width=widths[name], kind=_KIND)
+
+
+def _struck(answer: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Axial forces in the members that are struck."""
+    from workbench.content.formatting import in_unit
+
+    hinges = answer["hinges"] or {}
+    for member in answer["struck"]:
+        both = [hinges.get(f"{member}:{end}", {}) for end in ("start", "end")]
+        forces = [force for hinge in both for force in hinge.get("axial_force", ())]
+        if forces:
+            ends = (in_unit(force, "axial_force", 3) for force in (min(forces), max(forces)))
+            yield f"axial force in the struck {member}, tension positive", " to ".join(ends)
 
 
 def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response) -> Budgeted:
@@ -231,8 +249,8 @@ def _budgeted(budget: Budget, model: Model, scenario: Scenario, answer: Response
 
     runs, alone = budget.variations(scenario), on_one_mesh(model)
     varied = {name: alone.simulate(each) for name, each in runs.items()}
-    found = budget.terms(model, scenario, answer, varied)  # type: ignore[arg-type]
-    return {q: [term.as_dict(float(answer[q])) for term in terms] for q, terms in found.items()}
+    terms = budget.terms(model, scenario, answer, varied)  # type: ignore[arg-type]
+    return {q: [term.as_dict(float(answer[q])) for term in each] for q, each in terms.items()}
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

@@ -8,23 +8,37 @@ braces; `caption` gives a table its words. Values are never read as structure.
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template, pass_context
+from jinja2.runtime import Context
 
 from workbench.content import formatting
 from workbench.content.bibliography import cited
-from workbench.content.tree import Block, Bullets, Callout, Definitions, Paragraph, Section, Table
+from workbench.content.tree import (
+    Block,
+    Bullets,
+    Callout,
+    Cell,
+    Column,
+    Definitions,
+    Paragraph,
+    Section,
+    Table,
+)
 
 _MARK = re.compile(
     r"(?P<hashes>#+) (?P<key>\S+): ?(?P<title>.*)|- (?P<item>.*)|! (?P<tone>\S+): (?P<callout>.*)"
 )
 _VALUE = re.compile("\x02(\\d+)\x03")  # the place of a value in a list
-_FILTERS = ("brief", "duration", "number", "part", "percent", "rounded", "several", "spans", "up")
+_FILTERS = (
+    *("axis_label", "brief", "count", "duration", "in_unit", "number", "part", "percent"),
+    *("rounded", "several", "share", "span_cell", "spans", "up", "valued"),
+)
 
 
 class Page:
@@ -67,14 +81,58 @@ def _template(file: Path) -> Template:
         finalize=_placed,
     )
     environment.filters |= {name: getattr(formatting, name) for name in _FILTERS}
-    environment.filters |= {"count": formatting.count, "title": formatting.title_of, "cited": cited}
-    environment.filters |= {"in_unit": formatting.in_unit}
-    environment.globals |= {"caption": _captioned, "definitions": _definitions}
+    environment.filters |= {"title": formatting.title_of, "cited": cited, "cell": Cell}
+    environment.globals |= {"caption": _captioned, "definitions": _definitions, "table": _table}
+    environment.globals |= {"text": _text, "number": _number}
     return environment.get_template(file.name)
 
 
 @pass_context
-def _placed(context: Any, value: Any) -> str:
+def _text(context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0) -> Column:
+    """A column whose cells are what an expression, a macro or a function makes of a `row`."""
+    if callable(of):
+        return Column(title, width=width, of=of)
+    expression = context.environment.compile_expression(of, undefined_to_none=False)
+    names = context.get_all()
+    return Column(title, width=width, of=lambda row: expression(names, row=row))
+
+
+@pass_context
+def _number(
+    context: Context, title: str, of: str | Callable[..., Any], width: float = 1.0
+) -> Column:
+    """The same of numbers."""
+    return replace(_text(context, title, of, width), numeric=True)
+
+
+@pass_context
+def _table(
+    context: Context,
+    key: str,
+    rows: Sequence[Any],
+    columns: Sequence[Column],
+    limit: int | None = None,
+    caller: Callable[[], str] | None = None,
+) -> str:
+    """A table of rows, the text of a call block its caption; nothing without a row."""
+    if not rows:
+        return ""
+    placed = context["placed"]
+
+    def resolved(column: Column) -> Column:
+        return replace(column, of=lambda row: _in_place(column.cell(row), placed))
+
+    words = "" if caller is None else _resolved(caller(), placed)
+    return _placed(context, Table.of(key, words, map(resolved, columns), rows, limit))
+
+
+def _in_place(cell: Cell, placed: list[Any]) -> Cell:
+    """A cell with the values of the macro that wrote it."""
+    return replace(cell, text=_resolved(cell.text, placed)) if "\x02" in cell.text else cell
+
+
+@pass_context
+def _placed(context: Context, value: Any) -> str:
     """Keep a value out of the text until its structure is read."""
     placed: list[Any] = context["placed"]
     placed.append(value)
@@ -82,7 +140,7 @@ def _placed(context: Any, value: Any) -> str:
 
 
 @pass_context
-def _captioned(context: Any, table: Table | None, caller: Callable[[], str]) -> str:
+def _captioned(context: Context, table: Table | None, caller: Callable[[], str]) -> str:
     """A table with the words of a call block as its caption."""
     if table is None:
         return ""

@@ -4,7 +4,7 @@ import hashlib
 import json
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pandas as pd
 
@@ -13,7 +13,7 @@ from workbench.errors import InputError, OutOfDomainError
 from workbench.evidence.catalogue import dataset, datasets, load
 from workbench.fields import Text, checked
 from workbench.models.base import Answering
-from workbench.responses import SCALARS, Finding, Response, build_response
+from workbench.responses import SCALARS, Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, FrameImpact, Scenario, load_scenario
 
 
@@ -60,11 +60,9 @@ class Published(Answering):
         """Refuse every scenario that the series was not published for."""
         if self._row(scenario) is None:
             entry = dataset(self.dataset)
-            text = (
-                f"{entry.title}, series {self.series!r}, holds no number for this scenario: "
-                f"it was published for {entry.scenario} at given values of {entry.axis}"
-            )
-            return [Finding("published", text, refusal=True)]
+            values: dict[str, Any] = {"title": entry.title, "series": self.series}
+            values |= {"published_for": entry.scenario, "axis": entry.axis}
+            return [finding("published", **values)]
         return []
 
     def _row(self, scenario: Scenario) -> pd.Series | None:

@@ -22,11 +22,10 @@ from scipy.optimize import linprog
 
 from workbench.arrays import Array
 from workbench.errors import OutOfDomainError
-from workbench.frames import finding
 from workbench.frames.column_line import column_line
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.structure import nodal_loads, upright_names
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, Load, Member
 from workbench.structures.assembly import COMPONENTS
 

@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 
-from workbench.frames import finding
 from workbench.frames.collapse_load import member_strength
 from workbench.frames.elastic import ElasticFrame, dead_load_state
 from workbench.frames.shear import shear_findings
 from workbench.frames.structure import free_to_spin
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import (
     Frame,
     FrameGroundMotion,

@@ -8,7 +8,6 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import CollapseError, SolverError
-from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.collapse_load import sway_collapse, sway_findings
 from workbench.frames.collapse_watch import COLLAPSE_SIDEWAYS
@@ -16,7 +15,7 @@ from workbench.frames.elastic import slowest_period
 from workbench.frames.record import Record
 from workbench.frames.shear import SOLID_BOUND, shear_reached
 from workbench.frames.structure import FrameStructure, hinge_names, member_names, upright_names
-from workbench.responses import Finding, Response, build_response, energy_error
+from workbench.responses import Finding, Response, build_response, energy_error, finding
 from workbench.responses.histories import residual_over, still_grows
 from workbench.scenarios import (
     FrameGroundMotion,
@@ -26,6 +25,7 @@ from workbench.scenarios import (
     FrameStatic,
 )
 from workbench.structures.paths import PathStep
+from workbench.structures.time_steps import TimeStep
 
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
@@ -39,7 +39,7 @@ OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a r
 def run_impact(
     scenario: FrameImpact,
     record: Record,
-    steps: Iterator[Any],
+    steps: Iterator[TimeStep],
     largest_error: float | None,
     least_yield_ratio: float,
 ) -> Response:
@@ -49,28 +49,32 @@ def run_impact(
     `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the frame
     collapses.
     """
-    striker, input_energy, structure = scenario.striker, scenario.input_energy, record.structure
-    _follow(record, scenario, steps)
-    impulses = record.history(0.0, "impulse")
-    residual, warnings = _residual(record, scenario, striker.node, striker.direction, impulses)
+    striker, brought, structure = scenario.striker, scenario.input_energy, record.structure
+    node, direction = striker.node, striker.direction
+    length = _follow(record, scenario, steps)
+    push = record.told(0.0, "impulse")
+    rest, doubts = _remaining(record, scenario, direction, push)
     values = {
-        **residual,
+        **rest,
         **record.columns("displacement", "velocity", "elastic"),
         "dissipated": record.dissipated,
-        "striker_velocity": record.history(striker.velocity, "striker.velocity"),
-        "percussion": impulses,
-        "kinetic": record.moving(input_energy),
+        "striker_velocity": record.told(striker.velocity, "striker.velocity"),
+        "percussion": push,
+        "kinetic": record.told(brought, "kinetic") + record.told(0.0, "striker.kinetic_energy"),
         "external_work": record.total("external_work"),
         "contact_loss": record.total("contact_loss"),
-        "input_energy": input_energy,
+        "input_energy": brought,
     }
-    warnings += _softened(record, least_yield_ratio) + _impact_accuracy(record, input_energy)
+    warnings = doubts + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
     if not structure.is_column:
-        key = f"sway {striker.node} {striker.direction}"
+        key = f"sway {node} {direction}"
         if key not in structure.found:
             structure.found[key] = sway_collapse(scenario)
         warnings += sway_findings(structure.found[key], record.drift)
-    return _timed_response(record, scenario, values, warnings, largest_error)
+    time = record.column("at")
+    response = _response(record, scenario, values, warnings, time=time, time_step=length)
+    _check_ledger(response, largest_error)
+    return response
 
 
 def run_static(
@@ -83,12 +87,12 @@ def run_static(
     record = Record(structure, scenario.node, scenario.direction, None)
     leads = scenario.control == "load"
     stops = scenario.path
-    for count, step in enumerate(steps, 1):
-        reached = step.factor if leads else record.displacement
+    for count, taken in enumerate(steps, 1):
+        reached = taken.factor if leads else record.displacement
         turns = bool(stops) and isclose(reached, stops[0], rel_tol=1e-9, abs_tol=1e-12)
         stops = stops[1:] if turns else stops
-        record.take(step, float(count), turns=turns)
-    factor, work = record.history(0.0, "factor"), record.total("external_work")
+        record.take(taken, float(count), turns=turns)
+    factor, work = record.told(0.0, "factor"), record.total("external_work")
     force = factor * scenario.magnitude
     values = {
         **record.columns("displacement", "elastic"),
@@ -107,7 +111,7 @@ def run_static(
 def run_driven(
     scenario: FrameGroundMotion | FramePulse,
     structure: FrameStructure,
-    steps: Iterator[Any],
+    steps: Iterator[TimeStep],
     least_yield_ratio: float,
     whole: float = 1.0,
 ) -> Response:
@@ -119,25 +123,29 @@ def run_driven(
     the frame collapses.
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
-    _follow(record, scenario, steps)
-    work, damped = record.total("input_energy"), record.total("damped")
+    length = _follow(record, scenario, steps)
+    ground, damped = record.total("input_energy"), record.total("damped")
     values = {
         **record.columns("displacement", "velocity", "elastic"),
-        "kinetic": record.history(0.0, "kinetic"),
+        "kinetic": record.told(0.0, "kinetic"),
         "dissipated": record.dissipated + damped,
-        "external_work": work + record.total("external_work"),
-        "input_energy": np.max(np.abs(work)),
+        "external_work": ground + record.total("external_work"),
+        "input_energy": np.max(np.abs(ground)),
     }
-    warnings = _softened(record, least_yield_ratio)
+    at = record.column("at")
+    warnings: list[Finding] = []
     if isinstance(scenario, FramePulse):
-        load = values["load"] = scenario.pulse.force(record.column("at")) * whole
-        residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, load)
-        values, warnings = values | residual, of_it + warnings
-    return _timed_response(record, scenario, values, warnings, OPEN_LEDGER)
+        values["load"] = scenario.pulse.force(at) * whole
+        rest, warnings = _remaining(record, scenario, scenario.direction, values["load"])
+        values |= rest
+    warnings += _softened(record, least_yield_ratio)
+    response = _response(record, scenario, values, warnings, time=at, time_step=length)
+    _check_ledger(response, OPEN_LEDGER)
+    return response
 
 
-def _residual(
-    record: Record, scenario: FrameImpact | FramePulse, node: str, direction: str, push: Array
+def _remaining(
+    record: Record, scenario: FrameImpact | FramePulse, direction: str, push: Array
 ) -> tuple[dict[str, Any], list[Finding]]:
     """The residual displacement of a frame, whose sway is slow; of a column see `histories`.
 
@@ -146,40 +154,26 @@ def _residual(
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
     if record.structure.is_column or still_grows(moved):
         return {}, []
-    period = slowest_period(scenario.frame, node, direction)
-    sums = [np.cumsum(np.abs(push))]
+    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
+    slow = slowest_period(scenario.frame, node, direction)
+    ended = [np.cumsum(np.abs(push))]
     if spent[-1] > YIELDED * (record.column("elastic").max() + spent[-1]):
-        sums.append(spent)
-    shares = zip(sums, OVER, strict=False)
+        ended.append(spent)
+    shares = zip(ended, OVER, strict=False)
     start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
-    residual, warnings = residual_over(time, moved, start, period)
-    return {"residual_displacement": residual}, warnings
+    value, doubts = residual_over(time, moved, start, slow)
+    return {"residual_displacement": value}, doubts
 
 
-def _follow(record: Record, scenario: FrameScenario, steps: Iterator[Any]) -> None:
-    """Take all time steps."""
-    for step in steps:
+def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:
+    """Take all time steps; the length of the longest one, in s."""
+    for taken in steps:
         try:
-            record.take(step, step.time)
+            record.take(taken, taken.time)
         except CollapseError as error:  # members that slid mean little before they fell
             findings = tuple(_shear_reached(record, scenario))
             raise CollapseError(error.collapse, error.reason, findings) from error
-
-
-def _timed_response(
-    record: Record,
-    scenario: FrameScenario,
-    values: dict[str, Any],
-    warnings: list[Finding],
-    largest_error: float | None,
-) -> Response:
-    """The response of a run in time; refused where its energy ledger stays open."""
-    response = _response(record, scenario, values, warnings, time=record.column("at"))
-    response.attrs["time_step"] = float(record.history(0.0, "length").max())
-    error = energy_error(response)
-    if error is not None and largest_error is not None and error > largest_error:
-        raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
-    return response
+    return float(record.told(0.0, "length").max())
 
 
 def _response(
@@ -188,24 +182,22 @@ def _response(
     values: dict[str, Any],
     warnings: list[Finding],
     time: Array | None = None,
+    **numbers: float,
 ) -> Response:
     """The response of a finished run, states of hinges and members and their shear included."""
-    frame, structure = record.structure.frame, record.structure
+    frame = record.structure.frame
     response = build_response(
         {**values, **record.states()},
         time=time,
         steps=None if time is not None else len(values["displacement"]),
-        hinges=structure.hinges or hinge_names(frame),
+        hinges=record.structure.hinges or hinge_names(frame),
         segments=member_names(frame),
         members=member_names(frame),
-        uprights=() if structure.is_column else upright_names(frame),
+        uprights=() if record.structure.is_column else upright_names(frame),
         warnings=_shear_reached(record, scenario) + warnings,
     )
-    response.attrs.update(record.diagnostics())
+    response.attrs.update(record.diagnostics(), **numbers)
     return response
-
-
-# -- what a finished run tells about its own accuracy and its limits ---------------------------
 
 
 def _gone_far(record: Record, imposed: bool) -> list[Finding]:
@@ -217,23 +209,35 @@ def _gone_far(record: Record, imposed: bool) -> list[Finding]:
     return [finding("rotation" if imposed else "large-displacements", share, member=name)]
 
 
-def _impact_accuracy(record: Record, input_energy: float) -> list[Finding]:
-    """Findings on the time steps up to the peak and their damping; `input_energy` in J."""
+def _check_ledger(response: Response, largest_error: float | None) -> None:
+    """Refuse an impact or a ground motion whose energy ledger stays open."""
+    error = energy_error(response)
+    if error is not None and largest_error is not None and error > largest_error:
+        raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
+
+
+# -- what a finished run tells about its own accuracy and its limits ---------------------------
+
+
+def _impact_accuracy(record: Record, brought: float) -> list[Finding]:
+    """Findings on the time steps up to the peak and their damping; energy `brought` in (J)."""
     findings = []
     displacement, algorithmic = record.column("displacement"), record.total("energies.algorithmic")
     top = int(np.argmax(displacement))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
-        findings.append(finding("time-step", top))
-    damped = float(algorithmic[top] / input_energy)
+        findings.append(finding("few-steps-to-peak", top))
+    damped = float(algorithmic[top] / brought)
     if damped > LARGEST_DAMPING:
-        findings.append(finding("damping", damped, percent=100.0 * damped))
+        findings.append(finding("damping", damped, damped=100 * damped))
     return findings
 
 
 def _softened(record: Record, least: float) -> list[Finding]:
     """Whether averaging over the steps has softened what yields: a yield ratio below `least`."""
     ratio = record.yield_ratio()
-    return [] if ratio is None or ratio >= least else [finding("yield-ratio", ratio, least=least)]
+    if ratio is None or ratio >= least:
+        return []
+    return [finding("yield-ratio", ratio, least=least)]
 
 
 def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
@@ -241,9 +245,17 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
     names = [member.name for member in record.structure.frame.members]
     strains = record.shear_strain
     if strains is not None:
-        worst = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
-        values = {"members": named(worst), "largest": LARGEST_SHEAR_STRAIN}
-        return [finding("shear-strain", float(strains.max()), **values)] if worst else []
+        sliding = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
+        if not sliding:
+            return []
+        return [
+            finding(
+                "shear-strain",
+                float(strains.max()),
+                members=named(sliding),
+                largest=LARGEST_SHEAR_STRAIN,
+            )
+        ]
     reached = record.unyielding_shear()
     if not (reached > SOLID_BOUND).any():
         return []

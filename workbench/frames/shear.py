@@ -4,10 +4,9 @@ from collections.abc import Collection, Mapping
 from functools import lru_cache
 from math import sqrt
 
-from workbench.frames import finding
 from workbench.frames.chains import chains, eventful, named
 from workbench.materials import Steel
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FramePulse, FrameScenario, Member
 from workbench.sections import CircularTube, Rectangle, Section
 from workbench.structures.fibers.laws import LinearHardening
@@ -126,6 +125,8 @@ def _ratio_findings(
     for key, names in (("webs-yield", above), ("webs-weaken", near)):
         if names:
             ratio = ratios[names[0]]
-            values = {"source": source, "ratio": ratio, "members": named(names), "least": least}
-            findings.append(finding(key, ratio, subject, loss=100 * SHEAR_LOSS, **values))
+            loss, where = 100 * SHEAR_LOSS, named(names)
+            findings.append(
+                finding(key, ratio, subject, source=source, members=where, least=least, loss=loss)
+            )
     return findings

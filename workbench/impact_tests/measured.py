@@ -9,8 +9,7 @@ from workbench.errors import CollapseError, OutOfDomainError
 from workbench.fields import Text, checked
 from workbench.impact_tests.rows import ImpactTest, impact_tests, tables
 from workbench.models.base import Answering
-from workbench.responses import Finding, Response, build_response
-from workbench.responses.outcome import SYNTHETIC
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Scenario
 
 _TOLD = ("name", "title", "source", "licence", "year", "role", "uncertainty")
@@ -59,16 +58,12 @@ class Measured(Answering):
         test = self._test(scenario)
         if test is None:
             names = ", ".join(entry.name for entry in tables(self.dataset))
-            text = f"no test of this scenario is in the tables of impact tests ({names})"
-            remedy = "add one: workbench data add TESTS.csv"
-            return [Finding("measured", text, refusal=True, remedy=remedy)]
+            return [finding("no-test", names=names)]
         if 0 < test.collapsed < len(test.names):
             ended = f"{test.collapsed} of {len(test.names)} collapsed"
-            text = f"equal tests of this scenario ended differently: {ended}"
-            return [Finding("measured", text, refusal=True)]
+            return [finding("tests-disagree", ended=ended)]
         if test.synthetic:
-            text = "SYNTHETIC: made numbers, no test; they show the form and validate nothing"
-            return [Finding(SYNTHETIC, text)]
+            return [finding("synthetic")]
         return []
 
     def _test(self, scenario: Scenario) -> ImpactTest | None:

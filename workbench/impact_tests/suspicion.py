@@ -12,8 +12,8 @@ import pandas as pd
 
 from workbench.impact_tests.rows import records
 from workbench.impact_tests.schema import STANDS, scenario_of
+from workbench.models.domain import LEAST_LOAD
 from workbench.models.energy_estimate import EnergyEstimate
-from workbench.models.plausible import LEAST_LOAD
 from workbench.responses import Finding, Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.studs.schema import Row, known

@@ -8,7 +8,6 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
-from workbench.frames import finding
 from workbench.frames.elastic import Spans, spans_to, time_to_peak, wave_times
 from workbench.frames.findings import hit_mass_findings
 from workbench.frames.runs import OPEN_LEDGER
@@ -21,7 +20,7 @@ from workbench.frames.superelements import (
     struck_parts,
 )
 from workbench.models.frame_model import FrameModel, as_frame
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameImpact, FramePulse, FrameScenario
 from workbench.structures.elements import HingedElements
 from workbench.structures.impact import INTEGRATORS, MIDPOINT, MOREAU

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 from workbench.errors import CollapseError, InputError, OutOfDomainError, SolverError
 from workbench.fields import Declared, check_keys
-from workbench.models.plausible import implausible
+from workbench.models.domain import implausible
 from workbench.responses import (
     Finding,
     Outcome,
@@ -17,6 +17,7 @@ from workbench.responses import (
     check_response,
     collapsed_response,
     failed_response,
+    finding,
     findings_of,
     provenance,
     refused_response,
@@ -63,13 +64,14 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     """
     started = time.perf_counter()
     if scenario.KIND not in model.answers:
-        text = f"{model.name} answers {', '.join(model.answers)}, not {scenario.KIND}"
-        response = refused_response([Finding("kind", text, refusal=True)])
+        response = refused_response(
+            [finding("kind", name=model.name, answers=", ".join(model.answers), kind=scenario.KIND)]
+        )
         return _signed(response, model, scenario, started)
     warnings: list[Finding] = []
     refusals: list[Finding] = []
-    for finding in (*model.domain(scenario), *implausible(scenario)):
-        (refusals if finding.refusal else warnings).append(finding)
+    for each in (*model.domain(scenario), *implausible(scenario)):
+        (refusals if each.refusal else warnings).append(each)
     if refusals:
         response = refused_response(refusals)
     else:

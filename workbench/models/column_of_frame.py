@@ -14,17 +14,24 @@ import numpy as np
 
 from workbench.errors import InputError, OutOfDomainError
 from workbench.fields import Choice, checked
-from workbench.frames import finding
 from workbench.frames.column_estimate import HEADS, ColumnEstimate, estimate_column
 from workbench.frames.column_line import HEAD_MASSES
 from workbench.frames.findings import frame_findings
 from workbench.models.base import Answering
+from workbench.models.domain import IMPLAUSIBLE
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.models.four_dof import FourDof, FourDofShear
-from workbench.models.plausible import SUBJECT as IMPLAUSIBLE
 from workbench.models.single_dof import SingleDof
 from workbench.models.superelements import RigidSuperelement
-from workbench.responses import Finding, Outcome, Response, outcome_of, set_findings, warnings_of
+from workbench.responses import (
+    Finding,
+    Outcome,
+    Response,
+    finding,
+    outcome_of,
+    set_findings,
+    warnings_of,
+)
 from workbench.scenarios import (
     ColumnImpact,
     FrameImpact,

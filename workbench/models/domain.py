@@ -1,21 +1,33 @@
-"""Where member models stop applying: stability of the column and plastic shear demand."""
+"""Where member models stop applying: stability, plastic shear demand; input of unlikely size."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from math import pi, sqrt
+from typing import Any
 
 from workbench.frames.findings import frame_findings
 from workbench.frames.shear import SHEAR_LOSS, shear_bound
 from workbench.hinges import ShearSurface
-from workbench.responses import Finding
-from workbench.scenarios import Column, ColumnImpact, ColumnScenario, FrameScenario, MemberPulse
+from workbench.responses import Finding, finding
+from workbench.scenarios import (
+    Column,
+    ColumnImpact,
+    ColumnScenario,
+    FrameScenario,
+    FrameStatic,
+    MemberPulse,
+    Scenario,
+)
 from workbench.scenarios.parts import MemberProperties
 from workbench.scenarios.pulse import UNIFORM
 
-RESTITUTION, DIRECT_SHEAR = "restitution", "direct-shear"  # subjects
+RESTITUTION, DIRECT_SHEAR, IMPLAUSIBLE = "restitution", "direct-shear", "plausibility"  # subjects
 HEAVY = 5.0  # striker over lumped mass; above, restitution moves the peak of masses by some percent
-NEEDED = "a plastic mechanism of the segment {} the hit point needs V/Vpl = {:.2f}"
-REACHED = "the segment {} the hit point reaches V/Vpl = {:.2f}"
+LEAST_LOAD = 1e-3  # of the squash load, below which loads look like kN
+_LEAST_PULSE = 5e-3  # of the plastic shear resistance
+_LEAST_MASS = 0.01  # of the steel, below which masses look like t
+_SI = {"kN": "N", "t": "kg"}
+_FAST, _VEHICLE = 60.0, 500.0  # m/s and kg: beyond both a velocity looks like km/h
 _STOCKY = 60.0  # clear height over thickness of a web per epsilon: 72 / eta, eta = 1.2
 _FEW_PERCENT, _MUCH = 0.01, 0.1  # between the strength of a section and that of a member
 _STUB = 2.0  # length of a segment over the height of its section
@@ -71,17 +83,11 @@ def buckling_findings(scenario: ColumnScenario) -> list[Finding]:
     findings = []
     load, critical = scenario.column.axial_load, euler_load(scenario)
     if load >= critical:
-        text = (
-            f"axial load {load / 1e3:.4g} kN reaches the Euler load {critical / 1e3:.4g} kN "
-            "of the column: it buckles before it is hit"
+        findings.append(
+            finding("euler-reached", load / critical, load=load / 1e3, critical=critical / 1e3)
         )
-        findings.append(Finding("buckling", text, True, number=load / critical, instead=()))
     elif load > _EULER_WARNING * critical:
-        text = (
-            f"axial load is {load / critical:.2f} of the Euler load: second-order bending "
-            "between the hinges, which rigid-bar models lack, matters"
-        )
-        findings.append(Finding("buckling", text, number=load / critical, instead=()))
+        findings.append(finding("euler-near", load / critical))
     return findings
 
 
@@ -93,29 +99,19 @@ def shear_findings(scenario: ColumnScenario) -> list[Finding]:
     findings = []
     if isinstance(scenario, MemberPulse):
         findings += direct_shear(scenario)
-    return findings + shear_warnings(scenario.column, shear_demand(scenario), NEEDED)
+    return findings + shear_warnings(scenario.column, shear_demand(scenario), "mechanism")
 
 
 def shear_warnings(
-    column: Column, ratios: Mapping[str, float], words: str = REACHED
+    column: Column, ratios: Mapping[str, float], source: str = "run"
 ) -> list[Finding]:
-    """Warnings of V/Vpl of segments, `words` that say of each whence it comes."""
+    """Warnings of V/Vpl of segments, which a mechanism needs or a run has reached (`source`)."""
     findings, bound = [], shear_bound(column.strength_section)
     for segment, ratio in ratios.items():
-        needs = words.format(segment, ratio)
-        if bound < ratio <= 1.0:
-            text = (
-                f"{needs}: above {bound:.2f} shear yielding takes more than "
-                f"{100 * SHEAR_LOSS:g} % of the resistance of this section, which models without "
-                "it leave out"
-            )
-            findings.append(Finding("shear", text, number=ratio, instead=()))
-        elif ratio > 1.0:
-            text = (
-                f"{needs}: its web yields in shear before, so that every model without shear "
-                "yielding overestimates the plastic resistance"
-            )
-            findings.append(Finding("shear", text, number=ratio, instead=()))
+        if ratio > bound:
+            name = f"{source}-shear-{'near' if ratio <= 1.0 else 'beyond'}"
+            loss = 100 * SHEAR_LOSS
+            findings.append(finding(name, ratio, segment=segment, bound=bound, loss=loss))
     return findings
 
 
@@ -128,19 +124,8 @@ def direct_shear(scenario: MemberPulse) -> list[Finding]:
     direct = half / scenario.column.properties.shear_resistance
     if direct <= 1.0:
         return []
-    text = (
-        f"half of the largest force of the pulse is {direct:.2f} Vpl: webs yield in direct shear "
-        "before the member bends, "
-    )
-    if scenario.load == UNIFORM:
-        text += "at its ends, where fiber-shear has the clear web alone, less than a solid"
-    else:
-        text += (
-            "beside the force, where only the bending of flanges keeps the slide from one section: "
-            "fiber-shear has none and goes further with every finer mesh, panels slide over their "
-            "whole length"
-        )
-    return [Finding(DIRECT_SHEAR, text, number=direct, instead=())]
+    place = "ends" if scenario.load == UNIFORM else "force"
+    return [finding(f"direct-shear-at-{place}", direct)]
 
 
 def step_finding(step: float, stable: float) -> list[Finding]:
@@ -148,11 +133,7 @@ def step_finding(step: float, stable: float) -> list[Finding]:
     limit = 0.3 * stable
     if step <= limit:
         return []
-    text = (
-        f"option.time_step = {step:g} s is above 0.3 of the stability limit of the explicit "
-        f"scheme, {limit:.3g} s: reduce it"
-    )
-    return [Finding("time-step", text, refusal=True)]
+    return [finding("unstable-step", step=step, largest=limit)]
 
 
 def bounce_findings(scenario: ColumnImpact) -> list[Finding]:
@@ -166,13 +147,7 @@ def bounce_findings(scenario: ColumnImpact) -> list[Finding]:
     more = striker.restitution**2 * scenario.column.properties.impact_mass / striker.mass
     if more <= 1.0 / HEAVY:
         return []
-    text = (
-        f"with restitution {striker.restitution:g} a lumped mass takes up (1 + e) of the momentum "
-        f"at once and keeps {100.0 * more:.0f} % more energy than without; the struck part of a "
-        "beam is light and waves take the energy along it: the peak grows too much, by about a "
-        "third of that share, up to all of it"
-    )
-    return [Finding(RESTITUTION, text, number=more, instead=())]
+    return [finding("bounce", more, restitution=striker.restitution, share=100.0 * more)]
 
 
 def count_finding(duration: float, step: float, most: int) -> list[Finding]:
@@ -180,15 +155,7 @@ def count_finding(duration: float, step: float, most: int) -> list[Finding]:
     steps = duration / step
     if steps <= most:
         return []
-    text = (
-        f"the record of {duration:g} s has {steps:.3g} time steps of {step:.2g} s, which resolve "
-        f"its highest frequency or are asked for; at most {most:.0e} fit in memory"
-    )
-    remedy = (
-        "take a column.head_mass of 0 kg or of some size, a softer column.restraint_stiffness, a "
-        "shorter time.duration or a longer option time_step"
-    )
-    return [Finding("steps", text, refusal=True, remedy=remedy, number=steps)]
+    return [finding("steps", steps, duration=duration, step=step, most=most)]
 
 
 def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[Finding]:
@@ -202,12 +169,7 @@ def stub_findings(surface: ShearSurface, lengths: Mapping[str, float]) -> list[F
         heights = length / surface.section.height
         if heights < _STUB:
             flanges = surface.flange_mechanism / length / surface.shear_resistance
-            text = (
-                f"the segment {name} the hit point is {heights:.2f} heights of the section long: "
-                f"below {_STUB:g} a solid, whose ends stay plane and whose flanges carry "
-                f"{flanges:.2f} of V_pl by themselves, differs by up to 18 %"
-            )
-            findings.append(Finding("stub", text, number=heights, instead=()))
+            findings.append(finding("stub", heights, segment=name, least=_STUB, flanges=flanges))
     return findings
 
 
@@ -224,23 +186,59 @@ def panel_findings(
     epsilon = sqrt(235e6 / surface.steel.yield_stress)
     slenderness = surface.web_slenderness / (_STOCKY * epsilon)
     if slenderness > 1.0:
-        text = (
-            f"the web of {subject} is {slenderness:.2f} times as slender as 72 epsilon / eta: it "
-            "buckles in shear before it yields"
-        )
-        findings.append(
-            Finding("shear-buckling", text, refusal=True, number=slenderness, instead=())
-        )
+        findings.append(finding("shear-buckling", slenderness, member=subject))
     pairs = (
         surface.plastic_moment / properties.plastic_moment,
         surface.squash_load / properties.squash_load,
     )
     ratio = max(pairs, key=lambda share: abs(share - 1.0))
     if abs(ratio - 1.0) > _FEW_PERCENT:
-        text = (
-            f"the section of {subject} has {ratio:.3f} of the plastic moment or squash load given "
-            "for it, which panels leave out"
-        )
         far = abs(ratio - 1.0) > _MUCH
-        findings.append(Finding("plates", text, far, number=ratio, instead=()))
+        findings.append(finding("plates", ratio, refusal=far, member=subject))
     return findings
+
+
+def implausible(scenario: Scenario) -> list[Finding]:
+    """Warnings of loads, masses and velocities that look like those of another unit."""
+    findings = []
+    for path, value, whole, least, unit in _sizes(scenario):
+        if 0.0 < abs(value) < least * whole:
+            si = _SI[unit]
+            findings.append(
+                finding(
+                    "small-for-unit",
+                    abs(value) / whole,
+                    path=path,
+                    value=value,
+                    si=si,
+                    whole=whole,
+                    unit=unit,
+                )
+            )
+    striker = getattr(scenario, "striker", None)
+    if striker is not None and striker.velocity > _FAST and striker.mass >= _VEHICLE:
+        findings.append(finding("fast-vehicle", striker.velocity, speed=3.6 * striker.velocity))
+    return findings
+
+
+def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:
+    """Numbers of a scenario by their paths, what to compare with, the least share, the unit."""
+    if hasattr(scenario, "column"):
+        column, own = scenario.column, scenario.column.properties
+        steel = own.mass_per_length * column.length
+        yield "column.axial_load", column.axial_load, own.squash_load, LEAST_LOAD, "kN"
+        yield "column.head_mass", column.head_mass, steel, _LEAST_MASS, "t"
+        if hasattr(scenario, "pulse"):
+            force = scenario.pulse.peak * scenario.whole
+            yield "force of the pulse", force, own.shear_resistance, _LEAST_PULSE, "kN"
+    elif hasattr(scenario, "frame"):
+        frame = scenario.frame
+        each = {member: frame.properties(member) for member in frame.members}
+        steel = sum(own.mass_per_length * frame.length(member) for member, own in each.items())
+        if not isinstance(scenario, FrameStatic):
+            squash = max(own.squash_load for own in each.values())
+            load = max((abs(f) for at in frame.loads for f in (at.x, at.y)), default=0.0)
+            yield "largest dead load", load, squash, LEAST_LOAD, "kN"
+        yield "largest mass of a node", max(n.mass for n in frame.nodes), steel, _LEAST_MASS, "t"
+    if hasattr(scenario, "striker"):
+        yield "striker.mass", scenario.striker.mass, steel, _LEAST_MASS, "t"

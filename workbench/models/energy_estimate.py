@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 
 from workbench.fields import Choice, Number, checked
 from workbench.models.base import Answering
-from workbench.models.domain import HEAVY, RESTITUTION, bounce_findings
+from workbench.models.domain import HEAVY, bounce_findings
 from workbench.models.hit_mass import HIT_MASS, THESIS, elastic_mass_findings, with_hit_mass
 from workbench.models.resistance import INTERACTIONS, SECTION, SHAPES, column_curve, limits
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, ColumnScenario
 
 
@@ -95,18 +95,8 @@ def restitution_findings(scenario: ColumnImpact) -> list[Finding]:
         return []
     if restitution == 1.0:
         return bounce_findings(scenario)
-    text = (
-        f"restitution {restitution:g} is treated as 0: repeated impacts dissipate almost "
-        "all of the rest (in the thesis column the single-DOF peak is within 1 % of this "
-        "at 10 to 20 m/s, and within several percent at lower speed)"
-    )
-    findings = [Finding(RESTITUTION, text, instead=())]
+    findings = [finding("restitution-as-zero", restitution)]
     ratio = scenario.striker.mass / scenario.column.properties.impact_mass
     if ratio < HEAVY:
-        text = (
-            f"the striker has only {ratio:.3g} times the impact mass of the column: with "
-            "restitution it flies off before the column rests, and the energy balance can "
-            "miss the peak by tens of percent"
-        )
-        findings.append(Finding("mass-ratio", text, instead=()))
+        findings.append(finding("mass-ratio", ratio=ratio))
     return findings

@@ -16,7 +16,6 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames import finding
 from workbench.frames.elastic import dead_load_state
 from workbench.frames.shear import fiber_section, shear_demand, shear_stiffness
 from workbench.frames.structure import FrameStructure
@@ -25,7 +24,7 @@ from workbench.hinges import YieldSurface
 from workbench.hinges.interaction import RULES, polyline
 from workbench.models.bar_frames import BarFrames, Cut
 from workbench.models.frame_model import as_frame
-from workbench.responses import Finding, Response
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import (
     ColumnScenario,
     Frame,

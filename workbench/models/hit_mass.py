@@ -20,7 +20,7 @@ from math import pi, sqrt
 
 from workbench.fields import Choice
 from workbench.models.domain import mechanism_demand
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnImpact
 
 THESIS, WAVES = "thesis", "waves"
@@ -128,9 +128,4 @@ def elastic_mass_findings(scenario: ColumnImpact, rule: str) -> list[Finding]:
     missed = elastic * (elastic_mass(column) - lumped) / striker
     if missed <= _MISSED:
         return []
-    text = (
-        f"bent elastically the column takes up {missed:.2f} of the striker's mass more than the "
-        "lumped mass stands for, as its longer bar moves most: the peak comes out too large, of "
-        f"columns above {_MISSED:g} by 8 % in the mean and up to 35 %"
-    )
-    return [Finding("elastic-mass", text, number=missed, instead=())]
+    return [finding("elastic-mass", missed, missed_2=_MISSED)]

@@ -36,8 +36,8 @@ from workbench.models.resistance import (
 from workbench.models.resistance.panel import PANEL
 from workbench.models.single_dof import march as one_mass
 from workbench.models.single_dof.spring import spring_moved
-from workbench.responses import Finding, Response, build_response, energy_error
-from workbench.responses.histories import NO_PEAK, still_grows
+from workbench.responses import Finding, Response, build_response, energy_error, finding
+from workbench.responses.histories import still_grows
 from workbench.scenarios import ColumnImpact
 
 VEHICLE_STIFFNESS = 3.0e5  # N/m, cars, EN 1991-1-7, Annex C
@@ -151,18 +151,9 @@ class SoftImpact(Answering):
             f for f in limits.curve_findings(scenario, self.resistance) if f.subject != "shear"
         ]
         if self.striker_stiffness == VEHICLE_STIFFNESS:
-            text = (
-                f"what strikes is taken for a spring of {VEHICLE_STIFFNESS / 1e3:g} kN/m, that of "
-                "cars in EN 1991-1-7"
-            )
-            remedy = "give the striker_stiffness, and the crush_force, of what it is"
-            findings.append(Finding("estimate", text, remedy=remedy))
+            findings.append(finding("stiffness-of-cars", stiffness=VEHICLE_STIFFNESS / 1e3))
         if 0.0 < scenario.striker.restitution < 1.0:
-            text = (
-                f"the restitution of {scenario.striker.restitution:g} has no part in an impact "
-                "with a spring"
-            )
-            findings.append(Finding("restitution", text, remedy="a crush_force loses energy"))
+            findings.append(finding("restitution-of-spring", scenario.striker.restitution))
         return findings
 
     def _solve(self, scenario: ColumnImpact) -> Response:
@@ -203,9 +194,7 @@ class SoftImpact(Answering):
             values |= dict.fromkeys(("peak_displacement", "time_of_peak", "residual_displacement"))
             if not still_grows(records["displacement"]):
                 longer = float(np.pi * np.sqrt(striker.mass / self.striker_stiffness))
-                text = f"the striker still moves on and pushes at the end, {scenario.duration:g} s"
-                remedy = f"extend time.duration to {longer:.2g} s to find the peak"
-                warnings.append(Finding(NO_PEAK, text, remedy=remedy))
+                warnings.append(finding("still-pushing", duration=scenario.duration, longer=longer))
         response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)
         error = energy_error(response)
         if error is not None and error > _BALANCE:

@@ -13,7 +13,6 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import Choice, Number, checked
-from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.elastic import Spans, line_wave_times, spans_to, time_to_peak
 from workbench.frames.structure import FrameStructure, stand_frame
@@ -30,7 +29,7 @@ from workbench.references.fiber_mesh import (
     mesh_frame,
 )
 from workbench.references.refine import LEVELS, REFINEMENT, check_levels, refined
-from workbench.responses import Finding, Response
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import (
     ColumnImpact,
     ColumnScenario,

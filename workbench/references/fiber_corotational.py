@@ -12,13 +12,12 @@ from typing import ClassVar
 
 from workbench.errors import CrumpledError
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames import finding
 from workbench.frames.shear import fiber_section, shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
 from workbench.references.refine import COARSEST, REFINEMENT, refined
-from workbench.responses import Outcome, Response, findings_of, outcome_of, set_findings
+from workbench.responses import Outcome, Response, finding, findings_of, outcome_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
 from workbench.structures.fibers import BeamSection
 from workbench.structures.fibers.beams import FiberBeams, lobatto_points, radau_rule

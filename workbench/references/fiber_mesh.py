@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Flags, Indices
-from workbench.frames import finding
 from workbench.frames.chains import chains, eventful, named
 from workbench.frames.structure import POINTS, MemberReader
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Frame, FrameImpact, FrameScenario, FrameStatic
 from workbench.structures.assembly import PlanarAssembly, graded_lengths, halved
 from workbench.structures.elements import JointSpring, JointSprings

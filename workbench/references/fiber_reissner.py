@@ -14,7 +14,6 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, Flag, Number, checked
-from workbench.frames import finding
 from workbench.frames.chains import named
 from workbench.frames.shear import shear_stiffness
 from workbench.materials import Steel
@@ -22,7 +21,7 @@ from workbench.models.frame_model import COLUMNS, as_frame
 from workbench.references.fiber import FiberReference
 from workbench.references.fiber_mesh import REISSNER_GIVEN, REISSNER_RULE, FrameMesh, MeshRule
 from workbench.references.refine import LEVELS
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, Member
 from workbench.sections.shapes import ISection
 from workbench.structures.fibers import PATTERNS, BeamSection, section_fibers

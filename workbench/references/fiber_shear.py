@@ -7,12 +7,11 @@ solid sections) that yield under normal and shear stress together, sigma^2 + 3 t
 from dataclasses import dataclass
 from typing import ClassVar
 
-from workbench.frames import finding
 from workbench.materials import Steel
 from workbench.models.domain import DIRECT_SHEAR, shear_demand
 from workbench.references.fiber_mesh import SHEAR_RULE, MeshRule
 from workbench.references.fiber_reissner import ExactBeams
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import ColumnScenario, FrameScenario, MemberPulse
 from workbench.structures.fibers.laws import ShearYielding
 

@@ -170,7 +170,13 @@ class _Refinement:
             {
                 "levels": [mesh.refinement for mesh in self._meshes()],
                 "directions": [asdict(direction) for direction in directions],
-                "quantities": {q: _table(estimates[q], by_run[q]) for q in quantities},
+                "quantities": {
+                    q: {
+                        **_table(estimates[q], by_run[q]),
+                        "variable": point.variable if point else q,
+                    }
+                    for q, point in quantities.items()
+                },
                 "quadrature": "fixed by the element, no option: part of space",
                 "statements": list(dict.fromkeys([*self.statements, *warned])),
             },

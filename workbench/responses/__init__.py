@@ -23,7 +23,7 @@ from workbench.responses.histories import peak_contact_force as peak_contact_for
 from workbench.responses.histories import peak_of as peak_of
 from workbench.responses.outcome import Finding as Finding
 from workbench.responses.outcome import Outcome as Outcome
-from workbench.responses.outcome import findings_in as findings_in
+from workbench.responses.outcome import finding as finding
 from workbench.responses.provenance import provenance as provenance
 from workbench.responses.variables import ENERGIES as ENERGIES
 from workbench.responses.variables import SCALARS as SCALARS

@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import WorkbenchError
-from workbench.responses.outcome import Finding
+from workbench.responses.outcome import Finding, finding
 
 NO_RESIDUAL = "no-residual"  # that it ends before the slow vibration has a mean
 SETTLED = 1.5  # periods that a residual displacement takes
@@ -52,8 +52,7 @@ def implied(
         if hit and peak and "residual_displacement" not in values:
             found["residual_displacement"] = residual_of(time, displacement)
         elif hit and not peak:
-            text = f"the displacement still grows at the end of the record, {time[-1]:g} s"
-            findings.append(Finding(NO_PEAK, text, remedy="extend time.duration to find the peak"))
+            findings.append(finding("still-growing", time=time[-1]))
     if time is not None and blow:
         found["impulse"] = given["percussion"].sum()
         if "peak_force" not in values:
@@ -163,12 +162,11 @@ def residual_over(
     """
     after, needed = float(time[-1]) - start, start + SETTLED * period
     if after < SETTLED * period:
-        text = (
-            f"the record ends {1e3 * after:.3g} ms after what yields has come to rest; the slowest "
-            f"vibration takes {1e3 * period:.3g} ms, and the permanent displacement is its mean"
-        )
-        remedy = f"set time.duration to {1.1 * needed:.2g} s for the permanent displacement"
-        return None, [Finding(NO_RESIDUAL, text, remedy=remedy, number=period)]
+        return None, [
+            finding(
+                "no-residual", period, after=1e3 * after, period=1e3 * period, needed=1.1 * needed
+            )
+        ]
     whole = period * int(after / period)
     steps = 0.5 * (displacement[1:] + displacement[:-1]) * np.diff(time)
     area = np.concatenate([[0.0], np.cumsum(steps)])

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 WARNING, REFUSAL = "warning", "refusal"  # severities of a finding
 SYNTHETIC = "synthetic"  # subject of what is said of made numbers, which validate nothing
-COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "instead")  # of a finding
+COLUMNS = ("subject", "severity", "sentence", "remedy", "number", "limit", "instead")
 
 # Subjects of warnings about a run, input that a model takes otherwise, an estimate or data. Every
 # other warning, of models from elsewhere too, says that the scenario lies outside the domain.
@@ -72,7 +73,8 @@ class Finding:
     `refusal`, True when the model cannot answer; `remedy`, which model or input to use instead
     (empty: none is known); `number`, the number behind the sentence (V/Vpl = 1.79; None: none);
     `instead`, models to ask first where another model answers better (None: none would), of which
-    the remedy is made when the model is known, see `evidence/advice.py`.
+    the remedy is made when the model is known, see `evidence/advice.py`; `limit` of the number.
+    The sentences of the workbench stand in ``findings.toml``, see `finding`.
     """
 
     subject: str
@@ -81,6 +83,7 @@ class Finding:
     remedy: str = ""
     number: float | None = None
     instead: tuple[str, ...] | None = None
+    limit: float | None = None
 
     def __str__(self) -> str:
         return f"{self.text}: {self.remedy}" if self.remedy else self.text
@@ -99,36 +102,46 @@ class Finding:
         severity = REFUSAL if self.refusal else WARNING
         number = None if self.number is None else float(self.number)
         instead = None if self.instead is None else list(self.instead)
-        values = (self.subject, severity, self.text, self.remedy, number, instead)
+        values = (self.subject, severity, self.text, self.remedy, number, self.limit, instead)
         return dict(zip(COLUMNS, values, strict=True))
 
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> Finding:
         """The finding that `as_dict` gave."""
-        subject, severity, text, remedy, number, instead = (stored[name] for name in COLUMNS)
+        subject, severity, text, remedy, number, limit, instead = (stored[n] for n in COLUMNS)
         instead = None if instead is None else tuple(instead)
-        return cls(subject, text, severity == REFUSAL, remedy, number, instead)
+        return cls(subject, text, severity == REFUSAL, remedy, number, instead, limit)
 
 
-def findings_in(path: Path) -> Callable[..., Finding]:
-    """Return the maker of the findings that a TOML file declares, called as `make(key, number)`.
+def finding(
+    name: str,
+    /,
+    number: float | None = None,
+    subject: str = "",
+    refusal: bool | None = None,
+    **values: Any,
+) -> Finding:
+    """The finding of this `name` in ``findings.toml``, its sentence filled with the `values`.
 
-    Each has a `text`, filled with the `number` and the values given by name, and may have a
-    `subject` (its key unless given there or in the call), `remedy`, `instead` and `refusal`, see
-    `Finding`.
+    Arguments: the `number` behind it, which the sentence may show too; `subject` and `refusal`,
+    where they depend on the values. Raises KeyError for a name or value that is missing.
     """
-    declared = tomllib.loads(path.read_text(encoding="utf-8"))
+    entry = _sentences()[name]
+    known = {"number": number, **values}
+    limit, instead = entry.get("limit"), entry.get("instead")
+    return Finding(
+        subject or entry.get("subject", name),
+        entry["sentence"].format_map(known),
+        entry.get("refusal", False) if refusal is None else refusal,
+        entry.get("remedy", "").format_map(known),
+        None if number is None else float(number),
+        None if instead is None else tuple(instead),
+        float(known[limit]) if isinstance(limit, str) else limit,
+    )
 
-    def make(key: str, number: float | None = None, subject: str = "", **values: Any) -> Finding:
-        entry = declared[key]
-        instead = entry.get("instead")
-        return Finding(
-            subject or entry.get("subject", key),
-            entry["text"].format(number=number, **values),
-            entry.get("refusal", False),
-            entry.get("remedy", "").format(number=number, **values),
-            number,
-            None if instead is None else tuple(instead),
-        )
 
-    return make
+@cache
+def _sentences() -> dict[str, dict[str, Any]]:
+    """The table of findings, read once."""
+    text = Path(__file__).with_name("findings.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)

@@ -16,7 +16,7 @@ from workbench.models.elastic_springs import Springs, beam_springs
 from workbench.models.four_dof import panels
 from workbench.models.four_dof.rigid_bars import RigidBars
 from workbench.models.hit_mass import HIT_MASS, WAVES
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnScenario
 from workbench.sections import Section
 
@@ -101,8 +101,7 @@ class FourDofShear(RigidBars):
     def _hinge_findings(self, scenario: ColumnScenario) -> list[Finding]:
         column = scenario.column
         if not has_shear_surface(column.section):
-            text = f"{column.section.name} is neither a rectangle nor one with plane webs"
-            return [Finding("section", text, refusal=True, instead=())]
+            return [finding("no-plane-webs", name=column.section.name)]
         surface = self.surface(column)
         lengths = {"below": column.length_below, "above": column.length_above}
         findings = panel_findings(surface, column.properties, "the column")
@@ -113,11 +112,7 @@ class FourDofShear(RigidBars):
         sheared = float(np.max(np.abs(values["sliding"]) / lengths))
         if self.kinematics == "chord" or sheared <= _SHEARED:
             return []
-        text = (
-            f"a web slides by {sheared:.2f} of its length; from {_SHEARED:g} on a bar that does "
-            "not stretch as it slides misses the tension of its flanges"
-        )
-        return [Finding("sliding", text, remedy="kinematics chord", number=sheared)]
+        return [finding("sliding", sheared, least=_SHEARED)]
 
     def _springs(self, column: Column) -> Springs:
         return beam_springs(column, float(self.surface(column).record["stiffness"]), sliding=True)

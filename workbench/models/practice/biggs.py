@@ -8,7 +8,6 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.fields import checked
-from workbench.frames import finding
 from workbench.models.energy_estimate import energy_to_absorb
 from workbench.models.practice.deflected_shape import Stage, beam_of
 from workbench.models.practice.hand_estimate import AXIAL, SECTION, plastic_moment
@@ -17,7 +16,7 @@ from workbench.models.resistance import curve as events
 from workbench.models.resistance.kernels import PIECE
 from workbench.models.single_dof import SingleDof
 from workbench.models.single_dof.pulse import Pushed, pulse_response
-from workbench.responses import Finding, Response
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import Column, ColumnImpact, ColumnScenario, MemberPulse
 from workbench.scenarios.pulse import UNIFORM
 

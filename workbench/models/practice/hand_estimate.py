@@ -12,13 +12,12 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.fields import Choice, checked
-from workbench.frames import finding
 from workbench.models.base import Answering
 from workbench.models.domain import member_findings
 from workbench.models.energy_estimate import energy_to_absorb, restitution_findings
 from workbench.models.hit_mass import elastic_energy
 from workbench.models.resistance import axial_flexibility, limits
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import Column, ColumnImpact
 
 NONE, LINEAR, SECTION = "none", "linear", "section"

@@ -15,13 +15,12 @@ from typing import Any, ClassVar
 from scipy.optimize import brentq
 
 from workbench.fields import Choice, Number, checked
-from workbench.frames import finding
 from workbench.models.base import Answering
 from workbench.models.practice.hand_estimate import SECTION, mechanism_load
 from workbench.models.resistance import RESISTANCES, ResistanceCurve, column_curve, limits
 from workbench.models.single_dof.pulse import Pushed, push
 from workbench.models.soft_impact import VEHICLE_STIFFNESS
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import ColumnImpact, Pulse
 
 DYNAMIC, STATIC = "dynamic", "static"
@@ -67,8 +66,9 @@ class HardImpact(Answering):
         findings = limits.curve_findings(scenario, self.resistance)
         capacity, needed = self.deformation_capacity, self._soft_deformation(scenario)
         if capacity is not None and needed > capacity:
-            values = {"needed": needed, "capacity": capacity}
-            findings.append(finding("soft-impact", needed / capacity, **values))
+            findings.append(
+                finding("soft-impact", needed / capacity, needed=needed, capacity=capacity)
+            )
         return findings
 
     def _soft_deformation(self, scenario: ColumnImpact) -> float:
@@ -93,8 +93,10 @@ class HardImpact(Answering):
         values["shear_utilisation"], warnings = limits.reached(curve, column, top)
         crush = scenario.striker.velocity * pulse.length if pulse.length else 0.0
         if top <= _RIGID * crush:
-            values_of = {"crush": crush, "top": top, "stiffness": self.striker_stiffness}
-            warnings.append(finding("striker", crush / top, **values_of))
+            stiffness = self.striker_stiffness
+            warnings.append(
+                finding("striker", crush / top, crush=crush, top=top, stiffness=stiffness)
+            )
         else:
             warnings.append(finding("hard-impact", top / crush, crush=crush, top=top))
         response = build_response(values, time=time, segments=limits.SEGMENTS, warnings=warnings)

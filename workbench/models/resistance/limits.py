@@ -1,6 +1,7 @@
 """Where the rigid-bar mechanism and its simplified curves stop being trustworthy."""
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from workbench.models.four_dof import FourDofShear
 from workbench.models.resistance.curve import ResistanceCurve
 from workbench.models.resistance.panel import PANEL
 from workbench.models.resistance.shapes import resistance_curve
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.scenarios import Column, ColumnPushover, ColumnScenario
 
 SEGMENTS = ("below", "above")
@@ -60,16 +61,9 @@ def curve_findings(scenario: ColumnScenario, shape: str) -> list[Finding]:
     findings = [found for found in own(scenario) if found.subject != RESTITUTION]
     column = scenario.column
     if column.head_mass > 0.0 and not isinstance(scenario, ColumnPushover):
-        text = (
-            f"the head mass of {column.head_mass:g} kg is left out: the model has no axial inertia"
-        )
-        findings.append(Finding("head-mass", text, instead=()))
+        findings.append(finding("head-mass", head_mass=column.head_mass))
     if isinstance(scenario, ColumnPushover) and scenario.displacement > reach(column):
-        text = (
-            f"a push to {scenario.displacement:.4g} m passes nine tenths of the shorter segment, "
-            f"{reach(column):.4g} m: small-rotation resistance means nothing there"
-        )
-        findings.append(Finding("reach", text, refusal=True))
+        findings.append(finding("reach", displacement=scenario.displacement, reach=reach(column)))
     return findings
 
 
@@ -113,24 +107,12 @@ def _reached_findings(
     findings = []
     rotation = displacement / min(curve.mechanism.lengths)
     if rotation > _ROTATION and curve.shape != PANEL:
-        text = (
-            f"the shorter segment turns by {rotation:.2f} at {displacement:.4g} m: the model's "
-            "small-rotation kinematics err by several percent"
-        )
-        findings.append(Finding("small-rotations", text, instead=()))
+        findings.append(finding("small-rotations", rotation=rotation, displacement=displacement))
     if companion is not None and companion is not curve and displacement > 0.0:
         exact = float(companion.work(displacement))
         simplified = float(curve.work(displacement))
         if not abs(simplified - exact) <= _WORK * abs(exact):
-            text = (
-                f"up to {displacement:.4g} m the {curve.shape} resistance does "
-                f"{simplified / 1e3:.4g} kJ of work, the analytic one that it simplifies "
-                f"{exact / 1e3:.4g} kJ"
-            )
-            if simplified > exact:
-                text += (
-                    ": unsafe, the displacement is larger and may be a collapse; take "
-                    "resistance = analytic, or a model that follows the column"
-                )
-            findings.append(Finding("simplification", text))
+            name = "simplified-work-unsafe" if simplified > exact else "simplified-work"
+            work: dict[str, Any] = {"simplified": simplified / 1e3, "exact": exact / 1e3}
+            findings.append(finding(name, displacement=displacement, shape=curve.shape, **work))
     return findings

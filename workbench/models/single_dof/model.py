@@ -42,6 +42,7 @@ from workbench.responses import (
     Outcome,
     Response,
     build_response,
+    finding,
     peak_contact_force,
 )
 from workbench.scenarios import Column, ColumnImpact, ColumnPushover, ColumnScenario, MemberPulse
@@ -137,11 +138,15 @@ class SingleDof(Answering):
         """Refusals of a time step that the caller has set."""
         findings = []
         if scenario.duration / step > _MOST_STEPS_ASKED:
-            text = (
-                f"option.time_step = {step:g} s makes {scenario.duration / step:.3g} steps of "
-                f"the {scenario.duration:g} s, at most {_MOST_STEPS_ASKED} are kept: increase it"
+            findings.append(
+                finding(
+                    "more-steps-than-kept",
+                    step=step,
+                    count=scenario.duration / step,
+                    duration=scenario.duration,
+                    most=_MOST_STEPS_ASKED,
+                )
             )
-            findings.append(Finding("time-step", text, refusal=True))
         if self.integrator == "moreau":
             with suppress(OutOfDomainError):  # told by the solution itself
                 findings += step_finding(step, self.period(scenario.column) / pi)
@@ -228,11 +233,7 @@ class SingleDof(Answering):
         force = curve.force(path)
         values: dict[str, Any] = {"displacement": path, "force": force, "shear_utilisation": shear}
         if curve.lost_at <= top:
-            text = (
-                f"the resistance is lost at {curve.lost_at:.4g} m; beyond, the column must be "
-                "held back, and the elasto-plastic law has no energies"
-            )
-            warnings.append(Finding("resistance-lost", text))
+            warnings.append(finding("resistance-lost", lost_at=curve.lost_at))
         else:
             values.update(_pushed_energies(curve, path, force))
         hinges: tuple[str, ...] = ()

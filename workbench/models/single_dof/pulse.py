@@ -15,7 +15,7 @@ from workbench.impact.records import follow
 from workbench.models.practice.deflected_shape import beam_of
 from workbench.models.resistance import ResistanceCurve, limits
 from workbench.models.single_dof import march
-from workbench.responses import Finding, Response, build_response
+from workbench.responses import Finding, Response, build_response, finding
 from workbench.scenarios import Column, MemberPulse, Pulse
 from workbench.scenarios.pulse import UNIFORM
 
@@ -124,13 +124,7 @@ def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Fi
     short = (pulse.end if pulse.times else pulse.whole / pulse.peak) / period
     yields = top > curve.elastic_limit
     if short < _SHORT and pulse.shape != "ramp" and (yields or scenario.load != UNIFORM):
-        text = (
-            f"the pulse lasts {short:.2f} of the period (impulse over largest force): waves and "
-            "hinges travel before the member has the shape of its static deflection, and the peak "
-            "comes out up to a quarter too large, or too small by up to a half if it yields"
-        )
-        first = ("flexible-superelement",)
-        findings.append(Finding("short-pulse", text, number=short, instead=first))
+        findings.append(finding("short-pulse", short))
     stronger = replace(pulse, peak=_STRONGER * pulse.peak)
     try:
         _, values = push(pushed, scenario.column, stronger, scenario.duration)
@@ -139,9 +133,5 @@ def pulse_findings(scenario: MemberPulse, pushed: Pushed, top: float) -> list[Fi
         growth = np.inf
     if growth > _MUCH:
         further = "to collapse" if growth == np.inf else f"{100.0 * growth:.0f} % further"
-        text = (
-            f"a pulse of 5 % more goes {further}: the load is near the resistance, whose few "
-            "percent decide"
-        )
-        findings.append(Finding("sensitive", text, number=min(growth, 1e3)))
+        findings.append(finding("sensitive", min(growth, 1e3), further=further))
     return findings

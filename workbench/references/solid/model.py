@@ -16,7 +16,6 @@ from threadpoolctl import threadpool_limits
 
 from workbench.arrays import Array
 from workbench.fields import Declared, Number, checked
-from workbench.frames import finding
 from workbench.frames.runs import OPEN_LEDGER
 from workbench.materials import Steel
 from workbench.models.base import respond
@@ -30,6 +29,7 @@ from workbench.responses import (
     Response,
     build_response,
     energy_error,
+    finding,
     findings_of,
     set_findings,
 )

@@ -4,9 +4,9 @@ from math import ceil
 from typing import Any
 
 from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.content.formatting import count, title_of
+from workbench.content.formatting import title_of
 from workbench.content.page import Page
-from workbench.content.tree import Block, Cell, Column, Section, Table
+from workbench.content.tree import Block, Section
 from workbench.evidence.descriptors import command_of
 from workbench.evidence.measured import BEYOND
 from workbench.report.chapters.configuration import hit_distance
@@ -17,7 +17,6 @@ FAIR = 0.10  # bound of what may do
 SURE = 0.05  # chance of as many pairs if two models were equal, from which one is better
 Row = dict[str, Any]
 PAGE = Page(__file__, fair=FAIR, beyond=f"{100 * BEYOND:g}\u2009%")
-_PRINTED = 40  # rows of the ranking
 
 
 def first(study: Study, stored: Stored, group: str) -> str:
@@ -120,25 +119,4 @@ def tree(stored: Stored) -> tuple[Block, ...]:
 
 def ranking(stored: Stored) -> Section | None:
     """All models of every large group, the best first."""
-    rows = stored.rows["ranking"]
-    columns = (
-        Column("group", width=1.4, of="group"),
-        Column("model", width=1.6, of="label"),
-        Column("within", True, of=lambda row: Cell(f"{row['within']} of {row['judged']}")),
-        Column("too small", True, of="low"),
-        Column("too large", True, of="high"),
-        Column("false safe", True, of="stands"),
-        Column("false alarm", True, of="falls"),
-        Column("refused", True, of="refused"),
-        Column("median, 5 to 95 %", width=1.6, of=lambda row: PAGE.words("expected", row=row)),
-        Column("first errs less", width=1.2, of=_pairs),
-    )
-    table = Table.of("ranking", "", columns, rows, _PRINTED) if rows else None
-    return PAGE.section("ranking", table=table)
-
-
-def _pairs(row: Row) -> str:
-    if row["against"] == row["label"]:
-        return "itself"
-    chance = "" if row["chance"] is None else f" ({row['chance']:.2g})"
-    return f"{row['wins']} of {count(row['pairs'], 'pair')}{chance}"
+    return PAGE.section("ranking", rows=stored.rows["ranking"])

@@ -9,7 +9,7 @@ from typing import Any
 from workbench.content.bibliography import cited
 from workbench.content.formatting import brief, several
 from workbench.content.page import Page
-from workbench.content.tree import Block, Column, Listing, Section, Table
+from workbench.content.tree import Block, Listing, Section
 from workbench.errors import OutOfDomainError
 from workbench.frames.column_line import column_line
 from workbench.models.base import Model, options_of
@@ -19,9 +19,9 @@ from workbench.scenarios import ColumnImpact, Frame, FrameImpact, Striker, to_to
 from workbench.study.definition import Case, Study
 from workbench.study.manifest import differences
 
-PAGE = Page(__file__)
 FORMS = 4  # of frames, that are all described
 _PRINTED = 60
+PAGE = Page(__file__, printed=_PRINTED)
 _MOST_CHANGES = 12
 _MOST_ITEMS = 6
 _WIDE = 96  # characters of a line in a listing
@@ -145,8 +145,12 @@ def configuration(study: Study, stored: Stored) -> Section | None:
         models=list(_models(study)),
         one_kind=len(first) == 1,
         first=[_listing(case) for case in first.values()],
-        differ=_differences(first, others) if others else None,
-        others=[_listing(case, printed=False) for case in others],
+        others=[
+            {"case": case, "first": kind, "changes": _changes(kind, case)}
+            for case in others
+            for kind in [first[case.scenario.KIND]]
+        ],
+        listings=[_listing(case, printed=False) for case in others],
         records=records,
     )
 
@@ -195,17 +199,6 @@ def _compact(toml: str) -> str:
         return found[1] + "\n".join(textwrap.wrap(f"[{numbers}]", _WIDE, subsequent_indent="    "))
 
     return _NUMBERS.sub(along, toml)
-
-
-def _differences(first: dict[str, Case], others: list[Case]) -> Table:
-    """What differs in the other cases from the first of their kind."""
-    columns = (
-        Column("case", width=1.8, of="name"),
-        Column("differs from", width=1.3, of=lambda case: first[case.scenario.KIND].name),
-        Column("in", width=4.0, of=lambda case: _changes(first[case.scenario.KIND], case)),
-        Column("models asked", width=2.0, of=lambda c: ", ".join(c.models) or "all that apply"),
-    )
-    return Table.of("cases", "", columns, others, _PRINTED)
 
 
 def _changes(first: Case, other: Case) -> str:

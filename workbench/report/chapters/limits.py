@@ -1,21 +1,20 @@
 """What is missing, and where models answered outside their own assumptions."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from workbench.content.formatting import several, valued
 from workbench.content.page import Page
 from workbench.content.tree import Cell, Column, Section, Table
-from workbench.errors import Collapse
 from workbench.report.stored import CellState, Stored
 from workbench.responses import Finding, Outcome
 from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN
 
-PAGE = Page(__file__)
 _PRINTED = 40
+PAGE = Page(__file__, printed=_PRINTED, mild=(NOT_RUN, Outcome.OUT_OF_DOMAIN))
 _SIMILAR = 3  # sentences of one kind that are all shown
 
 
@@ -26,10 +25,20 @@ class _Group(NamedTuple):
     cells: list[CellState]
     finding: Finding
 
-    def names(self, of: Callable[[CellState], str]) -> Cell:
-        """The cases or labels of the cells."""
-        names = list(dict.fromkeys(map(of, self.cells)))
-        return Cell(several(names), len(names))
+    @property
+    def cases(self) -> Cell:
+        """The cases of the cells."""
+        return _names(cell.case for cell in self.cells)
+
+    @property
+    def labels(self) -> Cell:
+        """The labels of the cells."""
+        return _names(cell.label for cell in self.cells)
+
+
+def _names(names: Iterable[str]) -> Cell:
+    distinct = list(dict.fromkeys(names))
+    return Cell(several(distinct), len(distinct))
 
 
 def _groups(findings: Iterable[tuple[tuple[str, ...], CellState, Finding]]) -> Iterator[_Group]:
@@ -53,13 +62,6 @@ def missing(study: Study, stored: Stored) -> Section | None:
     """Cells without an answer, grouped by what happened, and what was not asked."""
     problems = [cell for cell in stored.cells.values() if not (cell.ok or cell.collapse)]
     refusals = sum(cell.outcome == Outcome.OUT_OF_DOMAIN for cell in problems)
-    columns = (
-        Column("model", width=1.5, of=lambda group: group.kind[0]),
-        Column("outcome", width=1.1, of=_outcome),
-        Column("cases", width=2.0, of=lambda group: group.names(lambda cell: cell.case)),
-        Column("what happened and what to do", width=4.0, of=lambda group: group.finding.text),
-    )
-    groups = _groups(((cell.label, cell.outcome), cell, _reason(cell)) for cell in problems)
     return PAGE.section(
         "missing",
         cells=len(stored.cells),
@@ -69,7 +71,7 @@ def missing(study: Study, stored: Stored) -> Section | None:
         ],
         refusals=refusals,
         failures=len(problems) - refusals,
-        table=Table.of("missing-table", "", columns, groups, _PRINTED),
+        groups=list(_groups(((c.label, c.outcome), c, _reason(c)) for c in problems)),
     )
 
 
@@ -78,30 +80,10 @@ def _reason(cell: CellState) -> Finding:
     return Finding(cell.outcome, cell.message or PAGE.words("not_run"))
 
 
-def _outcome(group: _Group) -> Cell:
-    _, outcome = group.kind
-    return Cell(outcome, tone="doubt" if outcome in (NOT_RUN, Outcome.OUT_OF_DOMAIN) else "bad")
-
-
 def collapses(stored: Stored) -> Section | None:
     """Where structures do not survive: an answer, with its mechanism, time and place."""
     collapsed = [cell for cell in stored.cells.values() if cell.collapse is not None]
-    if not collapsed:
-        return None
-
-    def of_collapse(read: Callable[[Collapse], Any]) -> Callable[[CellState], Any]:
-        return lambda cell: cell.collapse and read(cell.collapse)
-
-    columns = (
-        Column("case", width=2.0, of="case"),
-        Column("model", width=1.5, of="label"),
-        Column("mechanism", width=1.1, of=of_collapse(lambda c: c.mechanism)),
-        Column("of", width=1.5, of=of_collapse(lambda c: several(c.parts))),
-        Column("time in s", True, 0.8, of_collapse(lambda c: valued(c.time, 3))),
-        Column("displacement in m", True, 0.9, of_collapse(lambda c: valued(c.displacement, 3))),
-    )
-    table = Table.of("collapses", "", columns, collapsed, _PRINTED)
-    return PAGE.section("collapses", number=len(collapsed), cells=len(stored.cells), table=table)
+    return PAGE.section("collapses", collapsed=collapsed, cells=len(stored.cells))
 
 
 def domain(study: Study, stored: Stored) -> Section | None:
@@ -119,28 +101,14 @@ def domain(study: Study, stored: Stored) -> Section | None:
         ratio=over.get(worst),
         reference_too=any(values.get(study.reference, 0.0) > 1.0 for values in shear.values()),
         shear=_shear_table(study, shear),
-        warnings=_warnings(stored),
+        warnings=list(
+            _groups(
+                ((finding.subject, finding.remedy), cell, finding)
+                for cell in stored.cells.values()
+                for finding in cell.warnings
+            )
+        ),
     )
-
-
-def _warnings(stored: Stored) -> Table | None:
-    """The warnings that came with answers, each with its remedy and the number behind it."""
-    groups = list(
-        _groups(
-            ((finding.subject, finding.remedy), cell, finding)
-            for cell in stored.cells.values()
-            for finding in cell.warnings
-        )
-    )
-    columns = (
-        Column("subject", width=1.0, of=lambda group: group.finding.subject),
-        Column("models", width=1.8, of=lambda group: group.names(lambda cell: cell.label)),
-        Column("cases", width=1.7, of=lambda group: group.names(lambda cell: cell.case)),
-        Column("warning", width=3.8, of=lambda group: group.finding.text),
-        Column("its number", True, 0.7, lambda group: valued(group.finding.number, 3)),
-        Column("what to do", width=1.5, of=lambda group: group.finding.remedy),
-    )
-    return Table.of("warnings", "", columns, groups, 30) if groups else None
 
 
 def _shear_table(study: Study, shear: dict[str, dict[str, float]]) -> Table | None:

@@ -14,7 +14,6 @@ from workbench.content.formatting import (
     interval,
     metric_title,
     share,
-    span_cell,
     title_of,
     unit_of,
     valued,
@@ -26,8 +25,8 @@ from workbench.responses.uncertainty import sampled_interval
 from workbench.study.assess import width_of
 from workbench.study.definition import DATA, Study, holds_data
 
-PAGE = Page(__file__)
 _PRINTED = 40
+PAGE = Page(__file__, printed=_PRINTED, duration=duration)
 _ONE_LINE = 3  # columns up to which value and deviation share a line
 _WIDEST = 6  # cases side by side
 _MEASURED = (*DATA, "stud-measured")
@@ -41,7 +40,7 @@ def numbers(study: Study, stored: Stored) -> Section | None:
         "numbers",
         values=[table for table in tables.values() if table is not None],
         shapes=list(_shapes(study, stored)),
-        bias=_bias(stored),
+        bias=[] if stored.rows["matrix"] else stored.rows["bias"],  # the matrix says more
         silent=[title_of(quantity) for quantity, table in tables.items() if table is None],
     )
 
@@ -128,21 +127,6 @@ def _metric(metric: str, pair: tuple[Any, dict[str, dict[str, Any]]]) -> Cell:
     return ABSENT if row is None else Cell(_interval(metric, row), row["error"])
 
 
-def _bias(stored: Stored) -> Table | None:
-    """Bias and scatter over all cases, where there are enough of them and no matrix says more."""
-    rows = [] if stored.rows["matrix"] else stored.rows["bias"]
-    columns = (
-        Column("model", width=1.8, of="model"),
-        Column("against", width=1.8, of="against"),
-        Column("quantity", width=1.8, of=lambda row: title_of(row["quantity"])),
-        Column("cases", True, 0.7, "count"),
-        Column("bias", True, 0.9, lambda row: valued(row["bias"])),
-        Column("95 % interval", True, 1.5, span_cell),
-        Column("scatter", True, 0.9, lambda row: share(row["model_scatter"])),
-    )
-    return Table.of("bias", "", columns, rows, _PRINTED) if rows else None
-
-
 def convergence(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
     """How well the reference is known: the table of its ladder and the figures that show it."""
     name = study.models[study.reference].name
@@ -193,22 +177,22 @@ class _Times(NamedTuple):
     whole: list[float]
     solving: list[float]
 
+    @property
+    def median(self) -> float:
+        """Of whole answers."""
+        return median(self.whole)
+
+    @property
+    def solving_alone(self) -> float:
+        """The median; NaN where the model does not measure it."""
+        return median(self.solving or [nan])
+
 
 def cost(study: Study, stored: Stored, figures: Iterable[Block]) -> Section | None:
     """Wall times per model and the figures that set them against errors."""
-    rows = list(_times(study, stored))
-    columns = (
-        Column("model", width=2.0, of="label"),
-        Column("scenario", width=1.6, of="kind"),
-        Column("cases", True, 0.7, lambda times: len(times.whole)),
-        Column("fastest", True, 1.0, lambda times: valued(min(times.whole), duration)),
-        Column("median", True, 1.0, lambda times: valued(median(times.whole), duration)),
-        Column("slowest", True, 1.0, lambda times: valued(max(times.whole), duration)),
-        Column("solving alone", True, 1.2, lambda t: valued(median(t.solving or [nan]), duration)),
-    )
     return PAGE.section(
         "cost",
-        table=Table.of("cost-table", "", columns, rows) if rows else None,
+        times=list(_times(study, stored)),
         figures=list(figures),
         kinds=len(stored.provenance),
     )

@@ -8,15 +8,11 @@ from workbench.assessment import Verdict
 from workbench.content.bibliography import cited
 from workbench.content.formatting import interval, metric_title, metric_value, spans
 from workbench.content.page import Page
-from workbench.content.tree import Block, Callout, Cell, Column, Section, Table
+from workbench.content.tree import Block, Callout, Cell, Section
 from workbench.report.stored import Stored
 
 TONES = {verdict.value: "doubt" for verdict in Verdict} | {"pass": "good", "fail": "bad"}
-PAGE = Page(__file__)
 _PRINTED = 30
-_VERDICT = Column(
-    "verdict", width=1.25, of=lambda row: Cell(row["verdict"], tone=TONES[row["verdict"]])
-)
 Row = dict[str, Any]
 
 
@@ -26,9 +22,10 @@ def verdicts(stored: Stored) -> Section | None:
     return PAGE.section(
         "verdicts",
         headline=headline(rows),
-        table=summary_table(rows),
+        summary=summary_table(rows),
         reasons=reasons(rows, bounds=True),
-        every_case=_every_case(cases) if len(cases) > len(rows) > 0 else None,
+        cases=_worst_first(cases) if len(cases) > len(rows) > 0 else [],
+        printed=_PRINTED,
     )
 
 
@@ -62,28 +59,9 @@ def _texts(rows: list[Row], texts: Iterable[str]) -> dict[str, Any]:
     return {"gates": len(rows), "texts": list(dict.fromkeys(texts))}
 
 
-def question_of(row: Row) -> str:
-    """What a gate asks, in words."""
-    return PAGE.words("question", row=row, metric=metric_title(row["metric"]))
-
-
 def summary_table(rows: list[Row]) -> tuple[Block, ...]:
     """Verdict, critical value and bound of every gate; nothing without one."""
-    columns = (
-        _VERDICT,
-        Column("no.", width=0.4, of="number"),
-        Column("what is judged", width=3.4, of=question_of),
-        Column("critical value ± numerical or data uncertainty", True, 2.4, _critical),
-        Column("bound", True, 0.9, _bound),
-        Column(
-            *("cases passed", True, 0.9),
-            lambda row: Cell(
-                f"{row['pass']} of {row['asked']}", row["pass"] / max(row["asked"], 1)
-            ),
-        ),
-    )
-    table = Table.of("verdict-table", "", columns, rows) if rows else None
-    return PAGE.blocks("summary_table", table=table)
+    return PAGE.blocks("summary_table", rows=rows)
 
 
 def reasons(rows: list[Row], *, bounds: bool) -> tuple[Block, ...]:
@@ -126,23 +104,14 @@ def _bound(row: Row) -> Cell:
     return Cell(f"±{bound}", row["bound"])
 
 
-def _every_case(rows: list[Row]) -> Table:
-    if len(rows) > _PRINTED:
-        # paper shows the first rows only: what did not pass comes first, then the largest values
-        order = [verdict.value for verdict in Verdict]
-        rows = sorted(rows, key=lambda r: (order.index(r["verdict"]), -abs(r["value"] or 0.0)))
+def _worst_first(rows: list[Row]) -> list[Row]:
+    """Rows of which paper shows only the first: those that did not pass, then by their values."""
+    if len(rows) <= _PRINTED:
+        return rows
+    order = [verdict.value for verdict in Verdict]
+    return sorted(rows, key=lambda r: (order.index(r["verdict"]), -abs(r["value"] or 0.0)))
 
-    def note(row: Row) -> Cell:
-        return Cell("; ".join(filter(None, (row["doubt"], row["note"]))), tone="muted")
 
-    columns = (
-        _VERDICT,
-        Column("what is judged", width=2.8, of=question_of),
-        Column("case", width=1.6, of="case"),
-        Column(
-            *("value ± numerical or data uncertainty", True, 1.8),
-            lambda row: Cell(_interval(row), row["value"]),
-        ),
-        Column("where the uncertainty comes from", width=3.0, of=note),
-    )
-    return Table.of("gate-cases", "", columns, rows, _PRINTED)
+PAGE = Page(
+    __file__, tones=TONES, critical=_critical, bound=_bound, value=_interval, metric=metric_title
+)
