@@ -12,12 +12,12 @@ from workbench.errors import InputError
 
 
 class Rule:
-    """What a field may hold."""
+    """The values that a field may hold."""
 
     advice: str = ""
 
     def allowed(self) -> str:
-        """What is allowed, in words."""
+        """Return the allowed values in words, as messages have them."""
         return f"must be {self._allowed()}"
 
     def _allowed(self) -> str:
@@ -193,6 +193,13 @@ def checked(
     if optional and default is dataclasses.MISSING:
         default = None
     return dataclasses.field(default=default, metadata=metadata, compare=compare)
+
+
+def meaning(field: dataclasses.Field[Any]) -> str:
+    """Say what a declared field means and may hold; nothing of one that is not declared."""
+    data = field.metadata
+    texts = (data["help"], data["rule"].allowed()) if "rule" in data else ()
+    return "; ".join(filter(None, texts))
 
 
 def path_of(field: dataclasses.Field[Any], table: str) -> str:

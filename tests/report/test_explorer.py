@@ -24,8 +24,8 @@ from toy_models import Troubled
 
 from workbench.models.base import respond
 from workbench.references.refine import refined
+from workbench.report.explorer import LARGEST, explorer
 from workbench.report.explorer.cells import FINE, packed
-from workbench.report.explorer.page import LARGEST, explorer
 from workbench.report.stored import Stored
 from workbench.responses import Finding
 from workbench.responses.uncertainty import uncertainty_of

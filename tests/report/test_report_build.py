@@ -12,7 +12,7 @@ import pytest
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.report.build import build_report
-from workbench.report.explorer.page import explorer
+from workbench.report.explorer import explorer
 from workbench.report.stored import Stored
 from workbench.study import assess
 

@@ -100,6 +100,8 @@ def _subjects(findings: list[Finding], chosen: Callable[[Finding], bool]) -> str
 
 
 def _entry(offer: Offer) -> dict[str, Any]:
+    from workbench.fields import meaning
+
     kind = offer.kind
     if kind is None:
         return {
@@ -128,6 +130,7 @@ def _entry(offer: Offer) -> dict[str, Any]:
             field.name: None if field.default is dataclasses.MISSING else field.default
             for field in dataclasses.fields(kind)
         },
+        "meanings": {field.name: meaning(field) for field in dataclasses.fields(kind)},
         "distribution": offer.distribution,
     }
 
@@ -148,7 +151,8 @@ def _described(entry: dict[str, Any]) -> Iterator[Block]:
     yield Section("description", "", (Paragraph(entry["description"]),))
     yield Section("answers", "Answers:", (Bullets(tuple(entry["answers"])),))
     yield Section("domain", "Assumptions and domain:", (Bullets(tuple(entry["assumptions"])),))
-    options = tuple((name, f"default {value}") for name, value in entry["options"].items())
+    meanings = {name: f"{text}; " if text else "" for name, text in entry["meanings"].items()}
+    options = tuple((n, f"{meanings[n]}default {value}") for n, value in entry["options"].items())
     yield Section("options", "Options (--option name=value):", (Definitions(options),))
     if entry["sources"]:
         yield Section("sources", "Sources:", (Bullets(tuple(map(cited, entry["sources"]))),))

@@ -24,7 +24,7 @@ from workbench.report.chapters import (
     stud_evidence,
     verdicts,
 )
-from workbench.report.explorer.page import FILE, explorer
+from workbench.report.explorer import FILE, explorer
 from workbench.report.gallery import draw_all, save_all, save_png
 from workbench.report.stored import Stored
 from workbench.study.definition import Study

@@ -1,4 +1,4 @@
-"""What happens, independent of any model: frozen value objects, TOML in and out."""
+"""Scenarios, independent of any model: frozen value objects, TOML in and out."""
 
 from workbench.scenarios.column import Column as Column
 from workbench.scenarios.column import ColumnImpact as ColumnImpact

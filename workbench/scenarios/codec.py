@@ -104,7 +104,7 @@ def dumped(key: str, value: Any) -> str:
 
 
 def label_of(entry: Mapping[str, Any], number: int) -> str:
-    """What an entry of an array of tables is called: by its name, its node, or its number."""
+    """Return the label of an entry of an array of tables: its name, its node, or its number."""
     label = entry.get("name", entry.get("node"))
     return label if isinstance(label, str) and len(label) <= 60 else str(number)
 

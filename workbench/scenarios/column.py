@@ -1,4 +1,4 @@
-"""The impacted column: geometry, supports, striker, and the two things that can happen to it."""
+"""The impacted column: geometry, supports, striker; its pushover and its impact."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -107,7 +107,7 @@ class Striker(Declared, table="striker"):
 
 
 class Impact:
-    """What every impact of a rigid striker on a structure has."""
+    """The impact of a rigid striker on a structure."""
 
     striker: Any
 
@@ -117,7 +117,7 @@ class Impact:
         return float(0.5 * self.striker.mass * self.striker.velocity**2)
 
     def at_velocity(self, velocity: float) -> Self:
-        """The same impact at another velocity (m/s)."""
+        """Return the impact at another velocity (m/s)."""
         return replace(self, striker=replace(self.striker, velocity=velocity))  # type: ignore[type-var]
 
 

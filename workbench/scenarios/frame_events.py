@@ -1,4 +1,4 @@
-"""What can happen to a frame, and a column as its two-member frame."""
+"""Scenarios of a frame; a column as its two-member frame."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, astuple, dataclass, replace
@@ -153,7 +153,7 @@ class FrameGroundMotion(Declared, table="ground"):
     STATIC: ClassVar[bool] = False
 
     def with_masses(self) -> "FrameGroundMotion":
-        """The same with the masses of the dead loads at the nodes, if that is asked for."""
+        """Return the motion with the dead loads as masses of the nodes, if `load_as_mass`."""
         if not self.load_as_mass:
             return self
         mass = self.frame.load_masses

@@ -1,4 +1,4 @@
-"""How files write frames: nodes and members, or axes and levels; splits refine both."""
+"""Frames in files: nodes and members, or axes and levels; splits refine both."""
 
 from __future__ import annotations
 

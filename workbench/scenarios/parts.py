@@ -136,7 +136,7 @@ class Node(Declared, table="node", label="name"):
 
 @dataclass(frozen=True)
 class Joint(Declared, table="joint", label="name"):
-    """How the end of a member is joined to its node; strengths as positive numbers.
+    """Joint between the end of a member and its node; strengths as positive numbers.
 
     None stands for a rigid stiffness, and for the strength of the member. Raises `InputError`.
     """

@@ -48,7 +48,7 @@ def superellipse_radius(angle: Array, alpha: float, beta: float) -> Array:
 
 
 def where_it_ends(below: Callable[[Array], Flags], high: Array) -> Array:
-    """Where `below` ends between 0 and `high`, to the last bit, for all places at once."""
+    """Return the ends of `below` between 0 and `high`, to the last bit, by bisection."""
     low = np.zeros_like(high)
     for _ in range(60):
         middle = (low + high) / 2.0

@@ -33,7 +33,7 @@ def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
     height = rows * (_ROW * len(shown) + _EDGES)
     sheet = Sheet.table(rows, columns, height, count=len(found), sharey=True)
     if len(shown) < len(size):
-        sheet.said.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
+        sheet.notes.append(f"Shown are the {len(shown)} of {len(size)} tests that move it most.")
     for panel, title in zip(sheet.panels, found, strict=True):
         own = told[told["panel"] == title]
         _panel(panel, own[own["name"].isin(shown)], shown)
@@ -41,7 +41,7 @@ def plot(found: Mapping[str, pd.DataFrame]) -> Drawing:
         worst = own.loc[own["change"].abs().fillna(0.0).to_numpy() == own["change"].abs().max()]
         if len(worst):
             test, change = worst.iloc[0]["name"], percent(float(worst.iloc[0]["change"]))
-            sheet.said.append(f"{title}: {test} moves it most, by {change} when it is left out.")
+            sheet.notes.append(f"{title}: {test} moves it most, by {change} when it is left out.")
     for far in sorted(set(told["outlier"].astype(bool))):
         words, color = _KINDS[far]
         sheet.legend(entry(words, color=color, **_DOTS))

@@ -34,8 +34,7 @@ class Layout:
     @cached_property
     def origin(self) -> complex:
         """Least x and y of all nodes, in m."""
-        nodes = self.frame.nodes
-        return complex(min(node.x for node in nodes), min(node.y for node in nodes))
+        return complex(min(n.x for n in self.frame.nodes), min(n.y for n in self.frame.nodes))
 
     @cached_property
     def extent(self) -> complex:
@@ -60,13 +59,15 @@ class Layout:
         place = self.frame.node(node)
         return (complex(place.x, place.y) - self.origin) * self.scale
 
-    def true_depth(self, member: Member) -> float:
-        """Depth of a member to scale, in inches."""
-        return float(member.section.height) * self.scale
-
     def depth(self, member: Member) -> float:
         """Depth of a member as drawn, in inches."""
-        return max(self.true_depth(member), _LEAST_DEPTH)
+        return max(float(member.section.height) * self.scale, _LEAST_DEPTH)
+
+    @property
+    def deepened(self) -> bool:
+        """Whether a member is drawn deeper than it is."""
+        depths = [float(member.section.height) * self.scale for member in self.frame.members]
+        return min(depths) * 1.001 < _LEAST_DEPTH
 
     def along(self, member: Member) -> complex:
         """Unit vector from a member's start to its end."""
@@ -78,18 +79,17 @@ class Layout:
         """Members that end at each node, with the unit vector that leads away from it."""
         members: dict[str, list[tuple[Member, complex]]] = {n.name: [] for n in self.frame.nodes}
         for member in self.frame.members:
-            along = self.along(member)
-            members[member.start].append((member, along))
-            members[member.end].append((member, -along))
+            members[member.start].append((member, self.along(member)))
+            members[member.end].append((member, -self.along(member)))
         return members
 
     def half_depth(self, node: str, direction: complex) -> float:
-        """How far members reach from a node along `direction`, across their own axes."""
+        """Half the drawn depth of the members at a node, measured along `direction`."""
         reach = [
             0.5 * self.depth(member) * abs((away.conjugate() * direction).imag)
             for member, away in self.members_at[node]
         ]
-        return max(reach, default=0.0)
+        return max(reach)
 
     def edge(self, node: str, direction: complex, beyond: float = 0.0) -> complex:
         """The point at which the members of a node end along `direction`, or `beyond` it."""
@@ -105,18 +105,18 @@ class Layout:
             return 1.0 + 0j if free.real > _SAME else -1.0 + 0j
         return 1j if free.imag > _SAME else -1j
 
-    def passed(self, node: str) -> bool:
+    def levels(self, axis: str, further: Iterable[str] = ()) -> list[float]:
+        """Different coordinates (m) of joints and ends, and of `further` nodes, rising."""
+        names = {n.name for n in self.frame.nodes if not self._only_divides(n.name)} | {*further}
+        values = np.sort([float(getattr(self.frame.node(name), axis)) for name in names])
+        return [float(v) for v in values[np.diff(values, prepend=-np.inf) > _SAME]]
+
+    def _only_divides(self, node: str) -> bool:
         """Whether a node only divides a straight member."""
         away = [away for _, away in self.members_at[node]]
         if len(away) != 2 or self.frame.node(node).support != "free":
             return False
         return (away[0].conjugate() * away[1]).real < -1.0 + _SAME
-
-    def levels(self, axis: str, further: Iterable[str] = ()) -> list[float]:
-        """Different coordinates (m) of joints and ends, and of `further` nodes, rising."""
-        names = {n.name for n in self.frame.nodes if not self.passed(n.name)} | set(further)
-        values = np.sort([float(getattr(self.frame.node(name), axis)) for name in names])
-        return [float(v) for v in values[np.diff(values, prepend=-np.inf) > _SAME]]
 
 
 def frame_scenario_of(scenario: Scenario) -> FrameScenario | None:

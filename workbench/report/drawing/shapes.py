@@ -124,8 +124,8 @@ class Shapes:
 ShapesOfCases = list[tuple[Case, dict[str, Shapes]]]  # by label
 
 
-def collected(request: Request, cases: Iterable[Case], said: list[str]) -> ShapesOfCases:
-    """Return the shapes by case and label; `said` gets statements on what is absent."""
+def collected(request: Request, cases: Iterable[Case], notes: list[str]) -> ShapesOfCases:
+    """Return the shapes by case and label; `notes` gets what is absent."""
     absent, chords = Absences(), dict[str, None]()
     shapes_of_cases: ShapesOfCases = []
     for case in cases:
@@ -139,9 +139,9 @@ def collected(request: Request, cases: Iterable[Case], said: list[str]) -> Shape
             chords |= {label: None} if shapes.chords else {}
         if by_label:
             shapes_of_cases.append((case, by_label))
-    said += absent.sentences()
+    notes += absent.sentences()
     if chords:
-        said.append(
+        notes.append(
             f"Straight lines, {', '.join(chords)}: these models state the displacement of the hit "
             "point and the shortening only; the shape between is not known."
         )

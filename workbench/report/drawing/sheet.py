@@ -1,4 +1,4 @@
-"""What a figure is made from, the sheet that it is drawn on, and what comes out of it."""
+"""Figures from request to drawing: stored answers, panels with legend and notes, numbers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MOST_PANELS = 6
 
 @dataclass(frozen=True)
 class Request:
-    """What to draw: a `figure` of a `study` from `stored` results.
+    """Request to draw: a `figure` of a `study` from `stored` results.
 
     `cases` are those that name the figure (or all), `labels` those that it shows, `looks` the
     look of every label.
@@ -81,16 +81,25 @@ class Request:
         """The labels that are to answer a case, in order."""
         return [label for label in self.labels if self.stored.expects(case.name, label)]
 
-    def chosen(self, said: list[str], static: bool | None = None) -> list[Case]:
+    def chosen(self, notes: list[str], static: bool | None = None) -> list[Case]:
         """The cases that get a panel: the option `cases`, else the first six.
 
-        Arguments: `said` gets a statement if some do not; `static` keeps scenarios of that kind,
+        Arguments: `notes` gets a statement if some do not; `static` keeps scenarios of that kind,
         what is pushed or what moves in time (None: all).
         """
         cases = [case for case in self.cases if static in (None, case.scenario.STATIC)]
         if self.option("cases", ()):
             return cases
-        return first(cases, MOST_PANELS, "cases; the tables hold all of them", said)
+        return first(cases, MOST_PANELS, "cases; the tables hold all of them", notes)
+
+    def case_panels(
+        self, static: bool | None = None, **options: Any
+    ) -> tuple[Sheet, list[tuple[Case, Axes]]]:
+        """A sheet with a panel for each of the `chosen` cases; `options` as of `Sheet.grid`."""
+        notes: list[str] = []
+        cases = self.chosen(notes, static)
+        sheet = Sheet.grid(len(cases), notes, **{"sharey": False, **options})
+        return sheet, list(zip(cases, sheet.panels, strict=True))
 
     def named(self) -> tuple[Case, ...]:
         """The case of the option `case`, else all."""
@@ -101,7 +110,7 @@ class Request:
         self, case: Case, absent: Absences, needed: Iterable[str] = (), what: str = ""
     ) -> dict[str, Response]:
         """Responses to a case by label; `absent` gets those without what is `needed`, in words."""
-        found = {}
+        answers = {}
         for label in self.shown(case):
             response = self.stored.response(case.name, label)
             if response is None:
@@ -109,23 +118,23 @@ class Request:
             elif not set(needed) <= set(response.data_vars):
                 absent.without(what, label)
             else:
-                found[label] = response
-        return found
+                answers[label] = response
+        return answers
 
     def first_answered(
-        self, needed: set[str], what: str, said: list[str]
+        self, needed: set[str], what: str, notes: list[str]
     ) -> tuple[Case | None, dict[str, Response]]:
         """The first of the `named` cases with an answer that has what is `needed`, and its answers.
 
-        Six of them at most; `said` gets statements on the others. The case is None if there is
-        no answer at all.
+        Six of them at most; `notes` gets what is said of the others. The case is None if there
+        is no answer at all.
         """
         for case in self.named():
             absent = Absences()
-            found = self.answers(case, absent, needed, what)
-            if found:
-                said += absent.sentences()
-                return case, dict(first(list(found.items()), MOST_PANELS, "answers", said))
+            answers = self.answers(case, absent, needed, what)
+            if answers:
+                notes += absent.sentences()
+                return case, dict(first(list(answers.items()), MOST_PANELS, "answers", notes))
         return None, {}
 
 
@@ -145,7 +154,7 @@ class Drawing:
 
 
 class Absences:
-    """What a figure cannot show: no answer, or an answer without what the figure needs."""
+    """Answers that a figure cannot show: missing ones, and those without a needed quantity."""
 
     def __init__(self) -> None:
         self._names: dict[str, dict[str, None]] = {}
@@ -166,33 +175,37 @@ class Absences:
 
 
 class Sheet:
-    """A figure in the making: panels, the numbers drawn, legend entries, what must be said.
+    """A figure in the making: panels, the numbers drawn, legend entries, notes.
 
-    Arguments: a `canvas`, its `panels` and how many of them stand side by side; `said`,
-    statements so far.
+    Arguments: a `canvas`, its `panels` and how many of them stand side by side; `notes`
+    so far.
     """
 
     def __init__(
-        self, canvas: Canvas, panels: Iterable[Axes], said: Sequence[str] = (), columns: int = 1
+        self,
+        canvas: Canvas,
+        panels: Iterable[Axes],
+        notes: Sequence[str] = (),
+        columns: int = 1,
     ) -> None:
         self.canvas, self.panels, self.columns = canvas, list(panels), columns
-        self.said, self.absent = list(said), Absences()
+        self.notes, self.absent = list(notes), Absences()
         self._blocks: list[pd.DataFrame] = []
         self._legend: dict[str, Any] = {}
 
     @classmethod
     def grid(
-        cls, count: int, said: Sequence[str] = (), *, height: float = 2.2, **options: Any
+        cls, count: int, notes: Sequence[str] = (), *, height: float = 2.2, **options: Any
     ) -> Sheet:
         """A sheet with a number of panels; rows are `height` inches high, a single one higher.
 
         `options`: `width` in inches, `sharex` (default not) and `sharey` (default yes).
         """
-        rows, columns = grid_shape(count)
-        if count == 1:
+        rows, columns = grid_shape(max(count, 1))
+        if count <= 1:
             height *= 1.25
         whole = height * rows + 0.55
-        return cls.table(rows, columns, whole, said, count=count, **{"sharey": True, **options})
+        return cls.table(rows, columns, whole, notes, count=count, **{"sharey": True, **options})
 
     @classmethod
     def table(
@@ -200,7 +213,7 @@ class Sheet:
         rows: int,
         columns: int,
         height: float,
-        said: Sequence[str] = (),
+        notes: Sequence[str] = (),
         *,
         count: int | None = None,
         width: float = TEXT_WIDTH,
@@ -214,7 +227,7 @@ class Sheet:
         axes = canvas.subplots(rows, columns, squeeze=False, **options)
         for spare in axes.flat[axes.size if count is None else count :]:
             spare.remove()
-        return cls(canvas, axes.flat[:count], said, columns)
+        return cls(canvas, axes.flat[:count], notes, columns)
 
     @property
     def panel(self) -> Axes:
@@ -240,7 +253,7 @@ class Sheet:
             for panel in self.panels:
                 panel.set_ylim(limits.min(), limits.max())
         else:
-            self.said.append("Each panel has an upright scale of its own.")
+            self.notes.append("Each panel has an upright scale of its own.")
 
     def record(self, table: pd.DataFrame | None = None, /, **columns: Any) -> None:
         """Numbers for the data file: a table, or columns with single values repeated."""
@@ -258,20 +271,20 @@ class Sheet:
 
         Without a number that was recorded it only says so, in the sentence `empty`.
         """
-        said = (*self.said, *self.absent.sentences())
+        notes = (*self.notes, *self.absent.sentences())
         if not self._blocks:
-            return nothing(*([empty] if empty else []), *said)
+            return nothing(*([empty] if empty else []), *notes)
         if beside:
             place: Any = f"outside right {beside}"
             self.canvas.legend(handles=[*self._legend.values()], loc=place, handletextpad=0.6)
         elif self._legend:
             legend_below(self.canvas, self._legend.values())
         numbers = pd.concat(self._blocks, ignore_index=True)
-        return Drawing(self.canvas, numbers, said, alt, width)
+        return Drawing(self.canvas, numbers, notes, alt, width)
 
 
 def drawn(draw: Callable[..., Drawing], *arguments: Any) -> Drawing:
-    """What a function draws, in the house style and laid out."""
+    """Return the drawing of a function, in the house style and laid out."""
     with house_style():
         drawing = draw(*arguments)
         if drawing.canvas is not None:
@@ -279,15 +292,15 @@ def drawn(draw: Callable[..., Drawing], *arguments: Any) -> Drawing:
     return drawing
 
 
-def nothing(*statements: str) -> Drawing:
+def nothing(*notes: str) -> Drawing:
     """A drawing that only says why nothing could be drawn."""
-    return Drawing(None, pd.DataFrame(), statements or ("There is nothing to draw.",))
+    return Drawing(None, pd.DataFrame(), notes or ("There is nothing to draw.",))
 
 
-def first(items: Sequence[T], most: int, what: str, said: list[str]) -> list[T]:
-    """The first few of many things; `said` gets a statement if that leaves some out."""
+def first(items: Sequence[T], most: int, what: str, notes: list[str]) -> list[T]:
+    """The first few of many things; `notes` gets a statement if that leaves some out."""
     if len(items) > most:
-        said.append(f"Shown are the first {most} of {len(items)} {what}.")
+        notes.append(f"Shown are the first {most} of {len(items)} {what}.")
     return list(items[:most])
 
 

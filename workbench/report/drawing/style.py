@@ -34,7 +34,7 @@ INTERVAL: Style = {"color": "#56b4e9", "alpha": 0.35, "linewidth": 0.0}
 
 
 class Look(NamedTuple):
-    """How a label looks: lines for histories, markers for single values."""
+    """Look of a label: lines for histories, markers for single values."""
 
     color: str
     line: Any = "-"
@@ -82,28 +82,28 @@ def looks(study: Study) -> Mapping[str, Look]:
     The reference is black, coarser steps of its ladder are grey, published series take the
     colour of the model that a gate holds against them, with an open marker.
     """
-    found: dict[str, Look] = {}
+    chosen: dict[str, Look] = {}
     published = [label for label, model in study.models.items() if holds_data(model)]
     steps = [label for label in study.ladder[::-1] if label != study.reference]
     free = map(numbered, itertools.count())
     for label in study.models:
         if label == study.reference:
-            found[label] = Look("#000000", width=1.8, order=2.5)
+            chosen[label] = Look("#000000", width=1.8, order=2.5)
         elif label in steps:
             shade = _STEPS[min(steps.index(label), len(_STEPS) - 1)]
-            found[label] = Look(shade, "--", width=1.0, order=2.2)
+            chosen[label] = Look(shade, "--", width=1.0, order=2.2)
         elif label not in published:
-            found[label] = next(free)
+            chosen[label] = next(free)
     partner = {g.against: g.model for g in study.gates if g.against in published}
     for i, label in enumerate(published):
-        look = found.get(partner.get(label, "")) or next(free)
+        look = chosen.get(partner.get(label, "")) or next(free)
         marker = _MARKERS[(3 + i) % len(_MARKERS)]
-        found[label] = look._replace(line=":", marker=marker, filled=False, width=1.1, order=4.0)
-    return {label: found[label] for label in study.models}
+        chosen[label] = look._replace(line=":", marker=marker, filled=False, width=1.1, order=4.0)
+    return {label: chosen[label] for label in study.models}
 
 
 def house_style() -> AbstractContextManager[None]:
-    """Everything drawn or saved inside has the house style."""
+    """Return a context in which figures are drawn and saved in the house style."""
     return rc_context(_HOUSE)
 
 

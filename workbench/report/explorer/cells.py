@@ -1,4 +1,4 @@
-"""What the page holds of one answer: its histories, its shapes, its numbers, what it says.
+"""One answer on the page: its histories, its shapes, its numbers, its findings.
 
 Curves are few whole numbers: thinned, rounded to a step, each as its difference from the last. The
 page's script decodes them by sums.
@@ -31,7 +31,7 @@ SHOWN = (PEAK, RESIDUAL, "time_of_peak")
 
 
 class Detail(NamedTuple):
-    """How much a page keeps: most points of a history, snapshots, points of bands and energies."""
+    """Most points of a history, snapshots, and points of bands and energies on a page."""
 
     points: int
     snapshots: int
@@ -95,7 +95,7 @@ class Record:
 
 
 def record_of(case: Case, response: Response, *, band: bool) -> Record | None:
-    """The curves of a response over time, None if it has none; the `band` if that is asked for."""
+    """The curves of a response over time, None if it has none; with `band` its numerical band."""
     if "time" not in response.coords or "displacement" not in response:
         return None
     time, moved = (response[name].values.astype(float) for name in ("time", "displacement"))
@@ -132,7 +132,7 @@ def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
     moved = (shapes.curves - shapes.rest[..., None])[..., few]
     tracks = [_track(moved[i], _BOW * shapes.size) for i in range(len(moved))]
     pairs = np.concatenate([np.stack([z.real, z.imag], axis=-1) for z in tracks], axis=1)
-    found: dict[str, Any] = {
+    shape: dict[str, Any] = {
         "t": packed(shapes.at[few]),
         "points": [track.shape[1] for track in tracks],
         "n": packed(pairs.reshape(len(few), -1), ROUGH),
@@ -140,8 +140,8 @@ def _shape(shapes: Shapes, detail: Detail) -> dict[str, Any]:
     }
     if shapes.hinges:
         yields = shapes.used[:, few].T >= YIELDS
-        found["yields"] = [np.flatnonzero(row).tolist() for row in yields]
-    return found
+        shape["yields"] = [np.flatnonzero(row).tolist() for row in yields]
+    return shape
 
 
 def _track(moved: Points, bow: float) -> Points:
@@ -160,29 +160,32 @@ def numbers_of(
     best: CellState | None,
     sure: bool,
 ) -> dict[str, Any]:
-    """What the page says of a cell: outcome, numbers and their `errors` by quantity.
+    """Return the facts of a cell: outcome, numbers and their `errors` by quantity.
 
     `best`, the reference that counts (None: none may judge, as it is made of no tests); `sure`,
     whether it is inside its domain.
     """
-    found: dict[str, Any] = {"outcome": cell.outcome, "text": dict(_texts(cell, response, errors))}
+    content: dict[str, Any] = {
+        "outcome": cell.outcome,
+        "text": dict(_texts(cell, response, errors)),
+    }
     if not cell.ok:
-        found["message"] = cell.message.removeprefix(f"{cell.case}: ")
+        content["message"] = cell.message.removeprefix(f"{cell.case}: ")
     if cell.collapse is not None:
-        found["collapse"] = [cell.collapse.time, cell.collapse.displacement]
+        content["collapse"] = [cell.collapse.time, cell.collapse.displacement]
     if cell.outside:
-        found["outside"] = 1
+        content["outside"] = 1
     for name, quantity in (("peak", PEAK), ("top", "time_of_peak")):
         if quantity in cell.numbers:
-            found[name] = _short(cell.numbers[quantity])
+            content[name] = _short(cell.numbers[quantity])
     if (width := _width(response, PEAK)[0]) and PEAK in cell.numbers:
-        found["width"] = _short(width)
+        content["width"] = _short(width)
     if PEAK in errors:
         error, width = (errors[PEAK][name] for name in ("error", "uncertainty"))
-        found |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
+        content |= {"error": _short(error), "tone": _tone(error, width, sure) if best else ""}
     if best is not None and {cell.outcome, best.outcome} == {Outcome.OK, Outcome.COLLAPSE}:
-        found["apart"] = f"{best.label} {'survives' if best.ok else 'collapses'}"
-    return found
+        content["apart"] = f"{best.label} {'survives' if best.ok else 'collapses'}"
+    return content
 
 
 def _texts(
@@ -196,8 +199,8 @@ def _texts(
         yield quantity, in_unit(cell.numbers[quantity], quantity, width=width, kind=kind)
         if quantity in errors:
             row = errors[quantity]
-            told = interval("relative_error", quantity, row["error"], row["uncertainty"])
-            yield f"{quantity} error", told
+            text = interval("relative_error", quantity, row["error"], row["uncertainty"])
+            yield f"{quantity} error", text
     took = cell.numbers.get("solve_time", cell.numbers.get("wall_time"))
     looked_up = response is not None and response.attrs.get("model") in DATA
     if took is not None and not looked_up:

@@ -26,7 +26,7 @@ KINDS = {
     "meshes": "refinement.meshes",
     "peaks": "peaks.draw",
     "place": "curves.place",
-    "shear-domain": "shear_domain.draw",
+    "shear-domain": "surfaces.shear_domain",
     "shear-surfaces": "surfaces.shear",
     "structure": "structure.draw",
     "stud-curves": "stud_curves.draw",

@@ -22,7 +22,7 @@ _AT_THE_EDGE: Style = {
 
 
 def draw(request: Request) -> Drawing:
-    """What every source of error may make of an answer, as changes of it."""
+    """Bars of every source of error, as changes of the answer."""
     quantity = str(request.option("quantity", PEAK))
     panels: dict[str, list[dict[str, Any]]] = {}
     for row in request.stored.rows["budget"]:

@@ -11,7 +11,7 @@ from workbench.report.drawing.style import entry, logarithmic
 from workbench.study.definition import holds_data
 
 _FLOOR = 1e-4  # smaller deviations are drawn here: they are below what matters
-_FEW = 12  # cases up to which each has a marker of its own
+_FEW = 12  # cases up to which each has a marker
 
 
 def draw(request: Request) -> Drawing:
@@ -19,8 +19,8 @@ def draw(request: Request) -> Drawing:
     quantity, against = request.quantity, request.against
     errors = {key: row["error"] for key, row in request.errors(quantity).items()}
     for case in request.cases:  # the relative uncertainty of the reference stands for its error
-        own = request.stored.ladder(case.name, quantity)
-        errors[case.name, against] = None if own is None else own["relative"]
+        ladder = request.stored.ladder(case.name, quantity)
+        errors[case.name, against] = None if ladder is None else ladder["relative"]
     sheet = Sheet.table(1, 1, 3.7)
     panel, few, least = sheet.panel, len(request.cases) <= _FEW, np.inf
     for label in request.labels:
@@ -35,9 +35,9 @@ def draw(request: Request) -> Drawing:
                 sheet.record(case=case.name, label=label, wall_time_s=seconds, error=float(error))
         if not points:
             if label == against:
-                sheet.said.append(f"{label} is not refined: its numerical uncertainty is unknown.")
+                sheet.notes.append(f"{label} is not refined: its numerical uncertainty is unknown.")
             elif any(request.stored.expects(case.name, label) for case in request.cases):
-                sheet.said.append(f"{label} has no {title_of(quantity)} to compare.")
+                sheet.notes.append(f"{label} has no {title_of(quantity)} to compare.")
             continue
         x, y = np.array(points).T
         least = min(least, y.min())
@@ -57,9 +57,9 @@ def draw(request: Request) -> Drawing:
     logarithmic(panel.xaxis, lambda value: duration(value, 1))
     logarithmic(panel.yaxis, lambda value: f"{100 * value:g} %")
     if not few:
-        sheet.said.append("Small markers are single cases, large ones the medians of a model.")
+        sheet.notes.append("Small markers are single cases, large ones the medians of a model.")
     if least < _FLOOR:
         floor = f"{100 * _FLOOR:g} %"
-        sheet.said.append(f"Deviations below {floor} are drawn at {floor}.")
+        sheet.notes.append(f"Deviations below {floor} are drawn at {floor}.")
     empty = f"No model has both a wall time and an error of {title_of(quantity)}."
     return sheet.finish(f"wall time against {deviation} from {against}", empty=empty)

@@ -28,14 +28,13 @@ _EXACT: Style = {"color": INK, "linewidth": 2.2, "alpha": 0.25}
 def history(request: Request) -> Drawing:
     """Overlaid histories in time; models without a history show their peak."""
     quantity, hinge = str(request.option("quantity", "displacement")), request.option("hinge", "")
-    said: list[str] = []
-    cases = request.chosen(said, static=False)
-    if not cases:
+    sheet, panels = request.case_panels(static=False)
+    if not panels:
         return nothing("Histories in time need an impact or a ground motion; no case is one.")
     if hinge:
-        said.append(f"Hinge: {hinge}.")
-    sheet, unit = Sheet.grid(len(cases), said, sharey=False), unit_of(quantity).factor
-    for case, panel in zip(cases, sheet.panels, strict=True):
+        sheet.notes.append(f"Hinge: {hinge}.")
+    unit = unit_of(quantity).factor
+    for case, panel in panels:
         for label, response in request.answers(case, sheet.absent).items():
             curve, look = _history(response, quantity, str(hinge)), request.looks[label]
             if curve is None:
@@ -52,7 +51,7 @@ def history(request: Request) -> Drawing:
             panel.text(0.5, 0.5, "no curve", transform=panel.transAxes, ha="center", color=MUTED)
     sheet.level()
     return sheet.finish(
-        f"{title_of(quantity)} over time for {', '.join(case.name for case in cases)}",
+        f"{title_of(quantity)} over time for {', '.join(case.name for case, _ in panels)}",
         empty=f"No model answered these cases with {title_of(quantity)}.",
     )
 
@@ -95,13 +94,11 @@ def force_displacement(request: Request) -> Drawing:
     """Force over displacement of static loading, with all of its reversals."""
     quantity = request.option("quantity", "force")
     quantity = _QUANTITY.check("figure.options.quantity", quantity)
-    said: list[str] = []
-    cases = request.chosen(said, static=True)
-    if not cases:
+    sheet, panels = request.case_panels(static=True, height=2.6)
+    if not panels:
         return nothing("Force-displacement curves need static loading; no case is static.")
-    sheet = Sheet.grid(len(cases), said, height=2.6, sharey=False)
     what, units = f"{title_of(quantity)} and displacement", set()
-    for case, panel in zip(cases, sheet.panels, strict=True):
+    for case, panel in panels:
         (along, across), (up, upright) = _axes(case, quantity)
         units.add(up.text)
         turning = False
@@ -128,7 +125,7 @@ def force_displacement(request: Request) -> Drawing:
     if len(units) == 1:  # forces beside forces
         sheet.level()
     return sheet.finish(
-        f"{title_of(quantity)} over displacement for {', '.join(case.name for case in cases)}",
+        f"{title_of(quantity)} over displacement for {', '.join(case.name for case, _ in panels)}",
         empty="No model answered these cases with a curve.",
     )
 
@@ -148,11 +145,9 @@ def _axes(case: Case, quantity: str) -> tuple[tuple[Unit, str], tuple[Unit, str]
 
 def place(request: Request) -> Drawing:
     """Places in time of integrators; what leaves the frame of the exact answer is cut."""
-    said: list[str] = []
-    cases = request.chosen(said)
-    sheet = Sheet.grid(len(cases), said, sharey=False)
+    sheet, panels = request.case_panels()
     needed = {"record.place", "record.exact"}
-    for case, panel in zip(cases, sheet.panels, strict=True):
+    for case, panel in panels:
         exact = np.zeros(1)
         for label, response in request.answers(case, sheet.absent, needed, "a record").items():
             time, values = response["time"].values, response["record.place"].values

@@ -49,18 +49,18 @@ _BLUES = LinearSegmentedColormap.from_list(
 
 def draw(request: Request) -> Drawing:
     """The shapes that responses know, true to scale unless they are too small to be seen."""
-    said: list[str] = []
-    shapes_of_cases = collected(request, request.chosen(said), said)
+    notes: list[str] = []
+    shapes_of_cases = collected(request, request.chosen(notes), notes)
     if not shapes_of_cases:
-        return nothing("No model states deformed shapes for these cases.", *said)
+        return nothing("No model states deformed shapes for these cases.", *notes)
     everything = [shapes for _, by_label in shapes_of_cases for shapes in by_label.values()]
     if all(np.ptp(shapes.rest.real) == 0.0 for shapes in everything):  # upright lines
-        return _lying(request, shapes_of_cases, everything, said)
-    return _multiples(request, shapes_of_cases, everything, said)
+        return _lying(request, shapes_of_cases, everything, notes)
+    return _multiples(request, shapes_of_cases, everything, notes)
 
 
 class Window(NamedTuple):
-    """What a panel shows: lower left and upper right corner in m, `wide` and `tall` inches."""
+    """Window of a panel: lower left and upper right corner in m, `wide` and `tall` inches."""
 
     low: complex
     high: complex
@@ -108,19 +108,22 @@ class _Row(NamedTuple):
 
 
 def _multiples(
-    request: Request, shapes_of_cases: ShapesOfCases, everything: list[Shapes], said: list[str]
+    request: Request,
+    shapes_of_cases: ShapesOfCases,
+    everything: list[Shapes],
+    notes: list[str],
 ) -> Drawing:
     """Shapes at some instants over the structure at rest, hinge states as coloured circles."""
     instants: tuple[str | float, ...] = ("half-way", "peak", "end")
     if all(shapes.peak == len(shapes.at) - 1 for shapes in everything):
         instants = ("half-way", "end")  # a push that only grows ends at its peak
     instants = instants_of(request.option("instants", instants))
-    rows, several = _rows(shapes_of_cases, instants, said), len(shapes_of_cases) > 1
+    rows, several = _rows(shapes_of_cases, instants, notes), len(shapes_of_cases) > 1
     heights = [row.window.tall for row in rows]
     size, height = (len(rows), len(instants)), sum(heights) + 0.25 * len(rows) + 0.8
     times = {row.case.name: row.times for row in rows if row.times != 1.0} or {"": 1.0}
     scales = [_scale_text(each, f" of {name}" if several else "") for name, each in times.items()]
-    sheet = Sheet.table(*size, height, [*scales, *said], height_ratios=heights)
+    sheet = Sheet.table(*size, height, [*scales, *notes], height_ratios=heights)
     between = "\n" if len(instants) > 3 else " "
     last = [*(a.case is not b.case for a, b in pairwise(rows)), True]
     panels_of = np.array(sheet.panels, dtype=object).reshape(size)
@@ -145,18 +148,18 @@ def _multiples(
         _colour_bar(sheet)
     silent = dict.fromkeys(row.label for row in rows if not row.shapes.hinges)
     if silent:
-        sheet.said.append(f"Without utilisation of member ends: {', '.join(silent)}.")
+        sheet.notes.append(f"Without utilisation of member ends: {', '.join(silent)}.")
     names = ", ".join(dict.fromkeys(row.label for row in rows))
     alt = f"deformed shapes of {names} at {', '.join(str(instant) for instant in instants)}"
     return sheet.finish(alt)
 
 
 def _rows(
-    shapes_of_cases: ShapesOfCases, instants: tuple[str | float, ...], said: list[str]
+    shapes_of_cases: ShapesOfCases, instants: tuple[str | float, ...], notes: list[str]
 ) -> list[_Row]:
     """The answers that are drawn, those to one case with one window and magnification."""
     answers = [(case, label) for case, by_label in shapes_of_cases for label in by_label]
-    shown = first(answers, _MOST_ROWS, "answers", said)
+    shown = first(answers, _MOST_ROWS, "answers", notes)
     rows = []
     for case, by_label in shapes_of_cases:
         drawn = {label: shapes for label, shapes in by_label.items() if (case, label) in shown}
@@ -256,14 +259,17 @@ def _colour_bar(sheet: Sheet) -> None:
 
 
 def _scale_text(times: float, of: str = "") -> str:
-    """How displacements are drawn, as a statement."""
+    """Return the note on the scale of the displacements."""
     if times == 1.0:
         return "True to scale, displacements too."
     return f"Displacements{of} are drawn {times:g} times as large as they are."
 
 
 def _lying(
-    request: Request, shapes_of_cases: ShapesOfCases, everything: list[Shapes], said: list[str]
+    request: Request,
+    shapes_of_cases: ShapesOfCases,
+    everything: list[Shapes],
+    notes: list[str],
 ) -> Drawing:
     """Columns with their heights across: every label at its peak, and dotted at the end."""
     size = max(shapes.size for shapes in everything)
@@ -276,8 +282,9 @@ def _lying(
     ]
     wide = TEXT_WIDTH - 0.75
     window = Window.around(curves, 0.04 * size, wide, _LEAST_LYING, _MOST_LYING)
-    height, said = (window.tall + 0.35) * len(shapes_of_cases) + 0.75, [_scale_text(times), *said]
-    sheet = Sheet.table(len(shapes_of_cases), 1, height, said, sharex=True, sharey=True)
+    rows = len(shapes_of_cases)
+    height, notes = (window.tall + 0.35) * rows + 0.75, [_scale_text(times), *notes]
+    sheet = Sheet.table(rows, 1, height, notes, sharex=True, sharey=True)
     factor = f" {TIMES} {times:g}" if times != 1.0 else ""
     for (case, by_label), panel in zip(shapes_of_cases, sheet.panels, strict=True):
         shapes = next(iter(by_label.values()))

@@ -1,4 +1,4 @@
-"""Where the energy goes: the ledger of one impact, one panel per label.
+"""Energy over time: the ledger of one impact, one panel per label.
 
 Options: `case` (a name; default the first that has a ledger).
 """
@@ -25,13 +25,13 @@ _BROUGHT: Style = {"color": INK, "linestyle": "--"}
 
 def draw(request: Request) -> Drawing:
     """Stacked energies with the energy that has come in as a line on top."""
-    said: list[str] = []
+    notes: list[str] = []
     needed = {"dissipated", "elastic", "input_energy"}
-    case, ledgers = request.first_answered(needed, "an energy ledger", said)
+    case, ledgers = request.first_answered(needed, "an energy ledger", notes)
     if case is None:
         return nothing("No model keeps an energy ledger of these cases.")
-    said.insert(0, f"Case: {case.name}. Energies in J in the data file.")
-    sheet = Sheet.grid(len(ledgers), said)
+    notes.insert(0, f"Case: {case.name}. Energies in J in the data file.")
+    sheet = Sheet.grid(len(ledgers), notes)
     unit = unit_of("kinetic").factor
     struck = isinstance(case.scenario, ColumnImpact | FrameImpact)
     stacked: set[str] = set()

@@ -29,19 +29,19 @@ _ENVELOPES = ("#9a9a9a", "#c9b48a", "#9cc0ad")  # one per section
 
 def draw(request: Request) -> Drawing:
     """One panel per label: N/Npl across, M/Mpl up, hinges as lines that end in a dot."""
-    said: list[str] = []
+    notes: list[str] = []
     needed = {"axial_force", "moment"}
-    case, found = request.first_answered(needed, "forces in hinges", said)
+    case, answers = request.first_answered(needed, "forces in hinges", notes)
     scenario = None if case is None else frame_scenario_of(case.scenario)
     if case is None or scenario is None:
         return nothing("No model states hinge forces over time for these cases.")
-    frame, alone = scenario.frame, len(found) == 1
-    names = _hinges(request, found, said)
+    frame, alone = scenario.frame, len(answers) == 1
+    names = _hinges(request, answers, notes)
     members = list(dict.fromkeys(_member(frame, name) for name in names))
-    said.insert(0, f"Case: {case.name}. Dots mark the end of the record.")
-    height, width = 2.3 if len(found) > 2 or alone else 2.9, _ALONE if alone else TEXT_WIDTH
-    sheet = Sheet.grid(len(found), said, height=height, width=width)
-    for (label, response), panel in zip(found.items(), sheet.panels, strict=True):
+    notes.insert(0, f"Case: {case.name}. Dots mark the end of the record.")
+    height, width = 2.3 if len(answers) > 2 or alone else 2.9, _ALONE if alone else TEXT_WIDTH
+    sheet = Sheet.grid(len(answers), notes, height=height, width=width)
+    for (label, response), panel in zip(answers.items(), sheet.panels, strict=True):
         _surfaces(sheet, panel, frame, members, _exponents(request, case, label, frame, members))
         for i, name in enumerate(names):
             if name in response["hinge"].values:
@@ -56,28 +56,30 @@ def draw(request: Request) -> Drawing:
     weak = [name for name in names if _is_weaker(frame, name)]
     if weak:
         what = "Joints weaker than their members yield within the surface of the member"
-        sheet.said.append(f"{what}: {', '.join(weak)}.")
-    alt = f"axial force and moment of the hinges of {', '.join(found)} for {case.name}"
+        sheet.notes.append(f"{what}: {', '.join(weak)}.")
+    alt = f"axial force and moment of the hinges of {', '.join(answers)} for {case.name}"
     return sheet.finish(alt, beside="center" if alone else "", width=width / TEXT_WIDTH)
 
 
-def _hinges(request: Request, found: dict[str, Response], said: list[str]) -> list[str]:
+def _hinges(request: Request, answers: dict[str, Response], notes: list[str]) -> list[str]:
     """The hinges that are drawn, in the order of the models."""
-    known = list(dict.fromkeys(str(n) for r in found.values() for n in r["hinge"].values))
+    known = list(dict.fromkeys(str(n) for r in answers.values() for n in r["hinge"].values))
     named = request.option("hinges", ())
     for name in named:
         if name not in known:
             raise InputError("figure.options.hinges", name, f"must be among {several(known, 8)}")
     if named or len(known) <= _MOST_HINGES:
         return [name for name in known if not named or name in named]
-    turned = any("plastic_rotation" in response for response in found.values())
+    turned = any("plastic_rotation" in response for response in answers.values())
     history, what = ("plastic_rotation", "plastic rotations") if turned else ("moment", "moments")
     records = [
-        abs(r[history]).max({*r[history].dims} - {"hinge"}) for r in found.values() if history in r
+        abs(r[history]).max({*r[history].dims} - {"hinge"})
+        for r in answers.values()
+        if history in r
     ]
     size = xr.concat(records, "label", join="outer").max("label").to_series()
     chosen = set(size.reindex(known, fill_value=0.0).nlargest(_MOST_HINGES).index)
-    said.append(f"Shown are the {_MOST_HINGES} of {len(known)} hinges with the largest {what}.")
+    notes.append(f"Shown are the {_MOST_HINGES} of {len(known)} hinges with the largest {what}.")
     return [name for name in known if name in chosen]
 
 
@@ -141,14 +143,14 @@ def _path(
 ) -> None:
     """The path of one hinge, a dot at its end."""
     history = "time" if "time" in response.dims else "step"
-    own = response.sel(hinge=head["hinge"]).isel(
+    path = response.sel(hinge=head["hinge"]).isel(
         {history: evenly(response.sizes[history], _MOST_POINTS)}
     )
     properties = frame.properties(_member(frame, head["hinge"]))
-    n = own["axial_force"].values / properties.squash_load
-    m = own["moment"].values / properties.plastic_moment
+    n = path["axial_force"].values / properties.squash_load
+    m = path["moment"].values / properties.plastic_moment
     panel.plot(n, m, color=color, linewidth=0.9, zorder=3)
     panel.plot(n[-1:], m[-1:], color=color, marker="o", markersize=3.5, zorder=4)
     sheet.legend(entry(f"hinge: {head['hinge']}", color=color))
     ratios = {"axial_force_over_squash_load": n, "moment_over_plastic_moment": m}
-    sheet.record(**head, **{history: own[history].values}, **ratios)
+    sheet.record(**head, **{history: path[history].values}, **ratios)

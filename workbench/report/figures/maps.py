@@ -70,17 +70,17 @@ def sweep(request: Request) -> Drawing:
     if not models:
         return nothing("No model of the sweep is held against another.")
     what = f"{metric_title(metric)} of the {title_of(request.quantity)}"
-    said = [f"Colours and numbers: {what} against {against}, in %."]
+    notes = [f"Colours and numbers: {what} against {against}, in %."]
     further = [name for name in further if name != facet]
     by = str(request.option("rows", further[0] if further else "")) if len(models) == 1 else ""
     values = _values(cases, facet) if facet else [None]
-    columns = first(values, _MOST_FACETS, f"values of {facet}", said)
+    columns = first(values, _MOST_FACETS, f"values of {facet}", notes)
     rows = _values(cases, by)[:_MOST_FACETS] if by else models
     table = _errors(request, cases, models, metric, against)
     grid = (x, _values(cases, x)), (y, _values(cases, y))
     height = min(_HIGHEST, 0.95 + len(rows) * max(1.35, 0.3 * len(grid[1][1]) + 0.5))
     room = int(14.0 * (height - 0.95) / len(rows))  # characters along a panel's height
-    sheet = Sheet.table(len(rows), len(columns), height, said, sharex=True, sharey=True)
+    sheet = Sheet.table(len(rows), len(columns), height, notes, sharex=True, sharey=True)
     limit = float(request.option("limit", 0.2))
     wide = (TEXT_WIDTH - 1.3) / len(columns) / len(grid[0][1])
     tall = 0.8 * (height - 0.95) / len(rows) / len(grid[1][1])
@@ -102,10 +102,10 @@ def sweep(request: Request) -> Drawing:
     present = (mark for name, mark in _MARKS.items() if table[name].any())
     sheet.legend(*(entry(label, **style) for label, style in present))
     if by:
-        sheet.said.append(f"Model: {models[0]}. Rows of panels: {by}.")
+        sheet.notes.append(f"Model: {models[0]}. Rows of panels: {by}.")
     merged = ", ".join(name for name in further if name != by)
     if merged:
-        sheet.said.append(f"Each field shows the worst of the cases that differ in {merged}.")
+        sheet.notes.append(f"Each field shows the worst of the cases that differ in {merged}.")
     alt = f"maps of the {metric_title(metric)} of {title_of(request.quantity)} over {x} and {y}"
     return sheet.finish(alt)
 
@@ -208,14 +208,14 @@ def domain_map(request: Request) -> Drawing:
         sheet.name(panel, title, x, y)
         if silent := int((beyond & ~table["warned"]).sum()):
             text = f"{label}: {silent} errors beyond {100 * _FAR:g} % carry no warning."
-            sheet.said.append(text)
+            sheet.notes.append(text)
     for panel in sheet.panels:  # once all points are in: the panels share their axes
         for axis in (panel.xaxis, panel.yaxis):
             logarithmic(axis, "{:g}".format)
     collapses = sum(request.stored.collapses(case.name, request.against) for case in request.cases)
     if collapses:
         text = f"{request.against} collapses in {collapses} cases, which have no place in this map."
-        sheet.said.append(text)
+        sheet.notes.append(text)
     for name, look in _CLASSES.items():
         sheet.legend(entry(name, **look.points(markeredgewidth=0.8)))
     open_point = Look(INK, size=3.4).points(markerfacecolor="none", markeredgewidth=0.8)

@@ -22,28 +22,28 @@ _BAND: Style = {"color": "#000000", "alpha": 0.13, "linewidth": 0.0, "zorder": 1
 def draw(request: Request) -> Drawing:
     """Values above, relative deviations from the reference with their uncertainty below."""
     quantity, against = str(request.option("quantity", "peak_displacement")), request.against
-    said: list[str] = []
-    cases = _known(request, quantity, said)
+    notes: list[str] = []
+    cases = _known(request, quantity, notes)
     table = _values(request, cases, quantity)
     if table.empty:
         return nothing(f"No model answered these cases with {title_of(quantity)}.")
     canvas = new_figure(4.3)
     top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=[1.15, 1.0])
-    sheet, unit = Sheet(canvas, (top, bottom), said), unit_of(quantity).factor
+    sheet, unit = Sheet(canvas, (top, bottom), notes), unit_of(quantity).factor
     labels = [label for label in request.labels if label in set(table["label"])]
     if _bands(request, sheet, cases, quantity):
         sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
     for i, label in enumerate(labels):
-        own, look = table[table["label"] == label], request.looks[label].points()
-        x = own.pop("slot") + _ROOM * ((i + 0.5) / len(labels) - 0.5)
-        values, deviations = unit * own.iloc[:, 2:4], 100.0 * own.iloc[:, 4:6]
+        rows, look = table[table["label"] == label], request.looks[label].points()
+        x = rows.pop("slot") + _ROOM * ((i + 0.5) / len(labels) - 0.5)
+        values, deviations = unit * rows.iloc[:, 2:4], 100.0 * rows.iloc[:, 4:6]
         for panel, shown, cap in ((top, values, 0.0), (bottom, deviations, 2.0)):
             y, width = shown.to_numpy(float).T
             panel.errorbar(x, y, yerr=width, fmt="none", ecolor=MUTED, lw=0.9, capsize=cap)
             panel.plot(x, y, **look)
         sheet.legend(entry(label, **look))
     _slots(sheet, [case.name for case in cases])
-    for case in cases:  # for the statements on what is absent
+    for case in cases:  # for the notes on what is absent
         request.answers(case, sheet.absent, (quantity,), title_of(quantity))
     top.set_ylabel(axis_label(quantity))
     low, high = top.get_ylim()
@@ -59,7 +59,7 @@ def draw(request: Request) -> Drawing:
     return sheet.finish(alt)
 
 
-def _known(request: Request, quantity: str, said: list[str]) -> list[Case]:
+def _known(request: Request, quantity: str, notes: list[str]) -> list[Case]:
     """Cases that have the quantity; answered ones that do not (statics, say) are named."""
     known, without = [], []
     for case in request.cases:
@@ -69,8 +69,8 @@ def _known(request: Request, quantity: str, said: list[str]) -> list[Case]:
         elif any(request.stored.ok(case.name, label) for label in labels):
             without.append(case.name)
     if known and without:
-        said.append(f"Without {title_of(quantity)} of any model: {', '.join(without)}.")
-    return first(known, MOST_CASES, "cases; the tables hold all of them", said)
+        notes.append(f"Without {title_of(quantity)} of any model: {', '.join(without)}.")
+    return first(known, MOST_CASES, "cases; the tables hold all of them", notes)
 
 
 def _values(request: Request, cases: list[Case], quantity: str) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""What refinement changes: ladders of the reference, meshes of one model, steps of integrators.
+"""Refinement: ladders of the reference, meshes of one model, steps of integrators.
 
 ``convergence``, options: `quantity`, `cases`: the ladder of the reference, element size across.
 ``meshes``, options: `sizes`, label to element size in m; `quantity`, `case`.
@@ -28,14 +28,14 @@ def convergence(request: Request) -> Drawing:
     steps, quantity = request.study.steps, request.quantity
     if len(steps) < 2:
         return nothing("The study refines no reference: its numerical uncertainty is unknown.")
-    said: list[str] = []
-    rows = [(case, request.stored.ladder(case.name, quantity)) for case in request.chosen(said)]
+    notes: list[str] = []
+    rows = [(case, request.stored.ladder(case.name, quantity)) for case in request.chosen(notes)]
     laddered = [
         (case, row) for case, row in rows if row and any(row[step] is not None for step in steps)
     ]
     if not laddered:
-        return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *said)
-    sheet = Sheet.grid(len(laddered), said)
+        return nothing(f"No case has a refinement ladder of {title_of(quantity)}.", *notes)
+    sheet = Sheet.grid(len(laddered), notes)
     for (case, row), panel in zip(laddered, sheet.panels, strict=True):
         base = _ladder(request, row, panel, sheet)
         title = f"{case.name}: {in_unit(base, quantity)}"
@@ -74,7 +74,7 @@ def _ladder(request: Request, row: dict[str, Any], panel: Axes, sheet: Sheet) ->
     panel.set_xticks([0.0, *sorted(sizes.values())])
     panel.xaxis.set_major_formatter("{x:g}")
     panel.set_xlim(-0.04 * max(sizes.values()), 1.06 * max(sizes.values()))
-    sheet.said.append(f"{row['case']}: {row['note'] or 'no note'}.")
+    sheet.notes.append(f"{row['case']}: {row['note'] or 'no note'}.")
     return base
 
 
@@ -102,7 +102,7 @@ def meshes(request: Request) -> Drawing:
         sheet.record(case=case.name, label=label, size_m=size, **{f"{quantity}_SI": value})
     band = request.interval(case, quantity)
     if band is None:
-        sheet.said.append(f"The numerical uncertainty of {reference} is unknown.")
+        sheet.notes.append(f"The numerical uncertainty of {reference} is unknown.")
     else:
         name = f"{reference}, with its numerical uncertainty"
         panel.axhspan(unit * band[0], unit * band[1], **INTERVAL, zorder=0, label=name)
@@ -114,12 +114,10 @@ def meshes(request: Request) -> Drawing:
 
 def work_precision(request: Request) -> Drawing:
     """Error against work of integrators: one panel per problem, one line per scheme."""
-    said: list[str] = []
-    cases = request.chosen(said)
     timed = bool(request.option("time", False))
     what = "solving, ms" if timed else "evaluations of the forces"
-    sheet = Sheet.grid(len(cases), said, sharey=False)
-    for case, panel in zip(cases, sheet.panels, strict=True):
+    sheet, panels = request.case_panels()
+    for case, panel in panels:
         needed = {"ladder.error", "ladder.evaluations"}
         for label, response in request.answers(case, sheet.absent, needed, "ladder").items():
             error, work = response["ladder.error"].values, response["ladder.evaluations"].values
@@ -139,6 +137,6 @@ def work_precision(request: Request) -> Drawing:
         sheet.name(panel, case.name, what, "relative error")
     sheet.legend(*(entry(label, **request.looks[label].curve()) for label in request.labels))
     text = f"Errors below {_FLOOR:g} are drawn there: they are round-off; so are those above"
-    sheet.said.append(f"{text} {_CEILING:g}, of steps that are not stable.")
+    sheet.notes.append(f"{text} {_CEILING:g}, of steps that are not stable.")
     empty = "No integrator has answered a problem."
     return sheet.finish(f"error against {what}, a panel per problem", empty=empty)

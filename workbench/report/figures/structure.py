@@ -1,12 +1,13 @@
 """The structure to scale: members, joints, supports, loads, what happens to it, dimensions.
 
 Options: `case` (a name; default every different structure of the cases, two at most). A column is
-drawn as the frame of its two segments.
+drawn as its two-member frame.
 """
 
-import itertools
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,19 +17,12 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.transforms import Bbox
 
 from workbench.content.formatting import TIMES, brief
-from workbench.report.drawing.frame import (
-    TINTS,
-    draw_actions,
-    draw_frame,
-    joint_mark,
-    sections_of,
-    targets,
-)
+from workbench.report.drawing.frame import TINTS, draw_actions, draw_frame, joint_mark, targets
 from workbench.report.drawing.layout import Layout, frame_scenario_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
 from workbench.report.drawing.style import MUTED, TEXT_WIDTH
 from workbench.report.drawing.symbols import cross_section, dimension, note
-from workbench.scenarios import Frame, FrameScenario, Member
+from workbench.scenarios import Frame, FrameScenario
 
 _MOST = 2
 _EDGE, _BETWEEN, _LINE_END = 0.08, 0.35, 0.02  # inches
@@ -36,53 +30,63 @@ _ROOM = 20.0  # inches of the canvas that structures are drawn on before their s
 _ROW = 0.38
 _MOST_SPANS = 8
 _LINE = 14  # characters of a section's name
+_UNITS = ("m2", "m4", "Nm", "N", "N", "kg_per_m")  # of the properties of members
+_JOINT = (
+    ("rotational_stiffness", "rotational stiffness {} kN m/rad", 1e3),
+    ("axial_stiffness", "axial stiffness {} kN/mm", 1e6),
+    ("plastic_moment", "plastic moment {} kN m", 1e3),
+    ("plastic_moment_negative", "{} kN m where moments are negative", 1e3),
+    ("tension_resistance", "resistance in tension {} kN", 1e3),
+    ("compression_resistance", "resistance in compression {} kN", 1e3),
+)
 
 
 def draw(request: Request) -> Drawing:
     """Every different structure once, with all that happens to it."""
-    found: dict[Frame, list[tuple[str, FrameScenario]]] = {}
+    cases_of: dict[Frame, list[tuple[str, FrameScenario]]] = {}
     for case in request.named():
         scenario = frame_scenario_of(case.scenario)
         if scenario is not None:
-            found.setdefault(scenario.frame, []).append((case.name, scenario))
-    if not found:
+            cases_of.setdefault(scenario.frame, []).append((case.name, scenario))
+    if not cases_of:
         return nothing("None of the cases is about a frame or a column.")
-    said: list[str] = []
-    groups = first(list(found.items()), _MOST, "different structures", said)
+    notes: list[str] = []
+    groups = first(list(cases_of.items()), _MOST, "different structures", notes)
     canvas = Canvas(figsize=(_ROOM, _ROOM))
     panels = [
         canvas.add_axes((0.0, 0.0, 1.0, 1.0), label=f"structure {i}") for i in range(len(groups))
     ]
-    sheet, words, boxes = Sheet(canvas, panels, said), [], []
+    sheet, texts, boxes = Sheet(canvas, panels, notes), [], []
     for (frame, cases), panel in zip(groups, panels, strict=True):
         scenarios, name = [scenario for _, scenario in cases], cases[0][0]
-        sheet.said += _draw_structure(panel, frame, scenarios)
+        sheet.notes += _draw_structure(panel, frame, scenarios)
         if len(groups) > 1:
             box = _box(panel)
             panel.text(box.x0, box.y1 + 0.15, name, fontsize=8.5, va="center")
         boxes.append(_box(panel))
-        words.append(_words(frame, scenarios))
+        texts.append(_text(frame, scenarios))
         for member in _members(frame):
             sheet.record(case=name, **member)
     width = _arrange(canvas, panels, boxes)
-    return sheet.finish("; ".join(words), width=min(1.0, width / TEXT_WIDTH))
+    return sheet.finish("; ".join(texts), width=min(1.0, width / TEXT_WIDTH))
 
 
 def _draw_structure(panel: Axes, frame: Frame, scenarios: list[FrameScenario]) -> list[str]:
-    """Draw a structure in inches, its own corner the origin; return what has no room."""
+    """Draw a structure in inches, its lower left corner the origin; return what has no room."""
     panel.axis("off")
     panel.set(xlim=(-_ROOM / 2, _ROOM / 2), ylim=(-_ROOM / 2, _ROOM / 2))
     layout, hit = Layout(frame), targets(scenarios)
     draw_frame(panel, layout, hit)
-    said = draw_actions(panel, layout, scenarios)
+    notes = draw_actions(panel, layout, scenarios)
     top = layout.extent.imag * layout.scale
     # what stands above the frame does not keep dimension lines away
-    corner = complex(_box(panel, top).x1 - 0.1, _box(panel).y0 + 0.12)
-    draw_dimensions(panel, layout, hit, corner)
-    said = draw_sections(panel, frame, complex(_box(panel, top).x1 + 0.25, top + 0.1)) + said
-    if any(layout.depth(m) > 1.001 * layout.true_depth(m) for m in frame.members):
-        said.append("Some members are drawn deeper than they are, so that they can be seen.")
-    return said
+    _draw_dimensions(panel, layout, hit, complex(_box(panel, top).x1 - 0.1, _box(panel).y0 + 0.12))
+    corner = complex(_box(panel, top).x1 + 0.25, top + 0.1)
+    notes = _draw_sections(panel, frame, corner) + notes
+    if layout.deepened:
+        text = "Some members are drawn deeper than they are, so that they can be seen."
+        notes.append(text)
+    return notes
 
 
 def _box(panel: Axes, below: float = np.inf) -> Bbox:
@@ -93,11 +97,13 @@ def _box(panel: Axes, below: float = np.inf) -> Bbox:
     canvas = panel.get_figure()
     assert isinstance(canvas, Canvas)
     renderer = FigureCanvasAgg(canvas).get_renderer()  # type: ignore[no-untyped-call]
-    # the panel itself, which is much larger, does not count
-    found = [a.get_tightbbox(renderer) for a in (*panel.lines, *panel.patches, *panel.texts)]
-    known = [box for box in found if box is not None and np.isfinite(box.get_points()).all()]
-    inches = [panel.transData.inverted().transform_bbox(box) for box in known]
-    return Bbox.union([box for box in inches if box.y0 < below]).padded(_LINE_END)
+    inverse = panel.transData.inverted()
+    boxes = []
+    for artist in (*panel.lines, *panel.patches, *panel.texts):  # not the panel, which is larger
+        box = artist.get_tightbbox(renderer)
+        if box is not None and np.isfinite(box.get_points()).all():
+            boxes.append(inverse.transform_bbox(box))
+    return Bbox.union([box for box in boxes if box.y0 < below]).padded(_LINE_END)
 
 
 def _arrange(canvas: Canvas, panels: list[Axes], boxes: list[Bbox]) -> float:
@@ -124,8 +130,8 @@ def _arrange(canvas: Canvas, panels: list[Axes], boxes: list[Bbox]) -> float:
 def _members(frame: Frame) -> Iterator[dict[str, Any]]:
     """The numbers of each member."""
     for member in frame.members:
-        properties = frame.properties(member)
         start, end = frame.node(member.start), frame.node(member.end)
+        properties = list(asdict(frame.properties(member)).items())[: len(_UNITS)]
         yield {
             "member": member.name,
             "section": member.section.name,
@@ -136,16 +142,11 @@ def _members(frame: Frame) -> Iterator[dict[str, Any]]:
             "length_m": frame.length(member),
             "joint_start": member.joint_start,
             "joint_end": member.joint_end,
-            "area_m2": properties.area,
-            "second_moment_m4": properties.second_moment,
-            "plastic_moment_Nm": properties.plastic_moment,
-            "squash_load_N": properties.squash_load,
-            "shear_resistance_N": properties.shear_resistance,
-            "mass_per_length_kg_per_m": properties.mass_per_length,
+            **{f"{n}_{unit}": v for (n, v), unit in zip(properties, _UNITS, strict=True)},
         }
 
 
-def _words(frame: Frame, scenarios: list[FrameScenario]) -> str:
+def _text(frame: Frame, scenarios: list[FrameScenario]) -> str:
     extent = Layout(frame).extent
     sections = ", ".join(dict.fromkeys(member.section.name for member in frame.members))
     held = ", ".join(f"{n.support} at {n.name}" for n in frame.nodes if n.support != "free")
@@ -156,37 +157,31 @@ def _words(frame: Frame, scenarios: list[FrameScenario]) -> str:
     )
 
 
-def draw_dimensions(panel: Axes, layout: Layout, further: Sequence[str], corner: complex) -> None:
+def _draw_dimensions(panel: Axes, layout: Layout, further: Sequence[str], corner: complex) -> None:
     """Bays below and storeys on the right, with the heights of `further` nodes nearer.
 
     `corner`: right and lower end of what is drawn already.
     """
-    for axis, step, along, start in (
-        ("y", _ROW, 1j, layout.origin.imag),
-        ("x", -1j * _ROW, 1.0, layout.origin.real),
+    for axis, base, step, along, start in (
+        ("y", complex(corner.real), _ROW, 1j, layout.origin.imag),
+        ("x", complex(0.0, corner.imag), -1j * _ROW, 1.0, layout.origin.real),
     ):
-        base = complex(corner.real) if axis == "y" else complex(0.0, corner.imag)
-        for chain in _chains(layout, axis, further):
+        main, fine = layout.levels(axis), layout.levels(axis, further)
+        # chains of levels from the inner to the outer: with further nodes, without, overall
+        chains = [fine] if len(fine) > len(main) else []
+        chains += [main] if len(main) > 1 else []
+        if 3 < len(main) <= _MOST_SPANS + 1:  # longer chains say it themselves
+            chains.append([main[0], main[-1]])
+        for chain in chains:
             base += step
             for a, b, text in spans(chain):
                 low, high = ((level - start) * layout.scale * along for level in (a, b))
                 dimension(panel, base + low, base + high, text)
 
 
-def _chains(layout: Layout, axis: str, further: Sequence[str]) -> list[list[float]]:
-    """Chains of levels from the inner to the outer: with `further` nodes, without, overall."""
-    main, fine = layout.levels(axis), layout.levels(axis, further)
-    found = [fine] if len(fine) > len(main) else []
-    if len(main) > 1:
-        found.append(main)
-    if 3 < len(main) <= _MOST_SPANS + 1:  # longer chains say it themselves
-        found.append([main[0], main[-1]])
-    return found
-
-
 def spans(levels: Sequence[float]) -> list[tuple[float, float, str]]:
     """Dimensions between rising levels (m) with their texts; one for all if there are many."""
-    pairs = list(itertools.pairwise(levels))
+    pairs = list(pairwise(levels))
     if len(pairs) <= _MOST_SPANS:
         return [(a, b, f"{brief(b - a)} m") for a, b in pairs]
     each = {f"{brief(b - a)}" for a, b in pairs}
@@ -195,15 +190,15 @@ def spans(levels: Sequence[float]) -> list[tuple[float, float, str]]:
     return [(levels[0], levels[-1], text)]
 
 
-def draw_sections(panel: Axes, frame: Frame, corner: complex) -> list[str]:
+def _draw_sections(panel: Axes, frame: Frame, corner: complex) -> list[str]:
     """Cross sections, enlarged to one scale, and joints, below the upper left `corner`.
 
-    Returns sentences on what has no room.
+    Returns sentences on what has no room, and on the joints.
     """
     left, high = corner.real, corner.imag
-    said: list[str] = []
-    sections = sections_of(frame)
-    shown = first(list(sections.items()), len(TINTS), "sections", said)
+    notes: list[str] = []
+    strengths = {member.section: frame.strength_section(member) for member in frame.members}
+    shown = first(list(strengths.items()), len(TINTS), "sections", notes)
     scale = 0.62 / max(max(strong.height, strong.width) for _, strong in shown)
     for i, (given, section) in enumerate(shown):
         h, b = section.height * scale, section.width * scale
@@ -213,43 +208,29 @@ def draw_sections(panel: Axes, frame: Frame, corner: complex) -> list[str]:
         side, over = centre + b / 2 + 0.09, centre + 1j * (h / 2 + 0.09)
         dimension(panel, side - 0.5j * h, side + 0.5j * h, f"{brief(1e3 * section.height)} mm")
         dimension(panel, over - b / 2, over + b / 2, f"{brief(1e3 * section.width)} mm")
-        words = textwrap.wrap(section.name.replace(" x ", TIMES), _LINE)
-        if len(sections) > 1:
+        lines = textwrap.wrap(section.name.replace(" x ", TIMES), _LINE)
+        if len(strengths) > 1:
             members = [member for member in frame.members if member.section == given]
-            words.append(_role(frame, members))
+            ends = [(frame.node(m.start), frame.node(m.end)) for m in members]
+            rises = {abs(end.y - start.y) > abs(end.x - start.x) for start, end in ends}
+            names = {True: "columns", False: "beams"}
+            lines.append(" and ".join(names[rise] for rise in sorted(rises, reverse=True)))
         if i == len(shown) - 1:
-            words.append(f"{brief(frame.steel.yield_stress / 1e6)} MPa")
+            lines.append(f"{brief(frame.steel.yield_stress / 1e6)} MPa")
         at = complex(left, high - h - 0.06)
-        note(panel, at, "\n".join(words), va="top", linespacing=1.4, zorder=3)
-        high -= h + 0.1 + 0.14 * len(words) + 0.12
-    names = [joint for m in frame.members for joint in (m.joint_start, m.joint_end)]
-    joints = [joint for joint in dict.fromkeys(names) if joint != "rigid"]
-    for joint in joints:
-        joint_mark(panel, complex(left + 0.1, high), joint)
-        text = "pinned joint" if joint == "pinned" else f"joint {joint}"
+        note(panel, at, "\n".join(lines), va="top", linespacing=1.4, zorder=3)
+        high -= h + 0.1 + 0.14 * len(lines) + 0.12
+    joints = dict.fromkeys(name for m in frame.members for name in (m.joint_start, m.joint_end))
+    texts = []
+    for name in joints:
+        if name == "rigid":
+            continue
+        joint_mark(panel, complex(left + 0.1, high), name)
+        text = "pinned joint" if name == "pinned" else f"joint {name}"
         note(panel, complex(left + 0.24, high), text, MUTED, zorder=3)
         high -= 0.19
-    return [*(_joint_words(frame, joint) for joint in joints if joint != "pinned"), *said]
-
-
-def _role(frame: Frame, members: Sequence[Member]) -> str:
-    """What the members of a section are: columns, beams, or both."""
-    rises = set()
-    for member in members:
-        start, end = frame.node(member.start), frame.node(member.end)
-        rises.add(abs(end.y - start.y) > abs(end.x - start.x))
-    return "columns and beams" if len(rises) > 1 else "columns" if True in rises else "beams"
-
-
-def _joint_words(frame: Frame, name: str) -> str:
-    joint = frame.joint(name)
-    facts = (
-        ("rotational stiffness {} kN m/rad", joint.rotational_stiffness, 1e3),
-        ("axial stiffness {} kN/mm", joint.axial_stiffness, 1e6),
-        ("plastic moment {} kN m", joint.plastic_moment, 1e3),
-        ("{} kN m where moments are negative", joint.plastic_moment_negative, 1e3),
-        ("resistance in tension {} kN", joint.tension_resistance, 1e3),
-        ("resistance in compression {} kN", joint.compression_resistance, 1e3),
-    )
-    known = [words.format(brief(value / unit)) for words, value, unit in facts if value is not None]
-    return f"Joint {name}: {', '.join(known) or 'as the member'}."
+        if name != "pinned":
+            values = [(getattr(frame.joint(name), key), words, unit) for key, words, unit in _JOINT]
+            known = [words.format(brief(v / unit)) for v, words, unit in values if v is not None]
+            texts.append(f"Joint {name}: {', '.join(known) or 'as the member'}.")
+    return texts + notes

@@ -54,10 +54,10 @@ def plot(
         sheet.record(label=label, slip_m=grid["slip"], **drawn)
         sheet.name(panel, label, "slip (mm)", "load over largest load")
         panel.set(xlim=(0.0, _LARGEST_SLIP), ylim=(0.0, 1.12))
-        sheet.said.append(_sentence(label, content))
+        sheet.notes.append(_sentence(label, content))
     few = sum(len(own) < _FEW for own in fitted.values())
     if few:
-        sheet.said.append(
+        sheet.notes.append(
             f"{few} of the {len(fitted)} fitted curves have fewer than {_FEW} points, with none "
             "between half of the load and the peak: they hardly tell the shape there."
         )

@@ -52,7 +52,7 @@ def plot(found: Sequence[tuple[str, str, studs.Content]]) -> Drawing:
         if label == labels[0]:
             panel.set_ylabel(f"{fit['quantity']} left")
         sentence = _sentence(content)
-        sheet.said += [] if sentence in sheet.said else [sentence]
+        sheet.notes += [] if sentence in sheet.notes else [sentence]
     for panel in sheet.panels:
         if not panel.lines:
             panel.remove()

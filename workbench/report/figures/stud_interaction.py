@@ -50,7 +50,7 @@ def plot(content: studs.Content) -> Drawing:
 
 def _drawn(curves: list[Curve], tests: pd.DataFrame, said: list[str]) -> Drawing:
     sheet = Sheet.table(1, 1, 3.7)
-    sheet.said += said
+    sheet.notes += said
     panel = sheet.panel
     for label, style, tension, shear in curves:
         panel.plot(tension, shear, **style)
@@ -59,7 +59,7 @@ def _drawn(curves: list[Curve], tests: pd.DataFrame, said: list[str]) -> Drawing
     if tests.empty:
         words = "no combined test in the tables:\nnothing here is validated"
         framed(panel, 0.06, 0.06, words, WARNING, fontsize=8.0)
-        sheet.said.append("No test combines tension and shear: the curves are not validated.")
+        sheet.notes.append("No test combines tension and shear: the curves are not validated.")
     else:
         looks = studs.campaign_looks(tests["campaign"], filled=True)
         studs.draw_tests(panel, tests, "tension", "shear", looks)

@@ -55,7 +55,7 @@ def draw(request: Request) -> Drawing:
     for name, value in fit["parameters"].items():
         error = {"standard_error_of_logarithm": fit["standard_errors"].get(name)}
         sheet.record(parameter=name, value=value, calibrated=name in fit["free"], **error)
-    sheet.said.append(f"{label}: {content['basis']}.")
+    sheet.notes.append(f"{label}: {content['basis']}.")
     alt = "a headed stud on a flange in a slab, with bearing springs, cone and shear slide"
     return sheet.finish(alt)
 

@@ -54,11 +54,11 @@ def plot(label: str, tests: pd.DataFrame) -> Drawing:
         sheet.record(variable=name, **ratio, **tests[["campaign", "specimen"]])
     sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
     if poor:
-        sheet.said.append(
+        sheet.notes.append(
             f"Too few different values to tell a trend: {', '.join(poor)}."
             + " What differs there is the campaign." * (len(looks) > 1)
         )
-    sheet.said.append(f"The strongest test bore {KILO * tests['test'].max():.0f} kN per stud.")
+    sheet.notes.append(f"The strongest test bore {KILO * tests['test'].max():.0f} kN per stud.")
     return sheet.finish(f"test over prediction of {label} against {', '.join(VARIABLES)}")
 
 

@@ -39,7 +39,7 @@ def plot(found: dict[str, studs.Content]) -> Drawing:
         sheet.name(panel, label, "prediction (kN per stud)", "test (kN per stud)")
         note, text = _summary(label, content)
         panel.text(0.96, 0.13, note, transform=panel.transAxes, ha="right", fontsize=7.0)
-        sheet.said.append(text)
+        sheet.notes.append(text)
         sheet.record(own.rename(columns={"prediction": "prediction_N", "test": "test_N"}))
     new = set(tests.loc[tests["unseen"], "campaign"])
     unseen = {name: look._replace(filled=True) for name, look in looks.items() if name in new}

@@ -37,7 +37,7 @@ def draw(request: Request) -> Drawing:
     sheet.record(tests)
     for panel, curve in zip(sheet.panels[1:], curves, strict=True):
         _curve(sheet, panel, curve, _measured(request, curve), looks)
-    sheet.said += [
+    sheet.notes += [
         f"{label}: {content['basis']}.",
         f"Of {judgement['tests']} unseen tests the worst, {judgement['worst']}, bore "
         f"{number(judgement['least_test_over_prediction'], 2)} of the prediction: cracking "

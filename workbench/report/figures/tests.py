@@ -26,13 +26,19 @@ def draw(request: Request) -> Drawing:
         return nothing(f"No model answered a test with {title_of(request.quantity)}.")
     everything = pd.concat(list(tables.values()))
     looks = studs.campaign_looks(everything["campaign"], filled=True)
-    ends = everything[["test", "prediction"]].to_numpy() + everything[["own", "other"]].to_numpy()
+    ends = (
+        everything[["test", "prediction"]].to_numpy()
+        + everything[["test_width", "prediction_width"]].to_numpy()
+    )
     top = 1.06 * unit.factor * float(np.nanmax(ends))
     sheet = Sheet.grid(len(tables), height=2.45, sharex=True)
     for panel, (label, table) in zip(sheet.panels, tables.items(), strict=True):
         studs.draw_diagonal(panel, top)
-        for campaign, own in table.groupby("campaign", sort=False):
-            values = (unit.factor * own[name] for name in ("prediction", "test", "other", "own"))
+        for campaign, rows in table.groupby("campaign", sort=False):
+            values = (
+                unit.factor * rows[name]
+                for name in ("prediction", "test", "prediction_width", "test_width")
+            )
             x, y, wide, high = values
             panel.errorbar(x, y, yerr=high, xerr=wide, fmt="none", ecolor=MUTED, lw=0.8)
             panel.plot(x, y, **looks[str(campaign)].points())
@@ -41,9 +47,9 @@ def draw(request: Request) -> Drawing:
         panel.text(0.96, 0.05, note, transform=panel.transAxes, ha="right", fontsize=7.0)
         if request.stored.synthetic:
             framed(panel, 0.04, 0.86, _MARK, WARNING, fontsize=7.0)
-        sheet.said.append(text)
+        sheet.notes.append(text)
         sheet.record(table)
-    for case in request.cases:  # for the statements on what is absent
+    for case in request.cases:  # for the notes on what is absent
         request.answers(case, sheet.absent)
     sheet.legend(*(entry(name, **look.points()) for name, look in looks.items()))
     sheet.legend(*studs.diagonal_entries("measured = predicted"))
@@ -52,7 +58,7 @@ def draw(request: Request) -> Drawing:
 
 
 def _rows(request: Request, label: str) -> pd.DataFrame:
-    """A row per test that the model answers: both values and half-widths (`own`: of the test)."""
+    """A row per test that the model answers: both values and half-widths ."""
     rows = []
     for case in request.cases:
         values = [request.number(case, side, request.quantity) for side in (request.against, label)]
@@ -60,20 +66,22 @@ def _rows(request: Request, label: str) -> pd.DataFrame:
         answer = request.stored.response(case.name, label)
         if test is None or answer is None or None in values:
             continue
-        own = request.stored.data_uncertainty(case.name, request.against, request.quantity)
-        other = uncertainty_of(answer, request.quantity)
+        test_width = request.stored.data_uncertainty(case.name, request.against, request.quantity)
+        prediction_width = uncertainty_of(answer, request.quantity)
         campaign = json.loads(test.attrs.get("data", "{}")).get("campaign", "all")
-        rows.append((label, case.name, campaign, *values, own or 0.0, other or 0.0))
-    columns = ["label", "case", "campaign", "test", "prediction", "own", "other"]
+        rows.append(
+            (label, case.name, campaign, *values, test_width or 0.0, prediction_width or 0.0)
+        )
+    columns = ["label", "case", "campaign", "test", "prediction", "test_width", "prediction_width"]
     return pd.DataFrame(rows, columns=columns)
 
 
 def _summary(request: Request, label: str) -> tuple[str, str]:
-    """What stands in the panel, and the sentence below the figure."""
+    """Return the note in the panel and the sentence below the figure."""
     wanted = (label, request.against, request.quantity)
     rows = request.stored.rows["validation"]
-    own = (r for r in rows if (r["model"], r["against"], r["quantity"]) == wanted)
-    row = next(own, None)
+    matching = (r for r in rows if (r["model"], r["against"], r["quantity"]) == wanted)
+    row = next(matching, None)
     if row is None or row["bias"] is None:
         return "", f"{label}: no bias over tests."
     ends = row["low"], row["high"]
