@@ -10,6 +10,7 @@ from workbench.errors import Collapse, CollapseError, CrumpledError, Mechanism
 from workbench.frames.chains import chains, named
 from workbench.frames.structure import FrameStructure, upright_names
 from workbench.scenarios import Frame
+from workbench.structures.assembly import PlanarAssembly
 
 COLLAPSE_SIDEWAYS = 0.9  # movement of a member's ends across its axis, over its length
 COLLAPSE_CONTRACTION = 0.1  # of the length of a straight chain of members: squashed
@@ -19,12 +20,14 @@ LEAST_LENGTH = 0.05  # of an element; plastic strains have lost all meaning long
 class Lines(NamedTuple):
     """What displacements (dofs,) do to the members of a frame, in rows, and to its lines of them.
 
-    Over the length of each member, how far they move its ends apart `across` its axis and `along`
-    it (members, dofs); names of the members of each straight line, its `chains`, and `chained`
-    (chains, members), 1 over its length; the dofs of upright members that are `swaying`, and what
-    of that is drift of the line of each, `sway` (swaying, uprights).
+    Dofs u, v of both ends of each member, its `corners` (members, 4); what of the movement of its
+    end from its start is `across` its axis and `along` it (members, 2), over its length; names of
+    the members of each straight line, its `chains`, and `chained` (chains, members), 1 over its
+    length; the dofs of upright members that are `swaying`, and what of that is drift of the line of
+    each, `sway` (swaying, uprights).
     """
 
+    corners: Indices
     across: Array
     along: Array
     chains: list[tuple[str, ...]]
@@ -33,42 +36,36 @@ class Lines(NamedTuple):
     sway: Array
 
 
-def _lines(frame: Frame, size: int, dofs: tuple[tuple[int, int], ...]) -> Lines:
-    """The lines of a frame with so many dofs, `dofs` u and v of its nodes."""
+def _lines(frame: Frame, assembly: PlanarAssembly) -> Lines:
+    """The lines of a frame and of the dofs of its assembly."""
     lengths: Array = np.array([frame.length(member) for member in frame.members])
-    across: Array = np.zeros((len(lengths), size))
-    along = np.zeros_like(across)
-    placed = dict(zip((node.name for node in frame.nodes), dofs, strict=True))
-    for number, member in enumerate(frame.members):
-        start, end = frame.node(member.start), frame.node(member.end)
-        dx, dy = end.x - start.x, end.y - start.y
-        for rows, parts in ((across, (-dy, dx)), (along, (dx, dy))):
-            rows[number, list(placed[start.name])] -= parts
-            rows[number, list(placed[end.name])] += parts
-    across /= lengths[:, None] ** 2
-    along /= lengths[:, None] ** 2
+    number = {node.name: i for i, node in enumerate(frame.nodes)}
+    ends = np.array([(number[member.start], number[member.end]) for member in frame.members])
+    corners = np.array([[assembly.dof(n, c) for n in pair for c in "uv"] for pair in ends])
+    points = np.array([(node.x, node.y) for node in frame.nodes])
+    along = (points[ends[:, 1]] - points[ends[:, 0]]) / lengths[:, None] ** 2
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    moved, rows = np.zeros((len(lengths), assembly.size)), np.arange(len(lengths))[:, None]
+    moved[rows, corners] = np.concatenate([-across, across], axis=1)
     place = {member.name: i for i, member in enumerate(frame.members)}
     straight = [chain.members for chain in chains(frame)]
     members = np.zeros((len(straight), len(place)))
     for row, names in zip(members, straight, strict=True):
         row[[place[name] for name in names]] = 1.0
     chained = members / (members @ lengths)[:, None]
-    lines = ((chained * lengths) @ across)[members.argmax(axis=0)]
+    lines = ((chained * lengths) @ moved)[members.argmax(axis=0)]
     drifting = lines[[place[name] for name in upright_names(frame)]]
     swaying = np.flatnonzero(drifting.any(axis=0))
-    return Lines(across, along, straight, chained, swaying, drifting[:, swaying].T.copy())
+    return Lines(corners, across, along, straight, chained, swaying, drifting[:, swaying].T.copy())
 
 
 class CollapseWatch:
     """Checks the committed state of a `structure` after every step."""
 
     def __init__(self, structure: FrameStructure) -> None:
-        frame, assembly = structure.frame, structure.assembly
         self._structure = structure
         if "lines" not in structure.found:
-            nodes = range(len(frame.nodes))
-            dofs = tuple((assembly.dof(n, "u"), assembly.dof(n, "v")) for n in nodes)
-            structure.found["lines"] = _lines(frame, assembly.size, dofs)
+            structure.found["lines"] = _lines(structure.frame, structure.assembly)
         self.lines: Lines = structure.found["lines"]
 
     def check(self, displacement: float, time: float | None) -> None:
@@ -134,8 +131,10 @@ class CollapseWatch:
         `now`, also over the distance that is left between its ends: a chord that turns over passes
         all of that, and may be too short to reach its first length.
         """
-        displacement = self._structure.assembly.displacement
-        moved = np.abs(displacement @ self.lines.across.T)
+        lines, at = self.lines, self._structure.assembly.displacement[..., self.lines.corners]
+        apart = at[..., 2:] - at[..., :2]
+        moved = np.abs(np.sum(apart * lines.across, axis=-1))
         if now:
-            moved /= np.minimum(1.0, np.hypot(moved, 1.0 + displacement @ self.lines.along.T))
+            left = 1.0 + np.sum(apart * lines.along, axis=-1)
+            moved /= np.minimum(1.0, np.hypot(moved, left))
         return np.asarray(moved)

@@ -106,14 +106,18 @@ class Record:
         """Histories of several scalars by name."""
         return {name: self.column(name) for name in names}
 
-    def told(self, start: float, name: str) -> Array:
+    def history(self, start: float, name: str) -> Array:
         """History (steps,) of what steps tell by this name (``energies.plastic``), from `start`."""
         return np.array([start, *map(attrgetter(name), self._steps)])
+
+    def moving(self, start: float) -> Array:
+        """History (steps,) of the kinetic energy of structure and striker (J), from `start`."""
+        return self.history(start, "kinetic") + self.history(0.0, "striker.kinetic_energy")
 
     def total(self, name: str) -> Array:
         """History (steps,) of the sum of that over all steps so far."""
         if name not in self._totals:
-            self._totals[name] = np.cumsum(self.told(0.0, name))
+            self._totals[name] = np.cumsum(self.history(0.0, name))
         return self._totals[name]
 
     def states(self) -> dict[str, Any]:

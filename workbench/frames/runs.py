@@ -25,7 +25,6 @@ from workbench.scenarios import (
     FrameStatic,
 )
 from workbench.structures.paths import PathStep
-from workbench.structures.time_steps import TimeStep
 
 GONE_FAR = 0.3  # movement of a member's ends across its axis, over its length
 LARGEST_DAMPING = 0.05  # of the input energy, up to the peak; peaks are then 2 to 5 % too small
@@ -39,7 +38,7 @@ OPEN_LEDGER = 1e-6  # of the input energy; beyond it a run is a failure, not a r
 def run_impact(
     scenario: FrameImpact,
     record: Record,
-    steps: Iterator[TimeStep],
+    steps: Iterator[Any],
     largest_error: float | None,
     least_yield_ratio: float,
 ) -> Response:
@@ -49,32 +48,28 @@ def run_impact(
     `least_yield_ratio` without a warning. Raises `SolverError`, and `CollapseError` when the frame
     collapses.
     """
-    striker, brought, structure = scenario.striker, scenario.input_energy, record.structure
-    node, direction = striker.node, striker.direction
-    length = _follow(record, scenario, steps)
-    push = record.told(0.0, "impulse")
-    rest, doubts = _remaining(record, scenario, direction, push)
+    striker, input_energy, structure = scenario.striker, scenario.input_energy, record.structure
+    _follow(record, scenario, steps)
+    impulses = record.history(0.0, "impulse")
+    residual, warnings = _residual(record, scenario, striker.node, striker.direction, impulses)
     values = {
-        **rest,
+        **residual,
         **record.columns("displacement", "velocity", "elastic"),
         "dissipated": record.dissipated,
-        "striker_velocity": record.told(striker.velocity, "striker.velocity"),
-        "percussion": push,
-        "kinetic": record.told(brought, "kinetic") + record.told(0.0, "striker.kinetic_energy"),
+        "striker_velocity": record.history(striker.velocity, "striker.velocity"),
+        "percussion": impulses,
+        "kinetic": record.moving(input_energy),
         "external_work": record.total("external_work"),
         "contact_loss": record.total("contact_loss"),
-        "input_energy": brought,
+        "input_energy": input_energy,
     }
-    warnings = doubts + _softened(record, least_yield_ratio) + _impact_accuracy(record, brought)
+    warnings += _softened(record, least_yield_ratio) + _impact_accuracy(record, input_energy)
     if not structure.is_column:
-        key = f"sway {node} {direction}"
+        key = f"sway {striker.node} {striker.direction}"
         if key not in structure.found:
             structure.found[key] = sway_collapse(scenario)
         warnings += sway_findings(structure.found[key], record.drift)
-    time = record.column("at")
-    response = _response(record, scenario, values, warnings, time=time, time_step=length)
-    _check_ledger(response, largest_error)
-    return response
+    return _timed_response(record, scenario, values, warnings, largest_error)
 
 
 def run_static(
@@ -87,12 +82,12 @@ def run_static(
     record = Record(structure, scenario.node, scenario.direction, None)
     leads = scenario.control == "load"
     stops = scenario.path
-    for count, taken in enumerate(steps, 1):
-        reached = taken.factor if leads else record.displacement
+    for count, step in enumerate(steps, 1):
+        reached = step.factor if leads else record.displacement
         turns = bool(stops) and isclose(reached, stops[0], rel_tol=1e-9, abs_tol=1e-12)
         stops = stops[1:] if turns else stops
-        record.take(taken, float(count), turns=turns)
-    factor, work = record.told(0.0, "factor"), record.total("external_work")
+        record.take(step, float(count), turns=turns)
+    factor, work = record.history(0.0, "factor"), record.total("external_work")
     force = factor * scenario.magnitude
     values = {
         **record.columns("displacement", "elastic"),
@@ -111,7 +106,7 @@ def run_static(
 def run_driven(
     scenario: FrameGroundMotion | FramePulse,
     structure: FrameStructure,
-    steps: Iterator[TimeStep],
+    steps: Iterator[Any],
     least_yield_ratio: float,
     whole: float = 1.0,
 ) -> Response:
@@ -123,29 +118,25 @@ def run_driven(
     the frame collapses.
     """
     record = Record(structure, scenario.node, scenario.direction, scenario.duration)
-    length = _follow(record, scenario, steps)
-    ground, damped = record.total("input_energy"), record.total("damped")
+    _follow(record, scenario, steps)
+    work, damped = record.total("input_energy"), record.total("damped")
     values = {
         **record.columns("displacement", "velocity", "elastic"),
-        "kinetic": record.told(0.0, "kinetic"),
+        "kinetic": record.history(0.0, "kinetic"),
         "dissipated": record.dissipated + damped,
-        "external_work": ground + record.total("external_work"),
-        "input_energy": np.max(np.abs(ground)),
+        "external_work": work + record.total("external_work"),
+        "input_energy": np.max(np.abs(work)),
     }
-    at = record.column("at")
-    warnings: list[Finding] = []
+    warnings = _softened(record, least_yield_ratio)
     if isinstance(scenario, FramePulse):
-        values["load"] = scenario.pulse.force(at) * whole
-        rest, warnings = _remaining(record, scenario, scenario.direction, values["load"])
-        values |= rest
-    warnings += _softened(record, least_yield_ratio)
-    response = _response(record, scenario, values, warnings, time=at, time_step=length)
-    _check_ledger(response, OPEN_LEDGER)
-    return response
+        load = values["load"] = scenario.pulse.force(record.column("at")) * whole
+        residual, of_it = _residual(record, scenario, scenario.node, scenario.direction, load)
+        values, warnings = values | residual, of_it + warnings
+    return _timed_response(record, scenario, values, warnings, OPEN_LEDGER)
 
 
-def _remaining(
-    record: Record, scenario: FrameImpact | FramePulse, direction: str, push: Array
+def _residual(
+    record: Record, scenario: FrameImpact | FramePulse, node: str, direction: str, push: Array
 ) -> tuple[dict[str, Any], list[Finding]]:
     """The residual displacement of a frame, whose sway is slow; of a column see `histories`.
 
@@ -154,26 +145,40 @@ def _remaining(
     time, moved, spent = record.column("at"), record.column("displacement"), record.dissipated
     if record.structure.is_column or still_grows(moved):
         return {}, []
-    node = scenario.striker.node if isinstance(scenario, FrameImpact) else scenario.node
-    slow = slowest_period(scenario.frame, node, direction)
-    ended = [np.cumsum(np.abs(push))]
+    period = slowest_period(scenario.frame, node, direction)
+    sums = [np.cumsum(np.abs(push))]
     if spent[-1] > YIELDED * (record.column("elastic").max() + spent[-1]):
-        ended.append(spent)
-    shares = zip(ended, OVER, strict=False)
+        sums.append(spent)
+    shares = zip(sums, OVER, strict=False)
     start = max(float(time[np.argmax(each >= share * each[-1])]) for each, share in shares)
-    value, doubts = residual_over(time, moved, start, slow)
-    return {"residual_displacement": value}, doubts
+    residual, warnings = residual_over(time, moved, start, period)
+    return {"residual_displacement": residual}, warnings
 
 
-def _follow(record: Record, scenario: FrameScenario, steps: Iterator[TimeStep]) -> float:
-    """Take all time steps; the length of the longest one, in s."""
-    for taken in steps:
+def _follow(record: Record, scenario: FrameScenario, steps: Iterator[Any]) -> None:
+    """Take all time steps."""
+    for step in steps:
         try:
-            record.take(taken, taken.time)
+            record.take(step, step.time)
         except CollapseError as error:  # members that slid mean little before they fell
             findings = tuple(_shear_reached(record, scenario))
             raise CollapseError(error.collapse, error.reason, findings) from error
-    return float(record.told(0.0, "length").max())
+
+
+def _timed_response(
+    record: Record,
+    scenario: FrameScenario,
+    values: dict[str, Any],
+    warnings: list[Finding],
+    largest_error: float | None,
+) -> Response:
+    """The response of a run in time; refused where its energy ledger stays open."""
+    response = _response(record, scenario, values, warnings, time=record.column("at"))
+    response.attrs["time_step"] = float(record.history(0.0, "length").max())
+    error = energy_error(response)
+    if error is not None and largest_error is not None and error > largest_error:
+        raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
+    return response
 
 
 def _response(
@@ -182,22 +187,24 @@ def _response(
     values: dict[str, Any],
     warnings: list[Finding],
     time: Array | None = None,
-    **numbers: float,
 ) -> Response:
     """The response of a finished run, states of hinges and members and their shear included."""
-    frame = record.structure.frame
+    frame, structure = record.structure.frame, record.structure
     response = build_response(
         {**values, **record.states()},
         time=time,
         steps=None if time is not None else len(values["displacement"]),
-        hinges=record.structure.hinges or hinge_names(frame),
+        hinges=structure.hinges or hinge_names(frame),
         segments=member_names(frame),
         members=member_names(frame),
-        uprights=() if record.structure.is_column else upright_names(frame),
+        uprights=() if structure.is_column else upright_names(frame),
         warnings=_shear_reached(record, scenario) + warnings,
     )
-    response.attrs.update(record.diagnostics(), **numbers)
+    response.attrs.update(record.diagnostics())
     return response
+
+
+# -- what a finished run tells about its own accuracy and its limits ---------------------------
 
 
 def _gone_far(record: Record, imposed: bool) -> list[Finding]:
@@ -209,35 +216,23 @@ def _gone_far(record: Record, imposed: bool) -> list[Finding]:
     return [finding("rotation" if imposed else "large-displacements", share, member=name)]
 
 
-def _check_ledger(response: Response, largest_error: float | None) -> None:
-    """Refuse an impact or a ground motion whose energy ledger stays open."""
-    error = energy_error(response)
-    if error is not None and largest_error is not None and error > largest_error:
-        raise SolverError("the energy balance", error, "the steps of the driver: reduce them")
-
-
-# -- what a finished run tells about its own accuracy and its limits ---------------------------
-
-
-def _impact_accuracy(record: Record, brought: float) -> list[Finding]:
-    """Findings on the time steps up to the peak and their damping; energy `brought` in (J)."""
+def _impact_accuracy(record: Record, input_energy: float) -> list[Finding]:
+    """Findings on the time steps up to the peak and their damping; `input_energy` in J."""
     findings = []
     displacement, algorithmic = record.column("displacement"), record.total("energies.algorithmic")
     top = int(np.argmax(displacement))
     if top < min(LEAST_STEPS_TO_PEAK, len(displacement) - 1):
         findings.append(finding("few-steps-to-peak", top))
-    damped = float(algorithmic[top] / brought)
+    damped = float(algorithmic[top] / input_energy)
     if damped > LARGEST_DAMPING:
-        findings.append(finding("damping", damped, damped=100 * damped))
+        findings.append(finding("damping", damped, damped=100.0 * damped))
     return findings
 
 
 def _softened(record: Record, least: float) -> list[Finding]:
     """Whether averaging over the steps has softened what yields: a yield ratio below `least`."""
     ratio = record.yield_ratio()
-    if ratio is None or ratio >= least:
-        return []
-    return [finding("yield-ratio", ratio, least=least)]
+    return [] if ratio is None or ratio >= least else [finding("yield-ratio", ratio, least=least)]
 
 
 def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
@@ -245,17 +240,11 @@ def _shear_reached(record: Record, scenario: FrameScenario) -> list[Finding]:
     names = [member.name for member in record.structure.frame.members]
     strains = record.shear_strain
     if strains is not None:
-        sliding = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
-        if not sliding:
+        worst = [names[i] for i in np.argsort(-strains) if strains[i] > LARGEST_SHEAR_STRAIN]
+        if not worst:
             return []
-        return [
-            finding(
-                "shear-strain",
-                float(strains.max()),
-                members=named(sliding),
-                largest=LARGEST_SHEAR_STRAIN,
-            )
-        ]
+        strain, largest = float(strains.max()), LARGEST_SHEAR_STRAIN
+        return [finding("shear-strain", strain, members=named(worst), largest=largest)]
     reached = record.unyielding_shear()
     if not (reached > SOLID_BOUND).any():
         return []

@@ -1,6 +1,5 @@
 """The record of an impact on superelements, whose states come many at a time."""
 
-from operator import attrgetter
 from typing import Any, ClassVar, cast
 
 import numpy as np
@@ -12,24 +11,25 @@ from workbench.frames.snapshots import Snapshots
 from workbench.frames.structure import FrameStructure
 from workbench.structures.paths import PathStep
 from workbench.structures.superelements import Superelements, SuperelementState
-from workbench.structures.superelements.march import Read
-from workbench.structures.superelements.march_kernels import CollapseLimits
+from workbench.structures.superelements.march import CollapseLimits, Records
 from workbench.structures.time_steps import TimeStep
 
+_COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
 
-def show(structure: FrameStructure, step: TimeStep, records: Any) -> None:
-    """Make a structure show the states of these `records` of a step, for its readers."""
-    states = cast(Read, step.read).states
+
+def show(structure: FrameStructure, records: Records, rows: Any) -> None:
+    """Make a structure show the states of these `rows` of the records, for its readers."""
+    states = records.states
     (group,) = structure.assembly.groups
-    cast(Superelements, group).show(SuperelementState(*(each[records] for each in states.elements)))
-    stored = np.asarray(step.energies.stored)[records]
-    structure.assembly.show(states.x[records], states.v[records], stored)
+    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in states.elements)))
+    stored = records.table["stored"][rows]
+    structure.assembly.show(states.x[rows], states.v[rows], stored)
 
 
 class StruckSnapshots(Snapshots):
-    """Snapshots of many states at a time, `step`."""
+    """Snapshots of many states at a time, those of `records`."""
 
-    step: TimeStep
+    records: Records
 
     def see(self, at: Any, displacement: Any, *, turns: bool = False) -> None:
         """Look at the states at several times (s), with their displacements (m)."""
@@ -45,7 +45,7 @@ class StruckSnapshots(Snapshots):
         for peak in at[after_peak].tolist():
             self._peak = peak
         rows = np.unique(np.concatenate([even, after_peak, [len(at) - 1]]))
-        show(self._structure, self.step, rows)
+        show(self._structure, self.records, rows)
         members = self._structure.members
         pictures = members.shapes(self._structure.assembly), members.utilisation()
         self._pictures += zip(at[rows].tolist(), *pictures, strict=True)
@@ -63,47 +63,54 @@ class StruckRecord(Record):
     @property
     def limits(self) -> CollapseLimits:
         """Beyond what the frame has collapsed, for compiled steps."""
-        structure, lines = self.structure, self.watch.lines
-        if "limits" not in structure.found:
-            frame, dof = structure.frame, structure.assembly.dof
-            number = {node.name: i for i, node in enumerate(frame.nodes)}
-            ends = [(number[member.start], number[member.end]) for member in frame.members]
-            corners = np.array([[dof(n, c) for n in pair for c in "uv"] for pair in ends])
-            rows = np.arange(len(ends))[:, None]
-            structure.found["limits"] = CollapseLimits(
-                watch.COLLAPSE_SIDEWAYS,
-                watch.COLLAPSE_CONTRACTION,
-                watch.LEAST_LENGTH,
-                structure.members.first,
-                corners,
-                lines.across[rows, corners[:, 2:]],
-                lines.along[rows, corners[:, 2:]],
-                lines.chained.argmax(axis=0),
-                lines.chained.max(axis=0),
-            )
-        return cast(CollapseLimits, structure.found["limits"])
+        lines = self.watch.lines
+        return CollapseLimits(
+            watch.COLLAPSE_SIDEWAYS,
+            watch.COLLAPSE_CONTRACTION,
+            watch.LEAST_LENGTH,
+            self.structure.members.first,
+            lines.corners,
+            lines.across,
+            lines.along,
+            lines.chained.argmax(axis=0),
+            lines.chained.max(axis=0),
+        )
 
-    def take(self, step: TimeStep | PathStep, at: Any, *, turns: bool = False) -> None:
-        """Append several steps, the states that they lead to, and those of the start.
+    def take(self, step: TimeStep | PathStep | Records, at: Any, *, turns: bool = False) -> None:
+        """Append several records, the states that they lead to, and those of the start.
 
         Raises `CollapseError` when the frame has collapsed, `OutOfDomainError` when an element
         crumples.
         """
-        steps = self._snapshots.step = cast(TimeStep, step)
-        self._steps.append(steps)
-        self._totals.clear()
-        show(self.structure, steps, slice(None))
+        records = self._snapshots.records = cast(Records, step)
+        self._steps.append(records)
+        show(self.structure, records, slice(None))
         self._see(at, turns)
-        if cast(Read, steps.read).collapsed:
-            show(self.structure, steps, -1)
+        if records.collapsed:
+            show(self.structure, records, -1)
             self.watch.check(self.displacement, float(at[-1]))
 
     def column(self, name: str) -> Array:
         """As of other records."""
         return np.ascontiguousarray(np.concatenate(self._rows[name]).T)
 
-    def told(self, start: float, name: str) -> Array:
-        """As of other records."""
-        values = np.concatenate([*map(attrgetter(name), self._steps)])
+    def history(self, start: float, name: str) -> Array:
+        """As of other records; the kinetic energy is that of structure and striker."""
+        if name == "length":
+            return np.diff(self.column("at"), prepend=0.0)
+        values = np.concatenate(
+            [records.table[_COLUMNS.get(name, name)] for records in self._steps]
+        )
         values[0] = start
         return values
+
+    def moving(self, start: float) -> Array:
+        """As of other records."""
+        return self.history(start, "kinetic")
+
+    def total(self, name: str) -> Array:
+        """As of other records."""
+        if name in ("evaluations", "cuts"):
+            return np.array([getattr(self._steps[-1], name)])
+        column = name.removeprefix("energies.")
+        return np.concatenate([records.table[column] for records in self._steps])

@@ -14,6 +14,7 @@ from workbench.impact.pace import APART, RELEASED, SLACK
 # Small functions that end in one entry: inlined, without the wrappers that Python would call.
 _WRAPPERS: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 inner = njit(error_model="numpy", forceinline=True, **_WRAPPERS)
+called = njit(error_model="numpy", **_WRAPPERS)  # the same, large and called in several places
 
 
 @njit(cache=True, error_model="numpy")
@@ -25,6 +26,32 @@ def rebound(gamma_start: float, restitution: float) -> float:
     energy; with 1 the mean gap velocity, and so that work, is zero.
     """
     return 1.0 if gamma_start > 0.0 else restitution
+
+
+@njit(cache=True, error_model="numpy")
+def may_touch(gap: float, gamma: float, dt: float, slack: float) -> bool:
+    """Whether a step of `dt` can be one of contact: the gap at its end, if it only closes."""
+    return gap + dt * min(gamma, 0.0) <= slack
+
+
+@njit(cache=True, error_model="numpy")
+def touch_velocity(striker: float, gamma: float, restitution: float) -> float:
+    """Velocity of the hit point at the end of a closed step, for the striker's as it is before P.
+
+    An open step is admissible if the hit point is at least as fast at its end.
+    """
+    return striker - rebound(gamma, restitution) * gamma
+
+
+@njit(cache=True, error_model="numpy")
+def accepts(fits: bool, may: bool, closed: bool, refused: bool) -> bool:
+    """Whether a solved state of contact is taken: it fits, or nothing else is left.
+
+    Arguments: `fits`, P >= 0 or open and not slower than `touch_velocity`; `may`, whether contact
+    was possible; whether it was `closed`; whether the other state was solved and `refused`. A
+    closed contact that pulls must open, whatever the open solution says of velocities.
+    """
+    return fits or not may or (refused and not closed)
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,34 +96,34 @@ def collide(
     )
 
 
-def contact_step_of(hit: Any, solve: Any) -> Any:
+def contact_step_of(hit: Any, solve: Any, released: bool = True) -> Any:
     """The step of a model that writes contact into its equations; see `integrator.Model`.
 
     Result of `step(s, progress, dt, may)`, `may`: whether contact is possible: whether a state of
     contact fits, impulse (N s), velocity of the hit point at the end, energy lost in contact. Where
-    the contact opens within the step the length up to there is written as `progress.release`.
+    the contact opens within the step the length up to there is written as `progress.release`, if
+    contacts are `released` there: not where their forces ring, which are no straight line.
     """
 
     @inner
     def step(s, progress, dt, may):
         speed, mass = hit(s)[1], progress.mass
         gamma = speed - progress.velocity
-        touch = progress.velocity - rebound(gamma, progress.restitution) * gamma
+        touch = touch_velocity(progress.velocity, gamma, progress.restitution)
         closed, refused = may and gamma <= APART * progress.approach, False
         for _ in range(2 if may else 1):
             done, end, residual, count = solve(s, dt, closed, touch, mass)
             progress.residual = residual
             progress.evaluations += count
             impulse = mass * (touch - end) if closed else 0.0
-            if done and impulse < 0.0 and progress.pushed > 0.0:  # where the force vanishes
+            if released and done and impulse < 0.0 and progress.pushed > 0.0:  # no force there
                 bend = 2.0 * (progress.pushed - impulse / dt) / (dt + progress.before)
                 release = progress.pushed / bend - 0.5 * progress.before
                 if progress.least < release < RELEASED * dt:
                     progress.release = release
                     return False, 0.0, 0.0, 0.0
             fits = impulse >= 0.0 if closed else end >= touch
-            # a closed contact that pulls must open, whatever the open solution says of velocities
-            if done and (fits or not may or (refused and not closed)):
+            if done and accepts(fits, may, closed, refused):
                 left = 0.0
                 if closed:
                     left = contact_loss(impulse, gamma, end - progress.velocity + impulse / mass)

@@ -38,7 +38,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.compiled import njit
-from workbench.impact.contact import contact_loss, contact_step_of, explicit_percussion, inner
+from workbench.impact.contact import (
+    contact_loss,
+    contact_step_of,
+    explicit_percussion,
+    inner,
+    may_touch,
+)
 from workbench.impact.pace import (
     APART,
     AT_REST,
@@ -258,11 +264,11 @@ def march_of(model: Model, longer: float = LONGER) -> Any:
             dt = aimed(pace, progress.time, progress.dt, 0.0 if instant else CLOSER * gap, gamma)
             if instant and gap > slack and gamma < 0.0:
                 dt = min(dt, -gap / gamma)
-            ahead = 0.0 if instant else dt * min(gamma, 0.0)
+            may = gap <= slack if instant else may_touch(gap, gamma, dt, slack)
             progress.steps += 1
             if progress.steps > pace.most:
                 return TOO_MANY, n
-            done, impulse, end, left = step(s, progress, dt, gap + ahead <= slack)
+            done, impulse, end, left = step(s, progress, dt, may)
             if not done:
                 progress.cuts += 1
                 released, progress.release = progress.release, 0.0

@@ -56,11 +56,15 @@ def follow(
     """
     progress, records = np.zeros(1, PROGRESS), np.empty(pace.records, of)
     status, rows = entry(*tables, np.array((*pace, *drive)), progress, records)
-    reached = progress[0]
+    check_end(status, progress[0], pace)
+    return Run(records[:rows], progress[0], status == COLLAPSE)
+
+
+def check_end(status: int, reached: Any, pace: Pace) -> None:
+    """Raise `SolverError` where a march has stopped before the end, as far as it has `reached`."""
     if status in (NO_CONVERGENCE, TOO_MANY):
         where = f"time {reached['time']:.6g} s"
         tried = f"open and closed contact, steps down to 1/{PIECES} of the first"
         if status == TOO_MANY:
             tried = f"{pace.most} steps; a softer or heavier structure needs fewer"
         raise SolverError(where, float(reached["residual"]), tried)
-    return Run(records[:rows], reached, status == COLLAPSE)

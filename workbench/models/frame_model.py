@@ -1,7 +1,7 @@
 """What all models of frames share: runs, steps, drivers; a column is a frame of two members."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import cache
@@ -35,6 +35,7 @@ from workbench.scenarios import (
     Scenario,
     frame_scenario,
 )
+from workbench.scenarios.pulse import line_integral
 from workbench.structures.arc_length import follow_arc
 from workbench.structures.assembly import PlanarAssembly
 from workbench.structures.explicit import explicit_impact, lumped_mass
@@ -44,11 +45,10 @@ from workbench.structures.time_steps import (
     PointMass,
     TimeStep,
     follow_force,
-    ground_motion,
     rigid_displacement,
 )
 
-Taken = TypeVar("Taken", PathStep, TimeStep)
+Taken = TypeVar("Taken")
 
 PUSH_STEPS = 1000  # load steps over the range of a static path, before refinement
 PERIOD_STEPS = 100.0  # time steps of a fundamental period, at least
@@ -251,20 +251,15 @@ class FrameModel(ABC, Declared, table="option"):
         """
         weight = self._implicit_weight()
         assembly, duration = structure.assembly, float(scenario.duration or 0.0)
+        driven = assembly.mass_times(rigid_displacement(assembly, scenario.direction))
         step = self.time_step
         if step is None:
-            moved = rigid_displacement(assembly, scenario.direction)
-            period = _fundamental_period(assembly, assembly.mass_times(moved))
-            step = min(scenario.time_step, period / PERIOD_STEPS)
-        return ground_motion(
-            assembly,
-            scenario.direction,
-            scenario.acceleration,
-            scenario.time_step,
-            [(duration, step / 2.0**self.halvings)],
-            weight,
-            scenario.damping,
-        )
+            step = min(scenario.time_step, _fundamental_period(assembly, driven) / PERIOD_STEPS)
+        times = scenario.time_step * np.arange(len(scenario.acceleration))
+        velocity = line_integral(times, scenario.acceleration)  # of the ground
+        spans = [(duration, step / 2.0**self.halvings)]
+        mean = _mean_of(velocity)
+        return follow_force(assembly, -driven, mean, spans, weight, scenario.damping)
 
     def _press(
         self, scenario: FramePulse, structure: FrameStructure, pattern: Array
@@ -281,10 +276,7 @@ class FrameModel(ABC, Declared, table="option"):
         end = min(scenario.pulse.end, scenario.duration)
         first = later if self.time_step else min(later, end / PULSE_STEPS)
         spans = [(end, share * first), (scenario.duration, share * later)]
-
-        def mean(begin: float, length: float) -> float:
-            return float(scenario.pulse.means(np.array([begin, begin + length]))[0])
-
+        mean = _mean_of(scenario.pulse.impulse)
         return follow_force(structure.assembly, pattern, mean, spans, weight)
 
     def _implicit_weight(self) -> float:
@@ -294,6 +286,16 @@ class FrameModel(ABC, Declared, table="option"):
             text = "explicit steps are known for impacts only: take implicit ones"
             raise OutOfDomainError(text)
         return weight
+
+
+def _mean_of(integral: Callable[[Array], Array]) -> Callable[[float, float], float]:
+    """The mean between two times (s) of what has this `integral`."""
+
+    def mean(begin: float, end: float) -> float:
+        before, after = integral(np.array([begin, end]))
+        return float(after - before) / (end - begin)
+
+    return mean
 
 
 def _fundamental_period(assembly: PlanarAssembly, driven: Array) -> float:

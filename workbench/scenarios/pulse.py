@@ -1,5 +1,6 @@
 """Forces over time: pulses of impact rules and of blast, tabulated histories."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -15,6 +16,24 @@ PULSES = ("rectangular", "triangular", "exponential", "friedlander", "ramp", TAB
 LENGTH = Number(1e-9, 1e3, "s", advice="lengths of pulses are in seconds")
 _TIMES = Many(Number(0.0, 1e3, "s"), 2, 100_000)
 _FACTORS = Many(Number(-1e6, 1e6), 2, 100_000)
+
+
+def line_integral(times: ArrayLike, values: ArrayLike) -> Callable[[ArrayLike], Array]:
+    """Integral from 0 on, at any times (s), of straight lines between `values` at rising `times`.
+
+    The first of the `times` is 0; nothing is added after the last.
+    """
+    knots, heights = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    slopes = np.diff(heights) / np.diff(knots)
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(knots) * (heights[1:] + heights[:-1]))])
+
+    def integral(time: ArrayLike) -> Array:
+        at = np.minimum(time, knots[-1])
+        i = np.minimum(np.searchsorted(knots, at, side="right") - 1, len(slopes) - 1)
+        into = at - knots[i]
+        return np.asarray(sums[i] + into * (heights[i] + 0.5 * slopes[i] * into))
+
+    return integral
 
 
 @dataclass(frozen=True)
@@ -87,7 +106,7 @@ class Pulse(Declared, table="pulse"):
         """Integral (N s, or N s/m) of the force from 0 to times >= 0 (s), any shape: exact."""
         t = np.asarray(time, dtype=float)
         if self.times is not None:
-            return self._tabulated(t)
+            return np.asarray(self.peak * line_integral(self.times, self.factors or ())(t))
         assert self.length is not None
         x, b = t / self.length, self.decay
         s = np.minimum(x, 1.0)
@@ -104,16 +123,6 @@ class Pulse(Declared, table="pulse"):
     def means(self, times: Array) -> Array:
         """Mean forces (n - 1,) between rising `times` (n,) in s."""
         return np.asarray(np.diff(self.impulse(times)) / np.diff(times))
-
-    def _tabulated(self, t: Array) -> Array:
-        times, factors = np.array(self.times), np.array(self.factors)
-        steps = np.diff(times)
-        sums = np.concatenate([[0.0], np.cumsum(0.5 * steps * (factors[1:] + factors[:-1]))])
-        at = np.minimum(t, times[-1])
-        i = np.minimum(np.searchsorted(times, at, side="right") - 1, len(steps) - 1)
-        into = at - times[i]
-        slope = (factors[i + 1] - factors[i]) / steps[i]
-        return np.asarray(self.peak * (sums[i] + into * (factors[i] + 0.5 * slope * into)))
 
 
 @dataclass(frozen=True)

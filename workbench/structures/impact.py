@@ -18,7 +18,6 @@ Jean 1999; Acary 2013 for the two constraints.
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -77,16 +76,6 @@ def impact(
     yield from march(spans, stepper.advance, "line search, open and closed contact")
 
 
-class _Attempt(NamedTuple):
-    """A step with the contact open or closed; `apart` is Psi, in kg m."""
-
-    trial: Trial
-    velocity: Array
-    impulse: float
-    apart: float
-    admissible: bool
-
-
 class _Stepper:
     """The state of an impact between the steps, and how one is taken."""
 
@@ -130,34 +119,32 @@ class _Stepper:
         """Take a step with the right contact state and commit it, if it can be solved."""
         gap, approach = self.gap, self._along(self.assembly.velocity) - self.striker.velocity
         evaluations, residual = 0, 0.0
-        may_touch = gap + dt * min(approach, 0.0) <= 0.0
+        touches = contact.may_touch(gap, approach, dt, 0.0)
         # what ends in overlap must have met on the way
-        states = 2 if may_touch or self._direction is not None else 1
-        closed, refused = may_touch and not approach > 0.0, False
+        states = 2 if touches or self._direction is not None else 1
+        closed, refused = touches and not approach > 0.0, False
         for _ in range(states):
-            attempt = self._attempt(dt, closed, gap, approach)
-            solution = attempt.trial.solution
-            evaluations += solution.evaluations
-            residual = max(solution.residual, residual)  # not a number stays one
-            if solution.converged:
-                # a closed contact that pulls must open, whatever the open one says of velocities
-                if attempt.admissible or states == 1 or (refused and not closed):
-                    turned = -0.5 * attempt.impulse * approach
+            trial = self._attempt(dt, closed, gap, approach)
+            evaluations += trial.solution.evaluations
+            residual = max(trial.solution.residual, residual)  # not a number stays one
+            if trial.solution.converged:
+                if contact.accepts(trial.admissible, states == 2, closed, refused):
+                    turned = -0.5 * trial.impulse * approach
                     if turned > self._collision and dt >= 2.0 * self.shortest:
                         return None, evaluations, residual
-                    return self._commit(attempt, dt, approach), evaluations, residual
+                    return self._commit(trial, dt, approach), evaluations, residual
                 refused = True
             closed = not closed
         return None, evaluations, residual
 
-    def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> _Attempt:
+    def _attempt(self, dt: float, closed: bool, gap: float, approach: float) -> Trial:
         """Solve one step with the contact closed or open; tell whether that was admissible."""
         striker, direction = self.striker, self._direction
-        restitution = contact.rebound(approach, striker.restitution)
-        touch, apart, pull = striker.velocity - restitution * approach, 0.0, None
+        touch = contact.touch_velocity(striker.velocity, approach, striker.restitution)
+        apart, pull = 0.0, None
         if closed:
             if direction is not None:
-                overlap = gap + 0.5 * dt * (1.0 - restitution) * approach
+                overlap = gap + 0.5 * dt * (approach + touch - striker.velocity)
                 apart = self._effective_mass * max(-overlap, 0.0)
             if apart > 0.0:  # the gap closes at the end of the step
                 touch = 2.0 * (striker.velocity - gap / dt) - self._along(self.assembly.velocity)
@@ -172,39 +159,39 @@ class _Stepper:
             before=self._before,
             ahead=None if self._rate is None else dt * self._rate,
         )
-        end, velocity = self._along(trial.velocity), trial.velocity
+        end = self._along(trial.velocity)
         if closed:
             impulse = striker.mass * (touch - end) - 2.0 * apart / dt
             if direction is not None:
-                velocity = velocity - (2.0 * apart / dt) * direction
-            return _Attempt(trial, velocity, impulse, apart, impulse >= 0.0)
+                trial = trial._replace(velocity=trial.velocity - (2.0 * apart / dt) * direction)
+            return trial._replace(impulse=impulse, apart=apart, admissible=impulse >= 0.0)
         admissible = end >= touch
         if direction is not None:
             mean = 0.5 * (self._along(self.assembly.velocity) + end) - striker.velocity
             apart_still = gap + dt * mean >= 0.0
             admissible = apart_still and (gap > 0.0 or admissible)
-        return _Attempt(trial, velocity, 0.0, 0.0, admissible)
+        return trial._replace(admissible=admissible)
 
-    def _commit(self, attempt: _Attempt, dt: float, approach: float) -> TimeStep:
+    def _commit(self, trial: Trial, dt: float, approach: float) -> TimeStep:
         """Commit a solved step and account for its energies."""
-        assembly, striker, end = self.assembly, self.striker, attempt.trial.solution.x
+        assembly, striker, end = self.assembly, self.striker, trial.solution.x
         self._rate = (end - assembly.displacement) / dt
-        step = commit(assembly, dt, end, attempt.velocity, self.weight)
+        step = commit(assembly, dt, end, trial.velocity, self.weight)
         if self._before is not None:
-            self._before = attempt.trial.force
-        if attempt.apart > 0.0:
-            spent = step.energies.algorithmic + self._spent_moving_apart(attempt)
+            self._before = trial.force
+        if trial.apart > 0.0:
+            spent = step.energies.algorithmic + self._spent_moving_apart(trial)
             energies = step.energies._replace(algorithmic=spent)
             step = step._replace(energies=energies, kinetic=assembly.kinetic_energy())
-        velocity = striker.velocity - attempt.impulse / striker.mass
-        departure = self._along(attempt.velocity) - velocity
+        velocity = striker.velocity - trial.impulse / striker.mass
+        departure = self._along(trial.velocity) - velocity
         position = striker.position + 0.5 * dt * (striker.velocity + velocity)
-        position -= attempt.apart / striker.mass
+        position -= trial.apart / striker.mass
         self.striker = replace(striker, velocity=velocity, position=position)
-        loss = contact.contact_loss(attempt.impulse, approach, departure)
-        return step._replace(striker=self.striker, impulse=attempt.impulse, contact_loss=loss)
+        loss = contact.contact_loss(trial.impulse, approach, departure)
+        return step._replace(striker=self.striker, impulse=trial.impulse, contact_loss=loss)
 
-    def _spent_moving_apart(self, attempt: _Attempt) -> float:
+    def _spent_moving_apart(self, trial: Trial) -> float:
         """Energy (J) lost where Psi moves the structure: the work of the forces on the way.
 
         Velocities that groups keep of their own follow those of the nodes; what that takes out of
@@ -215,8 +202,8 @@ class _Stepper:
         for group in assembly.groups:
             group.turn_with(assembly.displacement, assembly.velocity)
         turned = before - assembly.kinetic_energy()
-        moved = attempt.apart * np.asarray(self._direction)
-        return turned - float(moved @ (attempt.trial.force - assembly.load))
+        moved = trial.apart * np.asarray(self._direction)
+        return turned - float(moved @ (trial.force - assembly.load))
 
 
 def _check_mean_forces(assembly: PlanarAssembly, weight: float) -> None:

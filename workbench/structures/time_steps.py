@@ -1,11 +1,11 @@
-"""Implicit time steps: the equations of one, the march through a record, forces, moving ground.
+"""Implicit time steps: the equations of one, the march through a record, forces over time.
 
 A step from t_n to t_n+1 solves M (v1 - v0) / dt + f + damping M (x1 - x0) / dt = p + w P / dt with
 v1 = 2 (x1 - x0) / dt - v0. The forces f are the energy-exact ones of the elements, or the mean of
 those at both ends. A closed contact makes the impulse P linear in x1, so that it is eliminated: no
 penalty, no extra unknown.
 
-On moving ground displacements are relative to the supports: M x'' + damping M x' + f(x) =
+Moving ground is a force over time: relative to the supports M x'' + damping M x' + f(x) =
 p - M r a(t) with the rigid displacement r of all dofs for a unit displacement of the ground; M
 includes point masses, dead loads p stay. The mean acceleration of a step closes the ledger with the
 input energy -r . M (x1 - x0) a (Uang and Bertero 1990, relative energy).
@@ -18,8 +18,6 @@ from math import ceil
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly
 
 from workbench.arrays import Array
 from workbench.errors import InputError, SolverError
@@ -91,12 +89,17 @@ class Pull(NamedTuple):
 class Trial(NamedTuple):
     """A solved step: `solution`, end `velocity` (dofs,), and internal `force` (dofs,) at the end.
 
-    With energy-exact forces that is the force of the whole step.
+    With energy-exact forces that is the force of the whole step. Of an impact the contact `impulse`
+    in N s, `apart`, which moves bodies without a velocity (Psi, kg m), and whether the state of
+    contact is `admissible`.
     """
 
     solution: Solution
     velocity: Array
     force: Array
+    impulse: float = 0.0
+    apart: float = 0.0
+    admissible: bool = True
 
 
 def solve_step(
@@ -214,8 +217,8 @@ def follow_force(
 ) -> Iterator[TimeStep]:
     """Follow a structure under a `pattern` (dofs,) of forces times a factor over time.
 
-    Arguments: `assembly` at rest under its dead loads; the `mean` factor of a step, from its start
-    and its length (s); `spans`; `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy
+    Arguments: `assembly` at rest under its dead loads; the `mean` factor of a step between two
+    times (s); `spans`; `weight` of the end stresses, 1/2 to 1 (1/2 conserves energy
     exactly); mass-proportional `damping` in 1/s; `tolerance` of the residual.
     Yields a `TimeStep` after each commit. Raises `SolverError` and `InputError`.
     """
@@ -223,7 +226,7 @@ def follow_force(
         raise InputError("damping", damping, "must not be negative")
 
     def advance(begin: float, dt: float) -> tuple[TimeStep | None, int, float]:
-        factor = mean(begin, dt)
+        factor = mean(begin, begin + dt)
         load = assembly.load + factor * pattern
         trial = solve_step(assembly, dt, weight, load, tolerance, damping=damping)
         end, converged, residual, evaluations = trial.solution
@@ -238,50 +241,8 @@ def follow_force(
     return march(spans, advance, "line search")
 
 
-def ground_motion(
-    assembly: PlanarAssembly,
-    axis: str,
-    acceleration: ArrayLike,
-    sample_step: float,
-    spans: Spans,
-    weight: float,
-    damping: float = 0.0,
-    tolerance: float = TOLERANCE,
-) -> Iterator[TimeStep]:
-    """Follow a structure on ground that moves along an `axis`, x or y.
-
-    Arguments as of `follow_force`, but samples of the `acceleration`, see `mean_acceleration`.
-    Displacements and velocities are relative to the ground. Raises `SolverError` and `InputError`.
-    """
-    mean = mean_acceleration(acceleration, sample_step)
-    driven = assembly.mass_times(rigid_displacement(assembly, axis))
-    return follow_force(assembly, -driven, mean, spans, weight, damping, tolerance)
-
-
 def rigid_displacement(assembly: PlanarAssembly, axis: str) -> Array:
     """Displacements (dofs,) of all nodes when the ground moves by 1 along `axis`, x or y."""
     direction = np.zeros(assembly.size)
     direction[assembly.dofs(range(len(assembly.coordinates)), AXES[axis])] = 1.0
     return direction
-
-
-def mean_acceleration(acceleration: ArrayLike, interval: float) -> Callable[[float, float], float]:
-    """Mean acceleration of the ground (m/s2) in a step, from its start and its length (s).
-
-    Straight lines between samples of the `acceleration` in m/s2 at the times 0, `interval`,
-    2 `interval`, ... (s), zero after the last one. Raises `InputError`.
-    """
-    samples: Array = np.atleast_1d(np.asarray(acceleration, dtype=float))
-    if not (samples.ndim == 1 and np.all(np.isfinite(samples))):
-        raise InputError("acceleration", None, "must be one or more finite numbers")
-    if not interval > 0.0:
-        raise InputError("sample_step", interval, "must be positive")
-    times, last = interval * np.arange(len(samples) + 1), interval * (len(samples) - 1)
-    slopes = np.append(np.diff(samples), 0.0) / interval
-    velocity = PPoly([slopes, samples], times).antiderivative()
-
-    def mean(begin: float, length: float) -> float:
-        before, after = velocity(np.clip([begin, begin + length], 0.0, last))
-        return float(after - before) / length
-
-    return mean

@@ -223,11 +223,8 @@ class Superelements(HingedElements):
         for e, kind in enumerate(self._kinds):
             if kind.web is not None:
                 webs[e] = kind.web.record
-        self._slide: Flags = webs["stiffness"] > 0.0
         pinned = np.array([[kind.start.pinned, kind.end.pinned] for kind in self._kinds])
         ends = [(kind.start.surface, kind.end.surface) for kind in self._kinds]
-        exponents = np.array([[(end.alpha, end.beta) for end in pair] for pair in ends])
-        self._powers: Array = np.moveaxis(exponents, -1, 0)[:, None].copy()
         self._tables = HingeTables(
             bending,
             flexibility,
@@ -235,7 +232,7 @@ class Superelements(HingedElements):
             webs,
             self.lengths,
             np.stack([kind.bounds() for kind in self._kinds]),
-            exponents,
+            np.array([[(end.alpha, end.beta) for end in pair] for pair in ends]),
             pinned,
             self._rotary_inertias("nonlinear"),
             self.regularisation,
@@ -313,24 +310,22 @@ class Superelements(HingedElements):
     @property
     def slide(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
-        return self._slide
+        return np.asarray(self._tables.webs["stiffness"] > 0.0)
 
     def utilisation(self) -> Array:
         """Left side of the yield condition at both hinges (elements, 2): 1 on the surface."""
-        return self.used_by(np.ascontiguousarray(self._old.carried))
-
-    def used_by(self, carried: Array) -> Array:
-        """The same (..., elements, 2) of the forces `carried` (..., elements, 3)."""
-        rows = carried.reshape(-1, len(self._kinds), 3)
-        used = np.zeros((*rows.shape[:2], 2))
-        if not self.slide.all():
-            shares = np.empty((2, *used.shape))
-            kernels.use_bounds(self._tables.bounds, rows, shares)
-            shares **= self._powers
-            used = shares[0] + shares[1]
+        carried, exponents = self._old.carried, self._tables.exponents
+        moments = self._shares(carried[..., 1:], 2) ** exponents[..., 0]
+        used = moments + self._shares(carried[..., :1], 0) ** exponents[..., 1]
         if self.slide.any():
-            kernels.use_webs(self._tables, rows, used)
-        return used.reshape(*carried.shape[:-1], 2)
+            rows = np.ascontiguousarray(carried).reshape(-1, len(self.lengths), 3)
+            kernels.use_webs(self._tables, rows, used.reshape(-1, len(self.lengths), 2))
+        return used
+
+    def _shares(self, forces: Array, bound: int) -> Array:
+        """Of the bounds at both hinges, the positive one in this column and the next, that act."""
+        of_sign = self._tables.bounds[..., bound : bound + 2]
+        return np.abs(forces) / np.where(forces >= 0.0, of_sign[..., 0], of_sign[..., 1])
 
     @property
     def bending_moments(self) -> Array:

@@ -203,21 +203,6 @@ def turn_chord(step, bars, e, chord, gradients, inertia, change):
 
 
 @njit(cache=True, error_model="numpy")
-def use_bounds(bounds, carried, shares):
-    """Write the `shares` (2, n, e, 2) of their `bounds` (e, 2, 4) that moments have and forces N.
-
-    Of the forces `carried` (n, e, 3): of powers by numpy, which takes several at a time.
-    """
-    for r in range(carried.shape[0]):
-        for e in range(carried.shape[1]):
-            N = carried[r, e, 0]
-            for h in range(2):
-                M = carried[r, e, 1 + h]
-                shares[0, r, e, h] = abs(M) / bounds[e, h, 2 if M >= 0.0 else 3]
-                shares[1, r, e, h] = abs(N) / bounds[e, h, 0 if N >= 0.0 else 1]
-
-
-@njit(cache=True, error_model="numpy")
 def use_webs(hinges, carried, used):
     """Write how far ends (n, e, 2) with webs are used by the forces `carried` (n, e, 3)."""
     for e in range(hinges.webs.size):

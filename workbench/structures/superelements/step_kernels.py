@@ -1,9 +1,8 @@
-"""Compiled time steps of superelements with a striker: the equations of `structures/time_steps`.
+"""The equations of a time step of superelements with a striker, and Newton's method for them.
 
-The midpoint scheme of `structures/impact` in one call per step: M (v1 - v0) / dt + f = p + w P / dt
-with v1 = 2 (x1 - x0) / dt - v0 and energy-exact forces f; a closed contact eliminates the
-percussion P. A test holds both to each other. What takes a whole body is inlined: a call that
-passes all its arrays costs as much as an element.
+A midpoint step solves M (v1 - v0) / dt + f = p + w P / dt with v1 = 2 (x1 - x0) / dt - v0 and
+energy-exact forces f; a closed contact eliminates the impulse P. Axial vibrations of the bars are
+not resolved: the scheme keeps their energy at any step.
 """
 
 from typing import Any, NamedTuple
@@ -11,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from workbench.arrays import Array, Indices
-from workbench.compiled import njit
-from workbench.impact import contact as law
+from workbench.impact.contact import called, inner
 from workbench.structures import kernels
 from workbench.structures.elements import Step
 from workbench.structures.kernels import add_inertia, copy, largest
@@ -23,7 +21,6 @@ LARGEST_CUT, SMALLEST_CUT = 0.9, 0.1  # bounds of a regula-falsi factor
 CLOSEST = 0.02  # of a bracket, to its ends, that the tangent along a step may lead
 LARGEST_TURN = 0.03  # rad of a node in an iteration; beyond it a spring holds it back
 FALLEN = 0.1  # of the residual, with which a step is taken whatever its slope
-WORK, REPEATS = 1e-9, 3  # of the energy brought in, that a residual may do in a step; tries at that
 
 
 class Body(NamedTuple):
@@ -32,8 +29,8 @@ class Body(NamedTuple):
     `bars` and `hinges` of all elements; flat bands of the `mass` with half-bandwidth `width`;
     `held` dofs; dead `load` (dofs,); springs to the ground: `spring_dofs`, and `springs` (s, 2) of
     stiffness and place where unstressed; `shortest` element in m; struck `dof`, the `sign` of the
-    strike, mass of the `striker` in kg, its `speed` at first in m/s, `restitution`, `origin` of its
-    path in m; `tolerance` of the residual over the largest force.
+    strike, `origin` of its path in m; `energy` of the striker at first in J; `tolerance` of the
+    residual over the largest force.
     """
 
     bars: Any
@@ -47,20 +44,18 @@ class Body(NamedTuple):
     shortest: float
     dof: int
     sign: float
-    striker: float
-    speed: float
-    restitution: float
     origin: float
+    energy: float
     tolerance: float
 
 
 class Motion(NamedTuple):
     """What moves: committed `x`, `v` and momentum M v (dofs,), states of the elements.
 
-    `old` is committed, `new` the trial; `striker` (2,), its position and velocity; mean `rate`
-    (dofs,) of the last step, and how it has changed since the one before, `slope`, and is expected
-    to change, `trend`, both per time; `lasted` (1,), length of the last step; `force` (1,), the
-    largest nodal force so far.
+    `old` is committed, `new` the trial; mean `rate` (dofs,) of the last step, how that has changed
+    since the one before, `slope`, and is expected to change, `trend`, both per time; `lasted` (1,),
+    length of the last step; `force` (1,), the largest nodal force so far; `energies` (2,) of
+    LEDGER, committed sums and those of the trial step.
     """
 
     x: Array
@@ -68,12 +63,12 @@ class Motion(NamedTuple):
     momentum: Array
     old: Any
     new: Any
-    striker: Array
     rate: Array
     slope: Array
     trend: Array
     lasted: Array
     force: Array
+    energies: Any
 
 
 class Work(NamedTuple):
@@ -92,11 +87,12 @@ class Work(NamedTuple):
     pivots: Indices
 
 
-@njit(cache=True, error_model="numpy")
-def evaluate(body, motion, work, dt, closed, touch, x):
+@called
+def evaluate(body, motion, work, dt, closed, touch, striker, x):
     """Residual and tangent of a step of `dt` (s) that ends at displacements `x`.
 
-    A `closed` contact ends the step with the velocity `touch` of the striker, before what P takes.
+    A `closed` contact ends the step with the velocity `touch` of the `striker` (kg), before what P
+    takes.
     """
     factor = 2.0 / (dt * dt)
     for i in range(work.band.size):
@@ -119,20 +115,21 @@ def evaluate(body, motion, work, dt, closed, touch, x):
     if closed:
         d = body.dof
         v1 = body.sign * (2.0 * work.moved[d] / dt - motion.v[d])
-        work.residual[d] -= body.sign * body.striker * (touch - v1) / dt
-        work.band[d * rows + diagonal] += factor * body.striker
+        work.residual[d] -= body.sign * striker * (touch - v1) / dt
+        work.band[d * rows + diagonal] += factor * striker
     return largest(work.residual)
 
 
-@njit(cache=True, error_model="numpy")
-def _dot(a, b):
+@inner
+def dot(a, b):
+    """Scalar product."""
     total = 0.0
     for i in range(a.size):
         total += a[i] * b[i]
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@inner
 def _aim(body, work):
     """Write Newton's step; False if there is none."""
     kernels.hold(work.band, body.width, body.held, work.x.size)
@@ -147,7 +144,7 @@ def _aim(body, work):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@inner
 def _hold_back(body, work):
     """Write the step anew where a node turns by more than `LARGEST_TURN`; False if there is none.
 
@@ -156,7 +153,7 @@ def _hold_back(body, work):
     the turns stiffer than they are by themselves or, at most, in the whole step.
     """
     rows, diagonal = 3 * body.width + 1, 2 * body.width
-    energy = abs(_dot(work.step, work.residual))
+    energy = abs(dot(work.step, work.residual))
     for i in range(2, work.x.size, 3):
         turn, at = abs(work.step[i]) / LARGEST_TURN, i * rows + diagonal
         if turn > 1.0:
@@ -167,8 +164,8 @@ def _hold_back(body, work):
     return kernels.solve_band(work.kept, body.width, work.step, work.pivots)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
-def newton(body, motion, work, dt, closed, touch):
+@inner
+def newton(body, motion, work, dt, closed, touch, striker):
     """Solve a step from `work.x`, as `newton` of `structures/equilibrium` does.
 
     A step is taken for its residual only where that falls to `FALLEN`: with halves, steps in which
@@ -177,7 +174,7 @@ def newton(body, motion, work, dt, closed, touch):
     side the step is steep.
     Result: whether it converged, the residual over the allowed one, number of evaluations.
     """
-    size = evaluate(body, motion, work, dt, closed, touch, work.x)
+    size = evaluate(body, motion, work, dt, closed, touch, striker, work.x)
     allowed = kernels.allowed_residual(
         body.tolerance * max(motion.force[0], largest(body.load), 1e-3 * size),
         work.band, body.width, max(largest(motion.x), body.shortest),
@@ -189,15 +186,15 @@ def newton(body, motion, work, dt, closed, touch):
         solved = _aim(body, work)
         if not (solved and np.isfinite(size)):
             break
-        slope = _dot(work.step, work.residual)
+        slope = dot(work.step, work.residual)
         low, slope_low, high, slope_high = 0.0, slope, np.nan, np.nan
         s, new_size = 1.0, size
         for _search in range(SEARCHES):
             for i in range(n):
                 work.trial[i] = work.x[i] + s * work.step[i]
-            new_size = evaluate(body, motion, work, dt, closed, touch, work.trial)
+            new_size = evaluate(body, motion, work, dt, closed, touch, striker, work.trial)
             evaluations += 1
-            new_slope = _dot(work.step, work.residual)
+            new_slope = dot(work.step, work.residual)
             if abs(new_slope) <= 0.5 * abs(slope) or new_size <= FALLEN * size:
                 break
             finite = np.isfinite(new_slope)
@@ -208,7 +205,7 @@ def newton(body, motion, work, dt, closed, touch):
             else:
                 low, slope_low = s, new_slope
             kernels.band_product(work.band, body.width, work.step, work.pull)
-            bend = _dot(work.step, work.pull)
+            bend = dot(work.step, work.pull)
             share = (s - new_slope / bend - low) / (high - low)
             if not CLOSEST < share < 1.0 - CLOSEST:
                 share = 0.5
@@ -219,94 +216,3 @@ def newton(body, motion, work, dt, closed, touch):
         copy(work.trial, work.x)
         size = new_size
     return size <= kernels.STALLED * allowed, size / allowed, evaluations
-
-
-@njit(cache=True, error_model="numpy")
-def gap_of(body, motion):
-    """Distance (m) from the striker to the struck dof, and its rate (m/s)."""
-    gap = body.sign * motion.x[body.dof] - body.origin - motion.striker[0]
-    return gap, body.sign * motion.v[body.dof] - motion.striker[1]
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def solve(body, motion, work, dt):
-    """Solve a step with the right state of contact; the end stands in `work.x`.
-
-    Result: whether that was possible, the percussion in N s, residual over the allowed one and
-    number of evaluations.
-    """
-    gap, gamma = gap_of(body, motion)
-    eps = law.rebound(gamma, body.restitution)
-    touch = motion.striker[1] - eps * gamma
-    may, refused, d = gap + dt * min(gamma, 0.0) <= 0.0, False, body.dof
-    allowed = WORK * 0.5 * body.striker * body.speed**2
-    closed, evaluations, residual = may and not gamma > 0.0, 0, 0.0
-    for i in range(work.given.size):
-        work.given[i] = 2.0 / dt * motion.momentum[i] + body.load[i]
-    for _ in range(2 if may else 1):
-        for i in range(work.x.size):
-            ahead = motion.rate[i] + 0.5 * (dt + motion.lasted[0]) * motion.trend[i]
-            work.x[i] = motion.x[i] + dt * ahead
-        copy(motion.old.carried, motion.new.carried)
-        for _again in range(REPEATS):
-            done, residual, spent = newton(body, motion, work, dt, closed, touch)
-            evaluations += spent
-            if not done or abs(_dot(work.residual, work.moved)) <= allowed:
-                break
-        if done:
-            end = body.sign * (2.0 * (work.x[d] - motion.x[d]) / dt - motion.v[d])
-            percussion = body.striker * (touch - end) if closed else 0.0
-            fits = percussion >= 0.0 if closed else end - motion.striker[1] + eps * gamma >= 0.0
-            # a closed contact that pulls must open, whatever the open solution says of velocities
-            if fits or not may or (refused and not closed):
-                return True, percussion, residual, evaluations
-            refused = True
-        closed = not closed
-    return False, 0.0, residual, evaluations
-
-
-@njit(cache=True, error_model="numpy")
-def commit(body, motion, work, dt, percussion, energies, record):
-    """Commit the solved step and add what it has spent to a `record` of RECORD."""
-    x0, v0, n = motion.x, motion.v, work.x.size
-    gamma = body.sign * v0[body.dof] - motion.striker[1]
-    stored, plastic, algorithmic, ideal, _ = energies
-    for i in range(n):
-        moved = work.x[i] - x0[i]
-        slope = 2.0 * (moved / dt - motion.rate[i]) / (dt + motion.lasted[0])
-        # of two that differ in sign none, else the smaller one: what rings is not extrapolated
-        same = slope * motion.slope[i] > 0.0
-        motion.trend[i] = min(abs(slope), abs(motion.slope[i])) if same else 0.0
-        if slope < 0.0:
-            motion.trend[i] *= -1.0
-        motion.slope[i], motion.rate[i] = slope, moved / dt
-        record.external_work += body.load[i] * moved
-        v0[i] = 2.0 * moved / dt - v0[i]
-        x0[i] = work.x[i]
-    for h in body.held:
-        v0[h] = 0.0
-    for k in range(body.spring_dofs.size):
-        stored += 0.5 * body.springs[k, 0] * (x0[body.spring_dofs[k]] - body.springs[k, 1]) ** 2
-    kernels.band_product(body.mass, body.width, v0, motion.momentum)
-    record.kinetic = 0.5 * _dot(v0, motion.momentum)
-    for e in range(body.hinges.rotary.size):
-        record.kinetic += 0.5 * body.hinges.rotary[e] * motion.new.rate[e] ** 2
-    copy(motion.new.plastic, motion.old.plastic)
-    copy(motion.new.carried, motion.old.carried)
-    copy(motion.new.local, motion.old.local)
-    copy(motion.new.deformation, motion.old.deformation)
-    copy(motion.new.rate, motion.old.rate)
-    motion.lasted[0] = dt
-    motion.force[0] = max(motion.force[0], largest(work.internal))
-    before = motion.striker[1]
-    motion.striker[1] = before - percussion / body.striker
-    motion.striker[0] += 0.5 * dt * (before + motion.striker[1])
-    departure = body.sign * v0[body.dof] - motion.striker[1]
-    record.contact_loss += law.contact_loss(percussion, gamma, departure)
-    record.impulse += percussion
-    record.stored = stored
-    record.plastic += plastic
-    record.algorithmic += algorithmic
-    record.ideal += ideal
-    record.length += dt
-    record.striker_position, record.striker_velocity = motion.striker[0], motion.striker[1]
