@@ -83,8 +83,7 @@ def chain(
     count = len(lengths)
     group = Superelements(
         np.stack([np.arange(count), np.arange(1, count + 1)], axis=1),
-        sections=[bar(length, **options) for length in lengths],
-        section_of=range(count),
+        [bar(length, **options) for length in lengths],
         regularisation=regularisation,
         first_order=first_order,
     )

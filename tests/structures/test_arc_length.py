@@ -205,7 +205,7 @@ def hinged_portal():
     points = [[0.0, 0.0], [0.0, 4.0], [3.0, 4.0], [6.0, 4.0], [6.0, 0.0]]
     bars = [superelement_cases.bar(length) for length in (4.0, 3.0, 3.0, 4.0)]
     nodes = [[0, 1], [1, 2], [2, 3], [3, 4]]
-    group = Superelements(nodes, sections=bars, section_of=range(4))
+    group = Superelements(nodes, bars)
     frame = PlanarAssembly(points, [group])
     frame.hold([frame.dof(node, c) for node in (0, 4) for c in ("u", "v", "rotation")])
     frame.load[frame.dof(2, "v")] = -1e5

@@ -52,8 +52,8 @@ def followed(pace: Pace, restitution: float = 0.0, **options: object) -> dict[st
         table = records.table
         parts.append(
             {
-                "x": records.states.x[:, hit],
-                "v": records.states.v[:, hit],
+                "x": records.x[:, hit],
+                "v": records.v[:, hit],
                 **{name: table[name] for name in ("time", "percussion", "plastic")},
                 "total": table["kinetic"]
                 + table["stored"]

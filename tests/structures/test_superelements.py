@@ -181,7 +181,7 @@ def on_a_circle(rate: np.ndarray, start: np.ndarray, steps: int, weight: float) 
     surface, work = YieldSurface(NP, MP, 2.0, 2.0), 1e3
     hinge = HingeEnd(surface, NP**2 / work, MP**2 / work)
     element = Superelement(HingeEnd(surface, inf, 0.0), hinge)
-    group = Superelements([[0, 1]], sections=[element], section_of=[0], regularisation=0.0)
+    group = Superelements([[0, 1]], [element], regularisation=0.0)
     PlanarAssembly([[0.0, 0.0], [1.0, 0.0]], [group])
     (tables,), (old, new) = group.tables, group.states
     unit, at = np.array([NP, MP]), [0, 2]
@@ -216,7 +216,7 @@ def test_hinges_return_to_second_order_in_midpoint_steps() -> None:
 
 def elastic_answer(element: Superelement, length: float, held, dof, force: float) -> float:
     """Displacement of a dof of one element along x under a small force there."""
-    group = Superelements([[0, 1]], sections=[element], section_of=[0])
+    group = Superelements([[0, 1]], [element])
     assembly = PlanarAssembly([[0.0, 0.0], [length, 0.0]], [group])
     assembly.hold([assembly.dof(*place) for place in held])
     assembly.load[assembly.dof(*dof)] = force
@@ -280,7 +280,7 @@ def test_flexible_bar_with_ever_stiffer_hinges_tends_to_rigid_plastic_hinges():
         for factor in (1e2, 1e4, 1e6, np.inf):
             end = HingeEnd(surface, factor * 2.0 * EA / 1.5, factor * 6.0 * EI / 1.5)
             section = Superelement(end, end, EA, EI, flexible=True)
-            group = Superelements([[0, 1]], sections=[section], section_of=[0], regularisation=0.0)
+            group = Superelements([[0, 1]], [section], regularisation=0.0)
             assembly = PlanarAssembly([[0.0, 0.0], [1.5, 0.0]], [group])
             assembly.assemble(x, None)
             assembly.commit(x)
@@ -403,9 +403,7 @@ def test_moments_have_the_sign_of_the_member():
     """Sagging at the middle of a beam along x is positive; bounds follow that sign."""
     surface = YieldSurface(NP, 0.5 * MP, 1.0, 1.3, None, 0.2 * MP)
     end = HingeEnd(surface, 2.0 * EA, 6.0 * EI)
-    group = Superelements(
-        [[0, 1]], sections=[Superelement(end, end)], section_of=[0], regularisation=0.0
-    )
+    group = Superelements([[0, 1]], [Superelement(end, end)], regularisation=0.0)
     assembly = PlanarAssembly([[0.0, 0.0], [1.0, 0.0]], [group])
     for turn, moment in ((-0.05, 0.5 * MP), (0.05, -0.2 * MP)):
         # ends turned towards each other: sagging stretches the fibers below, on the right

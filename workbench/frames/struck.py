@@ -19,11 +19,9 @@ _COLUMNS = {"impulse": "percussion", "striker.velocity": "striker_velocity"}
 
 def show(structure: FrameStructure, records: Records, rows: Any) -> None:
     """Make a structure show the states of these `rows` of the records, for its readers."""
-    states = records.states
     (group,) = structure.assembly.groups
-    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in states.elements)))
-    stored = records.table["stored"][rows]
-    structure.assembly.show(states.x[rows], states.v[rows], stored)
+    cast(Superelements, group).show(SuperelementState(*(each[rows] for each in records.states)))
+    structure.assembly.show(records.x[rows], records.v[rows], records.table["stored"][rows])
 
 
 class StruckSnapshots(Snapshots):

@@ -18,8 +18,6 @@ from functools import lru_cache
 from math import ceil, inf
 from typing import ClassVar
 
-import numpy as np
-
 from workbench.fields import Choice, Number, checked
 from workbench.frames.elastic import wave_times
 from workbench.frames.runs import run_impact
@@ -131,8 +129,7 @@ class _HingedBars(BarFrames):
             elements.append(bars if weak else replace(bars, web=web))
         group = Superelements(
             nodes,
-            sections=elements,
-            section_of=np.arange(len(elements)),
+            elements,
             regularisation=self.regularisation,
             first_order=self.first_order,
         )

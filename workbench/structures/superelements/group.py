@@ -186,8 +186,8 @@ def scratch(elements: int) -> tuple[Array, ...]:
 class Superelements(HingedElements):
     """Two-node superelements.
 
-    Arguments: `nodes` (elements, 2), node numbers; `section_of` (elements,), which of `sections`
-    each element is; `regularisation`, the share of the elastic stiffness that acts beside the
+    Arguments: `nodes` (elements, 2), node numbers; `kinds` (elements,), what each element consists
+    of; `regularisation`, the share of the elastic stiffness that acts beside the
     perfectly plastic hinges and keeps the tangent of a mechanism regular; `first_order`,
     equilibrium of the undeformed structure (shapes are then drawn with the chords as they move).
     """
@@ -198,13 +198,11 @@ class Superelements(HingedElements):
     def __init__(
         self,
         nodes: ArrayLike,
+        kinds: Sequence[Superelement],
         *,
-        sections: Sequence[Superelement],
-        section_of: ArrayLike,
         regularisation: float = REGULARISATION,
         first_order: bool = False,
     ) -> None:
-        kinds = [sections[i] for i in np.asarray(section_of, dtype=np.int64)]  # of each element
         widths = ((5,), (3,), (3,), (3,), ())
         state = SuperelementState(*(np.zeros((len(kinds), *width)) for width in widths))
         mass = np.array([kind.mass_per_length for kind in kinds])

@@ -36,14 +36,6 @@ RECORD = np.dtype([(name, float) for name in (*COMMON, *SUMS)])
 LEDGER = np.dtype([(name, float) for name in SUMS])
 
 
-class States(NamedTuple):
-    """Committed states of records: `x` and `v` (records, dofs), and of all elements, `elements`."""
-
-    x: Array
-    v: Array
-    elements: Any
-
-
 class CollapseLimits(NamedTuple):
     """Beyond what a structure has collapsed; why it has is for `frames.collapse_watch` to say.
 
@@ -66,13 +58,18 @@ class CollapseLimits(NamedTuple):
 
 
 class System(NamedTuple):
-    """All of a struck structure: what is fixed, moves, is scratch; its limits and its records."""
+    """All of a struck structure: what is fixed, moves, is scratch; its limits of collapse.
+
+    Committed states of records: `x` and `v` (records, dofs) and, of all elements, `states`.
+    """
 
     body: Body
     motion: Motion
     work: Work
     limits: CollapseLimits
-    states: States
+    x: Array
+    v: Array
+    states: SuperelementState
 
 
 @inner
@@ -157,18 +154,18 @@ def accept(s, dt):
 @inner
 def write(s, records, n):
     """Energies, and the states."""
-    row, sums, motion, state = records[n], s.motion.energies[0], s.motion, s.states.elements
+    row, sums, motion, states = records[n], s.motion.energies[0], s.motion, s.states
     row.stored, row.plastic, row.algorithmic = sums.stored, sums.plastic, sums.algorithmic
     row.ideal, row.external_work = sums.ideal, sums.external_work
     row.kinetic = 0.5 * dot(motion.v, motion.momentum)
     for e in range(s.body.hinges.rotary.size):
         row.kinetic += 0.5 * s.body.hinges.rotary[e] * motion.old.rate[e] ** 2
-    copy(motion.x, s.states.x[n])
-    copy(motion.v, s.states.v[n])
-    copy(motion.old.plastic, state.plastic[n])
-    copy(motion.old.carried, state.carried[n])
-    copy(motion.old.local, state.local[n])
-    copy(motion.old.deformation, state.deformation[n])
+    copy(motion.x, s.x[n])
+    copy(motion.v, s.v[n])
+    copy(motion.old.plastic, states.plastic[n])
+    copy(motion.old.carried, states.carried[n])
+    copy(motion.old.local, states.local[n])
+    copy(motion.old.deformation, states.deformation[n])
 
 
 @inner
@@ -207,13 +204,17 @@ def impact(system, drive, progress, records):
 
 
 class Records(NamedTuple):
-    """Several records of an impact: their `table` of RECORD, and the committed `states`.
+    """Several records of an impact: their `table` of RECORD, and committed states.
 
-    Whether the structure has `collapsed` in the last one; `evaluations` and `cuts` so far.
+    Of all records the displacements `x` and velocities `v` (records, dofs) and, of all elements,
+    `states`; whether the structure has `collapsed` in the last one; `evaluations` and `cuts` so
+    far.
     """
 
     table: Any
-    states: States
+    x: Array
+    v: Array
+    states: SuperelementState
     collapsed: bool
     evaluations: int
     cuts: int
@@ -285,13 +286,12 @@ def follow_impact(
     rows, status = max(3, min(1024, NUMBERS // size)), GOING
     while status in (GOING, COLLAPSE):
         table = np.zeros(rows, RECORD)
-        room = SuperelementState(*(np.empty((rows, *values.shape)) for values in old))
-        states = States(np.empty((rows, assembly.size)), np.empty((rows, assembly.size)), room)
-        system = System(body, motion, work, limits, states)
+        x, v = np.empty((rows, assembly.size)), np.empty((rows, assembly.size))
+        states = SuperelementState(*(np.empty((rows, *values.shape)) for values in old))
+        system = System(body, motion, work, limits, x, v, states)
         status, count = impact(system, drive, progress, table)
         if count:
-            shown = SuperelementState(*(values[:count] for values in room))
-            states = States(states.x[:count], states.v[:count], shown)
+            states = SuperelementState(*(values[:count] for values in states))
             spent = int(progress["evaluations"][0]), int(progress["cuts"][0])
-            yield Records(table[:count], states, status == COLLAPSE, *spent)
+            yield Records(table[:count], x[:count], v[:count], states, status == COLLAPSE, *spent)
     check_end(status, progress[0], pace)
