@@ -19,17 +19,17 @@ class InputError(WorkbenchError, ValueError):
     def __init__(self, field: str, value: object, allowed: str, advice: str = "") -> None:
         self.field, self.value, self.allowed, self.advice = field, value, allowed, advice
         given = "" if value is None else f" = {shown(value)}"
-        said = f"{allowed}; {advice}" if advice else allowed
-        super().__init__(one_line(f"{one_line(field, 200)}{given}: {said}"))
+        rule = f"{allowed}; {advice}" if advice else allowed
+        super().__init__(one_line(f"{one_line(field, 200)}{given}: {rule}"))
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         return type(self), (self.field, self.value, self.allowed, self.advice)
 
 
-def told(error: BaseException) -> str:
-    """What an error says; an error that is not of this package with its type."""
-    own = isinstance(error, WorkbenchError)
-    return str(error) if own else f"{type(error).__name__}: {error}"
+def message_of(error: BaseException) -> str:
+    """The message of an error; with its type if it is not of this package."""
+    known = isinstance(error, WorkbenchError)
+    return str(error) if known else f"{type(error).__name__}: {error}"
 
 
 def one_line(text: str, longest: int = 4000) -> str:

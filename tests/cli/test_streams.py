@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.cli import run
-from workbench.cli.streams import plain
+from workbench.cli import plain, run
 from workbench.scenarios import ColumnImpact, to_toml
 
 COMMAND = [sys.executable, "-c", "from workbench.cli import main; main()"]

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from workbench.assessment import METRICS
 from workbench.content.bibliography import bibliography, reference_of
-from workbench.content.html import render_html
-from workbench.content.markdown import render_markdown
+from workbench.content.documents import render_html, render_markdown, render_pdf
 from workbench.content.terminal import render_text
 from workbench.content.tree import (
     ELSEWHERE,
@@ -24,7 +23,6 @@ from workbench.content.tree import (
     Table,
     runs_of,
 )
-from workbench.content.typst import render_pdf
 from workbench.evidence.catalogue import datasets
 from workbench.registry import offers
 

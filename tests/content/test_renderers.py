@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workbench.content.markdown import render_markdown
+from workbench.content.documents import render_markdown
 from workbench.content.terminal import render_text
 from workbench.content.tree import (
     ABSENT,

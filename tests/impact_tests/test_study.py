@@ -13,7 +13,7 @@ import pytest
 from scipy.stats import beta
 from scipy.stats import t as student
 
-from workbench.content.markdown import render_markdown
+from workbench.content.documents import render_markdown
 from workbench.content.terminal import show
 from workbench.evidence import dataset
 from workbench.intake import add_table

@@ -13,8 +13,8 @@ from synthetic_study import store_of
 from test_report_figures import request
 
 from workbench.assessment import Gate
+from workbench.content.documents import render_pdf
 from workbench.content.tree import Callout, Document, Listing, Picture, Section, Table, walk
-from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.models.superelements import FlexibleSuperelement
 from workbench.report.build import build_report

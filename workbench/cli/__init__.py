@@ -1,18 +1,26 @@
 """The command line: ``workbench VERB ...``. Nothing heavy is imported before a verb runs."""
 
+import codecs
 import os
+import re
 import sys
+import unicodedata
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Annotated, Any
 
-from workbench.cli.streams import prepare
-from workbench.errors import InputError, WorkbenchError, shown, told
+from workbench.errors import InputError, WorkbenchError, message_of, shown
 
 _SUMMARY = """How far can each reduced model of a steel structure under impact be trusted?
 
 Exit status: 0 done, 1 a gate failed or a cell did not converge, 2 bad input.
 """
+_PLAIN = {
+    **{"±": "+/-", "−": "-", "–": "-", "—": "-", "─": "-", "×": "x", "·": ".", "→": "->"},
+    **{"≤": "<=", "≥": ">=", "√": "sqrt ", "∞": "inf", "½": "1/2", "µ": "u", "ß": "ss"},
+}
+_RAISED = re.compile("[⁰¹²³⁴-⁹⁻]+")  # exponents
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -22,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Bad input is one line on the error stream, without a traceback. An interrupt (Ctrl-C) ends
     with 130.
     """
-    prepare()
+    _prepare()
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 
@@ -47,10 +55,10 @@ def run(arguments: Sequence[str]) -> int:
         return FAILED
     except OSError as error:
         what = "standard output" if error.filename is None else shown(str(error.filename))
-        said = f"{what}: {error.strerror or told(error)}"
         if error.filename is None:
             _drop_output()
-        return _say(f"{said}; make room there or name another place", BAD_INPUT)
+        reason = error.strerror or message_of(error)
+        return _say(f"{what}: {reason}; make room there or name another place", BAD_INPUT)
     except Exception as error:
         # errors of the argument parser; its classes have no common public base in all versions
         if not hasattr(error, "format_message"):
@@ -63,7 +71,7 @@ def _application() -> Callable[..., Any]:
     import typer
 
     from workbench import __version__
-    from workbench.cli import chart, data, doctor, fit, limit, models, new, simulate, studies
+    from workbench.cli import chart, data, doctor, fit, limit, models, simulate, studies
 
     app = typer.Typer(
         add_completion=False,
@@ -87,10 +95,10 @@ def _application() -> Callable[..., Any]:
     app.command("advise")(models.advise)
     app.command("simulate")(simulate.simulate)
     app.command("limit")(limit.limit)
-    for found in (studies.run, studies.status, studies.report, studies.validate):
-        app.command(found.__name__)(found)
+    for function in (studies.run, studies.status, studies.report, studies.validate):
+        app.command(function.__name__)(function)
     app.add_typer(fit.app, name="fit")
-    app.add_typer(new.app, name="new")
+    app.add_typer(data.templates, name="new")
     app.add_typer(data.app, name="data")
     app.add_typer(chart.app, name="chart")
     app.command("doctor")(doctor.doctor)
@@ -107,3 +115,30 @@ def _say(text: str, status: int) -> int:
     with suppress(OSError):  # its reader has gone
         print("workbench: " + " ".join(text.split()), file=sys.stderr)
     return status
+
+
+def _prepare() -> None:
+    """Let both streams replace what they cannot encode; one that is closed leads nowhere."""
+    codecs.register_error("workbench", _replaced)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        getattr(sys, name).reconfigure(errors="workbench")
+
+
+def plain(text: str) -> str:
+    """A text in ASCII: signs as programmers write them, Greek letters by name, ? for the rest."""
+    return "".join(map(_letter, _RAISED.sub(lambda match: f"^{match[0]}", text)))
+
+
+def _letter(letter: str) -> str:
+    whole = unicodedata.normalize("NFKD", _PLAIN.get(letter, letter))
+    known = "".join(_PLAIN.get(part, part) for part in whole).encode("ascii", "ignore").decode()
+    name = unicodedata.name(letter, "")
+    return known or (name.split()[-1].lower() if name.startswith("GREEK") else "?")
+
+
+def _replaced(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return plain(error.object[error.start : error.end]), error.end

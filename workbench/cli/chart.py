@@ -38,15 +38,15 @@ def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
 
     target = _target(figure)
     _shape(shape)
-    found = ductility_chart(shape, _LENGTHS, _STRENGTHS)
+    chart = ductility_chart(shape, _LENGTHS, _STRENGTHS)
     columns = [Column("t_d / T", True, 1.0, lambda row: _cell(row[0]))]
     for i, strength in enumerate(_STRENGTHS):
-        own = partial(lambda i, row: _cell(row[1][i]), i)
-        columns.append(Column(f"R_m / F = {strength:g}", True, 1.0, own))
-    table = [[value if isfinite(value) else None for value in row] for row in found.tolist()]
+        cell = partial(lambda i, row: _cell(row[1][i]), i)
+        columns.append(Column(f"R_m / F = {strength:g}", True, 1.0, cell))
+    table = [[value if isfinite(value) else None for value in row] for row in chart.tolist()]
     rows = list(zip(_LENGTHS, table, strict=True))
     lines = {
-        f"R/F = {strength:g}": Line(_LENGTHS, found[:, i].tolist())
+        f"R/F = {strength:g}": Line(_LENGTHS, chart[:, i].tolist())
         for i, strength in enumerate(_STRENGTHS)
     }
     _draw(target, lines, "length of the pulse over the period", "ductility")
@@ -58,8 +58,8 @@ def ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer:
         "ductility": table,
         "step": steps,
     }
-    said = f"ductility under {shape} pulses; T the elastic period, R_m / F strength over force"
-    return Answer(content, (Paragraph(said), Table.of("ductility", "", columns, rows)))
+    title = f"ductility under {shape} pulses; T the elastic period, R_m / F strength over force"
+    return Answer(content, (Paragraph(title), Table.of("ductility", "", columns, rows)))
 
 
 @app.command("iso-ductility")
@@ -77,8 +77,8 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
     curves = {mu: charts.pressure_impulse(shape, mu, _LENGTHS) for mu in _DUCTILITIES}
     ends = {mu: (charts.impulse_asymptote(mu), charts.step_force(mu)) for mu in _DUCTILITIES}
     lines = {
-        f"ductility {mu:g}": Line([p.impulse for p in found], [p.force for p in found], *ends[mu])
-        for mu, found in curves.items()
+        f"ductility {mu:g}": Line([p.impulse for p in points], [p.force for p in points], *ends[mu])
+        for mu, points in curves.items()
     }
     _draw(target, lines, "impulse, I w / R_m", "force, F / R_m")
     columns = (
@@ -87,7 +87,7 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
         Column("F / R_m", True, 1.0, lambda row: _cell(row[1].force)),
         Column("I w / R_m", True, 1.0, lambda row: _cell(row[1].impulse)),
     )
-    rows = [(mu, point) for mu, found in curves.items() for point in found]
+    rows = [(mu, point) for mu, points in curves.items() for point in points]
     content = {
         "shape": shape,
         "curves": [
@@ -95,13 +95,13 @@ def iso_ductility(shape: Shape = "triangular", figure: Picture = None) -> Answer
                 "ductility": mu,
                 "impulse_asymptote": ends[mu][0],
                 "step_force": ends[mu][1],
-                "points": [point._asdict() for point in found],
+                "points": [point._asdict() for point in points],
             }
-            for mu, found in curves.items()
+            for mu, points in curves.items()
         ],
     }
-    said = f"{shape} pulses that take an elastic-plastic mass to one ductility; w = 2 pi / T"
-    return Answer(content, (Paragraph(said), Table.of("iso-ductility", "", columns, rows)))
+    title = f"{shape} pulses that take an elastic-plastic mass to one ductility; w = 2 pi / T"
+    return Answer(content, (Paragraph(title), Table.of("iso-ductility", "", columns, rows)))
 
 
 @app.command("pressure-impulse")
@@ -126,18 +126,18 @@ def pressure_impulse(
     from workbench.study.pressure_impulse import pressure_impulse_curve
 
     target = _target(figure, scenario)
-    asked = load_scenario(scenario, settings or [])
-    if not isinstance(asked, MemberPulse | FramePulse):
-        raise InputError("kind", asked.KIND, "must be member-pulse or frame-pulse")
-    if asked.pulse.length is None:
-        raise InputError("pulse.shape", asked.pulse.shape, "must have a length, not be a table")
+    given = load_scenario(scenario, settings or [])
+    if not isinstance(given, MemberPulse | FramePulse):
+        raise InputError("kind", given.KIND, "must be member-pulse or frame-pulse")
+    if given.pulse.length is None:
+        raise InputError("pulse.shape", given.pulse.shape, "must have a length, not be a table")
     Number(1e-6, 50.0, "m").check("--displacement", displacement)
-    lengths = [asked.pulse.length * factor for factor in _LENGTHS]
+    lengths = [given.pulse.length * factor for factor in _LENGTHS]
     models = [make_model(each, pairs_of("--option", options)) for each in model or ["biggs"]]
-    found = {
-        each.name: pressure_impulse_curve(each, asked, displacement, lengths) for each in models
+    curves = {
+        each.name: pressure_impulse_curve(each, given, displacement, lengths) for each in models
     }
-    pressed = getattr(asked, "load", "") == UNIFORM or getattr(asked, "members", ())
+    pressed = getattr(given, "load", "") == UNIFORM or getattr(given, "members", ())
     unit = "N/m" if pressed else "N"
     columns = (
         Column("model", width=1.5, of=lambda row: row[0]),
@@ -146,21 +146,21 @@ def pressure_impulse(
         Column(f"impulse ({unit} s)", True, 1.0, lambda row: _cell(row[1].impulse)),
         Column("remark", width=2.0, of=lambda row: row[1].reason),
     )
-    rows = [(name, point) for name, points in found.items() for point in points]
+    rows = [(name, point) for name, points in curves.items() for point in points]
     lines = {}
-    for name, points in found.items():
+    for name, points in curves.items():
         known = [p for p in points if p.peak is not None]
         if known:
             lines[name] = Line([p.impulse or 0.0 for p in known], [p.peak or 0.0 for p in known])
     _draw(target, lines, f"impulse ({unit} s)", f"peak ({unit})")
     content = {
-        "scenario": asked.name,
+        "scenario": given.name,
         "displacement": displacement,
-        "shape": asked.pulse.shape,
-        "curves": {name: [vars(point) for point in points] for name, points in found.items()},
+        "shape": given.pulse.shape,
+        "curves": {name: [vars(point) for point in points] for name, points in curves.items()},
     }
-    said = f"{asked.name}: {asked.pulse.shape} pulses that reach {displacement:g} m"
-    blocks = (Paragraph(said), Table.of("pressure-impulse", "", columns, rows))
+    title = f"{given.name}: {given.pulse.shape} pulses that reach {displacement:g} m"
+    blocks = (Paragraph(title), Table.of("pressure-impulse", "", columns, rows))
     silent = any(point.peak is None for _, point in rows)
     return Answer(content, blocks, int(silent))
 

@@ -1,13 +1,14 @@
-"""`workbench data`: the catalogue of published numbers, tests and profiles, and one's own."""
+"""`workbench data` and `new`: the catalogue, one's own tables, and templates to fill in."""
 
 import dataclasses
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from workbench.cli.output import Answer, Names, option, verb
+from workbench.cli.output import Answer, Json, Names, option, verb
 from workbench.cli.studies import StoreRoot, StudyName
 from workbench.content.tree import (
     Block,
@@ -22,6 +23,9 @@ from workbench.content.tree import (
 
 app = typer.Typer(
     help="Show, check and extend the data catalogue.", rich_markup_mode=None, no_args_is_help=False
+)
+templates = typer.Typer(
+    help="Print a template to fill in.", rich_markup_mode=None, no_args_is_help=False
 )
 TablesRoot = Annotated[
     str | None, option("Where to write.  [default: the tables of the program]", metavar="DIR")
@@ -97,8 +101,7 @@ def add(
         despite_doubts=despite_doubts,
     )
     entry = dataclasses.asdict(added.entry)
-    told = ("already", "read", "rows")
-    content = {"dataset": entry, **{each: getattr(added, each) for each in told}}
+    content = {"dataset": entry, **{n: getattr(added, n) for n in ("already", "read", "rows")}}
     lists = {"notes": list(added.notes), "doubts": list(added.doubts)}
     return Answer({**content, **lists}, _added(added))
 
@@ -168,11 +171,11 @@ def rules(
     path, _ = _written({TABLE: (rows, VALIDITY_COLUMNS), RANGES: ranges}, out)
     right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
     text = f"{len(rows)} regions of {len(checks)} models in {path}."
-    share = f" Right on {right} of {asked} answers that the trees had not seen." if asked else ""
+    share = f" Right on {right} of {asked} answers on hold-out columns." if asked else ""
     columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
-    told = Table.of("checks", "Columns that the trees had not seen.", columns, checks)
+    table = Table.of("checks", "Hold-out columns.", columns, checks)
     content = {"rows": len(rows), "file": path, "checks": checks}
-    return Answer(content, [Paragraph(text + share), told])
+    return Answer(content, [Paragraph(text + share), table])
 
 
 def _written(
@@ -205,11 +208,11 @@ def check(
     from workbench.studs import check_tables
 
     if files:
-        found = {str(file): check_file(Path(file)) for file in files}
-        content: dict[str, Any] = {"files": {file: bad for file, (bad, _) in found.items()}}
-        content["suspicions"] = {file: doubts for file, (_, doubts) in found.items()}
+        results = {str(file): check_file(Path(file)) for file in files}
+        content: dict[str, Any] = {"files": {file: bad for file, (bad, _) in results.items()}}
+        content["suspicions"] = {file: doubts for file, (_, doubts) in results.items()}
         texts = []
-        for file, (bad, doubts) in found.items():
+        for file, (bad, doubts) in results.items():
             more = f", {len(doubts)} suspicions" if doubts else ""
             texts += [*bad, *(f"suspicion: {text}" for text in doubts)]
             texts.append(f"{file}: {len(bad)} problems{more}.")
@@ -220,3 +223,45 @@ def check(
         texts = [*problems, f"{len(datasets())} datasets, {len(problems)} problems."]
         failed = bool(problems)
     return Answer(content, [Paragraph(text) for text in texts], int(failed))
+
+
+# -- workbench new: templates of tables and files, to be redirected into a file and filled ---------
+
+
+def _printed(text: str, as_json: bool) -> Answer:
+    """The template as it is: no line of a file may be wrapped."""
+    if not as_json:
+        sys.stdout.write(text)
+    return Answer({"template": text})
+
+
+@templates.command("impact-tests")
+@verb
+def impact_tests(as_json: Json = False) -> Answer:
+    """A table of impact tests on steel members, commented, with an example: for `data add`."""
+    from workbench.impact_tests.schema import TEMPLATE
+
+    return _printed(TEMPLATE.text, as_json)
+
+
+@templates.command("mapping")
+@verb
+def mapping_template(as_json: Json = False) -> Answer:
+    """A mapping file for a published table, for `workbench data add --mapping`."""
+    from workbench.intake.mapping import TEMPLATE
+
+    return _printed(TEMPLATE.read_text(encoding="utf-8"), as_json)
+
+
+@templates.command("studs")
+@verb
+def studs(
+    kind: str = option(
+        "strength, load-slip, residual, fatigue, combined or deck.", "strength", "NAME"
+    ),
+    as_json: Json = False,
+) -> Answer:
+    """A table of tests on studs, commented, with an example: for `workbench fit`."""
+    from workbench.studs.templates import template
+
+    return _printed(template(kind), as_json)

@@ -28,7 +28,7 @@ class Check(NamedTuple):
 
 
 def _judged(name: str, fine: str, problem: str, remedy: str, state: str = "fail") -> Check:
-    """A check that found what is `fine`, or a `problem` (empty: none) with its remedy."""
+    """A check whose result is `fine`, or a `problem` (empty: none) with its remedy."""
     return Check(name, state, problem, remedy) if problem else Check(name, "ok", fine)
 
 
@@ -51,7 +51,7 @@ def doctor(
         "physics": _physics,
         "physics of references": _references,
     }
-    checks = [found for name, check in named.items() for found in _guarded(name, check)]
+    checks = [each for name, check in named.items() for each in _guarded(name, check)]
     failed = any(check.state == "fail" for check in checks)
     content = {"failed": failed, "checks": [check._asdict() for check in checks]}
     return Answer(content, _blocks(checks), int(failed))
@@ -62,7 +62,7 @@ def _blocks(checks: list[Check]) -> Iterator[Block]:
     columns = (
         Column("state", of=lambda check: Cell(check.state, tone=tones[check.state])),
         Column("check", of="name"),
-        Column("what was found", of="detail"),
+        Column("what it saw", of="detail"),
     )
     yield Table.of("checks", "", columns, checks)
     yield from (Paragraph(f"{check.name}: {check.remedy}") for check in checks if check.remedy)
@@ -93,23 +93,23 @@ def _libraries() -> Iterator[Check]:
         yield Check("libraries", "warn", detail, "work from the source tree: make .venv")
         return
     wanted = dict(re.findall(r"(?m)^([A-Za-z0-9._-]+)==([^\s;\\]+)", lock.read_text()))
-    found: dict[str, str] = {}
+    installed: dict[str, str] = {}
     for name in wanted:
         with suppress(metadata.PackageNotFoundError):
-            found[name] = metadata.version(name)
+            installed[name] = metadata.version(name)
     needed = {
         re.split(r"[^A-Za-z0-9._-]", text)[0].lower()
         for text in metadata.requires("workbench") or ()
         if "extra ==" not in text
     }
-    absent = [name for name in wanted if name not in found and name.lower() in needed]
+    absent = [name for name in wanted if name not in installed and name.lower() in needed]
     differing = [
         f"{name} {version} (locked {wanted[name]})"
-        for name, version in found.items()
+        for name, version in installed.items()
         if version != wanted[name]
     ]
     problem = f"not installed: {', '.join(absent)}" if absent else "; ".join(differing)
-    fine, remedy = f"{len(found)} libraries as locked", "pip install -r requirements.lock"
+    fine, remedy = f"{len(installed)} libraries as locked", "pip install -r requirements.lock"
     yield _judged("libraries", fine, problem, remedy, "fail" if absent else "warn")
 
 
@@ -152,8 +152,8 @@ def _store(root: Path) -> Iterator[Check]:
 def _data() -> Iterator[Check]:
     from workbench.evidence import check, datasets
 
-    found = check()
-    problem = f"{len(found)} problems, first: {found[0]}" if found else ""
+    problems = check()
+    problem = f"{len(problems)} problems, first: {problems[0]}" if problems else ""
     remedy = "restore the data directory; `workbench data check` lists all problems"
     fine = "" if problem else f"{len(datasets())} datasets in order"
     yield _judged("data catalogue", fine, problem, remedy)
@@ -188,8 +188,8 @@ def _physics() -> Iterator[Check]:
     peak = striker.mass * striker.velocity * sqrt(flexibility / mass)
     for name in ("single-dof", "four-dof"):
         response = make_model(name).simulate(scenario)
-        found = float(response["peak_displacement"])
-        yield _compared(name, "elastic peak", (1e3 * found, 1e3 * peak, "mm"), 2e-3, response)
+        value = float(response["peak_displacement"])
+        yield _compared(name, "elastic peak", (1e3 * value, 1e3 * peak, "mm"), 2e-3, response)
 
 
 def _flexibility(scenario: ColumnScenario, second_moment: float) -> float:
@@ -214,20 +214,20 @@ def _references() -> Iterator[Check]:
     mesh = {"smallest_element": 0.1, "largest_element": 0.1, "refinement": 0, "levels": 1}
     for name in ("fiber-reissner", "fiber-corotational"):
         response = make_model(name, mesh).simulate(scenario)
-        found = float(response["force"][-1])
-        yield _compared(name, "elastic force", (found / 1e3, force / 1e3, "kN"), 5e-3, response)
+        value = float(response["force"][-1])
+        yield _compared(name, "elastic force", (value / 1e3, force / 1e3, "kN"), 5e-3, response)
 
 
 def _compared(
     name: str, what: str, pair: tuple[float, float, str], tolerance: float, response: Response
 ) -> Check:
     """A value of a model beside its closed form and their unit, and the energy of the run."""
-    found, expected, unit = pair
+    value, expected, unit = pair
     from workbench.responses import energy_error
 
     energy = energy_error(response)
-    fine = energy is not None and energy < 1e-6 and abs(found / expected - 1.0) < tolerance
-    detail = f"{what} {found:.4g} {unit}, closed form {expected:.4g} {unit}; "
+    fine = energy is not None and energy < 1e-6 and abs(value / expected - 1.0) < tolerance
+    detail = f"{what} {value:.4g} {unit}, closed form {expected:.4g} {unit}; "
     detail += f"energy error {energy:.1e}"
     problem = "" if fine else detail
     remedy = "run make test; compare the libraries with the lock file"

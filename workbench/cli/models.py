@@ -116,8 +116,8 @@ def _entry(offer: Offer) -> dict[str, Any]:
         sources = kind.sources
     names = {field.name for field in dataclasses.fields(kind)}
     families = (base for base in kind.__mro__[1:] if "name" not in vars(base))
-    told = [kind, *(base for base in families if names & vars(base).keys())]  # of options
-    text = "\n\n".join(inspect.cleandoc(base.__doc__ or "") for base in told)
+    documented = [kind, *(base for base in families if names & vars(base).keys())]  # of options
+    text = "\n\n".join(inspect.cleandoc(base.__doc__ or "") for base in documented)
     return {
         "name": offer.name,
         "title": text.partition("\n")[0],

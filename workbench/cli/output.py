@@ -18,7 +18,7 @@ from workbench.errors import InputError
 def option(text: str, default: Any = ..., metavar: str | None = None, flag: str = "") -> Any:
     """An option of a verb: what it does, its default, how its value and its flag are called.
 
-    Without a default it must be given. The flag is that of the name unless it is said; what is
+    Without a default it must be given. The flag is that of the name unless one is given; what is
     there or not has one flag.
     """
     return typer.Option(default, *([flag] if flag else []), metavar=metavar, help=text)
@@ -48,14 +48,14 @@ class Answer(NamedTuple):
 def verb(function: Callable[..., Answer]) -> Callable[..., int]:
     """A function as a verb: it gets the option ``--json``, prints its answer, returns the status.
 
-    A function that has a parameter `as_json` itself is told.
+    A function that has a parameter `as_json` itself gets it.
     """
     signature = inspect.signature(function, eval_str=True)
-    told = "as_json" in signature.parameters
+    wants_json = "as_json" in signature.parameters
 
     @functools.wraps(function)
     def answered(*arguments: Any, as_json: bool = False, **options: Any) -> int:
-        if told:
+        if wants_json:
             options["as_json"] = as_json
         answer = function(*arguments, **options)
         if as_json:
@@ -68,7 +68,7 @@ def verb(function: Callable[..., Answer]) -> Callable[..., int]:
             show(*answer.blocks)
         return answer.status
 
-    if not told:
+    if not wants_json:
         kind = inspect.Parameter.KEYWORD_ONLY
         option = inspect.Parameter("as_json", kind, default=False, annotation=Json)
         signature = signature.replace(parameters=[*signature.parameters.values(), option])

@@ -131,13 +131,13 @@ def status(study: StudyName, quick: Quick = False, store: StoreRoot = "reports")
             for entry in entries
         ],
     }
-    told: dict[tuple[str, str], list[str]] = {}
+    waiting: dict[tuple[str, str], list[str]] = {}
     for entry in entries:
         if entry.state is not State.DONE:
             failed = entry.state is State.FAILED
-            said = (entry.outcome, "") if failed else ("to do", f", {entry.reason}")
-            told.setdefault(said, []).append(entry.cell.name)
-    items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in told.items())
+            state = (entry.outcome, "") if failed else ("to do", f", {entry.reason}")
+            waiting.setdefault(state, []).append(entry.cell.name)
+    items = tuple(f"{a} ({len(names)}){b}: {several(names)}" for (a, b), names in waiting.items())
     line = f"{chosen.name}: " + ", ".join(f"{counts[state]} {state}" for state in State)
     return Answer(content, (Paragraph(line), Bullets(items)))
 
@@ -195,9 +195,9 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
     result = assess(chosen, Path(store))
     content = {"study": chosen.name, "failed": result.failed, "gates": gate_objects(result)}
     reasons = tuple(
-        f"{case.verdict}: {found.gate.name}, case {case.case}: {case.note}"
-        for found in result.verdicts
-        for case in found.cases
+        f"{case.verdict}: {verdict.gate.name}, case {case.case}: {case.note}"
+        for verdict in result.verdicts
+        for case in verdict.cases
         if case.verdict != "pass"
     )
     return Answer(content, (*_answer(chosen, result), Bullets(reasons)), int(result.failed))
@@ -206,8 +206,8 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
     return [
-        {**{name: row[name] for name in _SHOWN}, "counts": found.counts}
-        for row, found in zip(result.tables["verdicts"], result.verdicts, strict=True)
+        {**{name: row[name] for name in _SHOWN}, "counts": verdict.counts}
+        for row, verdict in zip(result.tables["verdicts"], result.verdicts, strict=True)
     ]
 
 

@@ -113,16 +113,16 @@ class Column:
     def cell(self, record: Any) -> Cell:
         """The cell of this column in the row of a record."""
         if callable(self.of):
-            found = self.of(record)
+            value = self.of(record)
         elif isinstance(record, Mapping):
-            found = record[self.of]
+            value = record[self.of]
         else:
-            found = getattr(record, self.of)
-        if isinstance(found, Cell):
-            return found
-        if found is None:
+            value = getattr(record, self.of)
+        if isinstance(value, Cell):
+            return value
+        if value is None:
             return ABSENT
-        return Cell(str(found), found if isinstance(found, int) else None)
+        return Cell(str(value), value if isinstance(value, int) else None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,11 +249,11 @@ class Document:
     @cached_property
     def named(self) -> Mapping[str, str]:
         """``Figure 2`` or ``Table 3`` by key; of several with one key the first."""
-        found: dict[str, str] = {}
+        names: dict[str, str] = {}
         for block in walk(self.sections):
             if isinstance(block, Table | Picture):
-                found.setdefault(block.key, block.name)
-        return found
+                names.setdefault(block.key, block.name)
+        return names
 
     @cached_property
     def references(self) -> tuple[Reference, ...]:
@@ -274,14 +274,14 @@ class Document:
 
 def marked(blocks: Iterable[Block], mark: str) -> tuple[Block, ...]:
     """Blocks whose tables and pictures, at any depth, have captions that begin with a mark."""
-    found: list[Block] = []
+    copies: list[Block] = []
     for block in blocks:
         if isinstance(block, Section):
             block = replace(block, blocks=marked(block.blocks, mark))
         elif isinstance(block, (Table, Picture)) and not block.caption.startswith(mark):
             block = replace(block, caption=f"{mark}{block.caption}")
-        found.append(block)
-    return tuple(found)
+        copies.append(block)
+    return tuple(copies)
 
 
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:

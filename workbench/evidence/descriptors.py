@@ -1,6 +1,6 @@
-"""What tells columns and hits apart before a run, and one variant of a model from another.
+"""Numbers that describe columns and hits before a run, and the variants of models.
 
-Regions in which models were measured, and the rules of validity found there, are told by these.
+Regions in which models were measured, and the rules of validity there, are bounded by these.
 """
 
 import dataclasses
@@ -36,7 +36,7 @@ _NO_NUMBERS = ("levels",)  # options that leave the answer as it is
 
 
 def descriptors(scenario: ColumnImpact) -> dict[str, float]:
-    """What tells columns and hits apart, without a run and without units, by names of `WORDS`."""
+    """Numbers that describe a column and its hit, without units, by names of `WORDS`."""
     column, striker = scenario.column, scenario.striker
     properties, section, steel = column.properties, column.section, column.steel
     lumped = properties.impact_mass / striker.mass
@@ -65,15 +65,15 @@ def measured_rows(table: str) -> list[dict[str, Any]]:
     return pd.read_csv(path).fillna({"options": ""}).to_dict("records")  # type: ignore[return-value]
 
 
-def beyond(own: Mapping[str, float], table: str) -> dict[str, str]:
-    """What of a column, its `own` descriptors, the columns of a study did not span; in words."""
-    words = {}
+def beyond(values: Mapping[str, float], table: str) -> dict[str, str]:
+    """Descriptors of a column, by their `values`, that the columns of a study did not span."""
+    texts = {}
     for row in measured_rows(table):
         name, low, high = row["descriptor"], row["low"], row["high"]
-        if not low <= own[name] <= high:
+        if not low <= values[name] <= high:
             span = f"{low:g} only" if low == high else f"{low:g} to {high:g}"
-            words[name] = f"{WORDS[name]} {own[name]:.3g}: columns were measured at {span}"
-    return words
+            texts[name] = f"{WORDS[name]} {values[name]:.3g}: columns were measured at {span}"
+    return texts
 
 
 FEATURES = {  # of rules of validity, and their words
@@ -86,40 +86,43 @@ FEATURES = {  # of rules of validity, and their words
 }
 
 
-def features(scenario: ColumnImpact, told: Mapping[str, float] | None = None) -> dict[str, float]:
+def features(
+    scenario: ColumnImpact, described: Mapping[str, float] | None = None
+) -> dict[str, float]:
     """The numbers that rules of validity may ask for, by the names of `FEATURES`.
 
-    Of a scenario whose `descriptors` are `told`, or not yet known.
+    Of a scenario whose `descriptors` are known, or not yet.
 
     The pull acts at the displacement that the mechanism alone would need, elastic up to the squash
     load, and across the column by the turn of both segments.
     """
-    own, column = dict(told or descriptors(scenario)), scenario.column
+    values, column = dict(described or descriptors(scenario)), scenario.column
     properties, below, above = column.properties, column.length_below, column.length_above
     resistance = sum(min(each, 1.0) for each in shear_demand(scenario).values())
     resistance *= properties.shear_resistance
-    way = scenario.input_energy / (1.0 + 1.0 / own[STRIKER]) / resistance
+    way = scenario.input_energy / (1.0 + 1.0 / values[STRIKER]) / resistance
     turn = way / below + way / above
     stiffness = column.steel.elastic_modulus * properties.area / column.length
     if column.head != "fixed":
-        stiffness *= own["restraint_over_axial"] / (1.0 + own["restraint_over_axial"])
+        ratio = values["restraint_over_axial"]
+        stiffness *= ratio / (1.0 + ratio)
     pull = min(0.5 * stiffness * way * turn, properties.squash_load)
-    own["turned"] = way / min(below, above)
-    own["stiffening"] = (pull - column.axial_load) * turn / resistance
-    own["front"] = scenario.striker.velocity / front_velocity(scenario)
-    own["shorter_over_length"] = min(below, above) / column.length
-    return {name: own[name] for name in FEATURES}
+    values["turned"] = way / min(below, above)
+    values["stiffening"] = (pull - column.axial_load) * turn / resistance
+    values["front"] = scenario.striker.velocity / front_velocity(scenario)
+    values["shorter_over_length"] = min(below, above) / column.length
+    return {name: values[name] for name in FEATURES}
 
 
 def region_of(
-    bounds: Mapping[str, tuple[float, float]], own: Mapping[str, float] | None = None
+    bounds: Mapping[str, tuple[float, float]], values: Mapping[str, float] | None = None
 ) -> str:
-    """A region in words, from its `bounds` by feature; with the numbers of a column, its `own`."""
-    told = (
-        f"{FEATURES[name]} {f'{own[name]:.3g}, ' if own else ''}{_between(*ends)}"
+    """A region in words, from its `bounds` by feature; with the `values` of a column."""
+    parts = (
+        f"{FEATURES[name]} {f'{values[name]:.3g}, ' if values else ''}{_between(*ends)}"
         for name, ends in bounds.items()
     )
-    return "; ".join(told)
+    return "; ".join(parts)
 
 
 def _between(low: float, high: float) -> str:

@@ -47,8 +47,8 @@ def measured_findings(
 
     Of a hit outside what the study drew it says so, and what is known of the region. A striker
     that bounces is none: rules were measured without, and models say what bouncing does to them.
-    A frame is looked up as its struck column; of that only what most columns did is told, unless
-    the model answers with this column. Of a pulse the ductility of the `response` counts.
+    A frame is looked up as its struck column; of that only what most columns did is reported,
+    unless the model answers with this column. Of a pulse the ductility of the `response` counts.
     """
     if isinstance(scenario, MemberPulse):
         return [] if response is None else pulse_findings(model, scenario.load, response)
@@ -192,7 +192,7 @@ def _how_often(row: dict[str, Any], like: str) -> str:
 def _finding(row: dict[str, Any], text: str, better: tuple[str, ...] = ()) -> Finding:
     """The warning of a row of a table, of less weight where fewer than half of the cases were off.
 
-    `better` models are asked first.
+    `better` models come first in the remedy.
     """
     share = _share(row)
     return Finding(RISK if share <= 0.5 else SUBJECT, text, number=share, instead=better)

@@ -224,19 +224,19 @@ def implausible(scenario: Scenario) -> list[Finding]:
 def _sizes(scenario: Any) -> Iterator[tuple[str, float, float, float, str]]:
     """Numbers of a scenario by their paths, what to compare with, the least share, the unit."""
     if hasattr(scenario, "column"):
-        column, own = scenario.column, scenario.column.properties
-        steel = own.mass_per_length * column.length
-        yield "column.axial_load", column.axial_load, own.squash_load, LEAST_LOAD, "kN"
+        column, properties = scenario.column, scenario.column.properties
+        steel = properties.mass_per_length * column.length
+        yield "column.axial_load", column.axial_load, properties.squash_load, LEAST_LOAD, "kN"
         yield "column.head_mass", column.head_mass, steel, _LEAST_MASS, "t"
         if hasattr(scenario, "pulse"):
             force = scenario.pulse.peak * scenario.whole
-            yield "force of the pulse", force, own.shear_resistance, _LEAST_PULSE, "kN"
+            yield "force of the pulse", force, properties.shear_resistance, _LEAST_PULSE, "kN"
     elif hasattr(scenario, "frame"):
         frame = scenario.frame
         each = {member: frame.properties(member) for member in frame.members}
-        steel = sum(own.mass_per_length * frame.length(member) for member, own in each.items())
+        steel = sum(p.mass_per_length * frame.length(member) for member, p in each.items())
         if not isinstance(scenario, FrameStatic):
-            squash = max(own.squash_load for own in each.values())
+            squash = max(p.squash_load for p in each.values())
             load = max((abs(f) for at in frame.loads for f in (at.x, at.y)), default=0.0)
             yield "largest dead load", load, squash, LEAST_LOAD, "kN"
         yield "largest mass of a node", max(n.mass for n in frame.nodes), steel, _LEAST_MASS, "t"

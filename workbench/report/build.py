@@ -5,11 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.content import tree
+from workbench.content.documents import render_html, render_markdown, render_pdf
 from workbench.content.formatting import count
-from workbench.content.html import render_html
-from workbench.content.markdown import render_markdown
 from workbench.content.tree import Document, Picture, Section
-from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.fields import Choice
 from workbench.report.chapters import (
@@ -80,12 +78,12 @@ def build_report(
 
 def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]]) -> Document:
     """The content tree of a study, from stored results and drawn figures with their kinds."""
-    own = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
+    apart = {kind: [picture for of, picture in drawn if of == kind] for kind in _ELSEWHERE}
     first = answer.decisive(study, {p.key for _, p in drawn if p.svg})
     pictures = (
         Section(f"figure-{p.key}", p.title, (p,))
         for of, p in drawn
-        if of not in own and p.key != first
+        if of not in apart and p.key != first
     )
     decisive = [p for _, p in drawn if p.key == first]
     more = (*stud_evidence.in_short(study, stored), *integrators.in_short(study, stored))
@@ -102,8 +100,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         budgets.budget_tables(stored),
         stud_evidence.design(study, stored),
         results.numbers(study, stored),
-        results.convergence(study, stored, own["convergence"]),
-        results.cost(study, stored, own["cost"]),
+        results.convergence(study, stored, apart["convergence"]),
+        results.cost(study, stored, apart["cost"]),
         configuration.configuration(study, stored),
     ]
     sections = tuple(part for part in parts if part is not None)
@@ -112,8 +110,8 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         f"{'references' if len(study.ranked) > 1 else 'reference'}: {', '.join(study.ranked)}",
         f"study: {study.name}",
     )
-    found = Document(study.title, "Validation report", facts, sections)
-    return found.marked(measured.MARK) if stored.synthetic else found
+    whole = Document(study.title, "Validation report", facts, sections)
+    return whole.marked(measured.MARK) if stored.synthetic else whole
 
 
 def summary(stored: Stored, target: Path) -> Path:
@@ -126,8 +124,8 @@ def summary(stored: Stored, target: Path) -> Path:
     study = stored.study
     own_directory(target, "figures")
     parts = limits.collapses(stored), limits.missing(study, stored), limits.domain(study, stored)
-    told = tree.walk(tuple(part for part in parts if part is not None))
-    callouts = (block for block in told if isinstance(block, tree.Callout))
+    blocks = tree.walk(tuple(part for part in parts if part is not None))
+    callouts = (block for block in blocks if isinstance(block, tree.Callout))
     short = (tree.Paragraph(study.question), *answer.in_brief(study, stored), *callouts)
     sections = [Section("short", "", short)]
     drawn = [plate for plate in draw_all(study, stored) if plate.drawing.canvas is not None]

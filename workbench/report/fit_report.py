@@ -11,9 +11,8 @@ from typing import Any
 
 import pandas as pd
 
-from workbench.content.html import render_html
+from workbench.content.documents import render_html, render_pdf
 from workbench.content.tree import Block, Bullets, Callout, Definitions, Document, Picture, Section
-from workbench.content.typst import render_pdf
 from workbench.errors import InputError
 from workbench.report.chapters import fit_answer, fit_rows
 from workbench.report.chapters.stud_tables import Content

@@ -78,8 +78,8 @@ def to_svg(canvas: Canvas, key: str) -> str:
     text = re.sub(r"\s*<!--.*?-->|\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", key)
     # ids of clips are hashes of coordinates, whose last digit depends on the layout solver
-    found = dict.fromkeys(re.findall(r'\bid="([A-Za-z]\w*[0-9a-f]{10})"', text))
-    plain = {name: f"item{number}" for number, name in enumerate(found)}
+    hashed = dict.fromkeys(re.findall(r'\bid="([A-Za-z]\w*[0-9a-f]{10})"', text))
+    plain = {name: f"item{number}" for number, name in enumerate(hashed)}
     text = re.sub(r"\b[A-Za-z]\w*[0-9a-f]{10}\b", lambda m: plain.get(m[0], m[0]), text)
     return re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{prefix}-", text)
 
@@ -118,13 +118,13 @@ def figures_of(study: Study) -> tuple[Figure, ...]:
     kinds = {figure.kind for figure in study.figures}
     members = any(not isinstance(case.scenario, StudTests | ImpactProblem) for case in study.cases)
     wanted = {"structure": members, "convergence": len(study.steps) > 1, "cost": True}
-    own = {
+    standard = {
         kind: Figure(kind, kind, *words)
         for kind, words in _STANDARD.items()
         if wanted[kind] and kind not in kinds
     }
-    front = [own.pop("structure")] if "structure" in own else []
-    whole = (*front, *_budgets(study), *study.figures, *own.values())
+    front = [standard.pop("structure")] if "structure" in standard else []
+    whole = (*front, *_budgets(study), *study.figures, *standard.values())
     keys = [figure.key for figure in whole]
     for key in keys:
         if keys.count(key) > 1 or not key.replace("-", "").replace("_", "").isalnum():

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from traceback import extract_tb
 
-from workbench.errors import InputError, told
+from workbench.errors import InputError, message_of
 from workbench.fields import did_you_mean
 from workbench.study.definition import Study
 
@@ -76,7 +76,7 @@ def study_in(path: Path) -> Study:
             trace = extract_tb(error.__traceback__)
             lines = [frame.lineno for frame in trace if frame.filename == str(path)]
             where = f"line {lines[-1]}: " if lines else ""
-            said = f"cannot be loaded: {where}{told(error)}"
+            said = f"cannot be loaded: {where}{message_of(error)}"
             raise InputError("study", path.name, said) from error
     study = getattr(sys.modules[name], "study", None)
     if not isinstance(study, Study):

@@ -13,7 +13,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from workbench.errors import InputError, told
+from workbench.errors import InputError, message_of
 from workbench.evidence.advice import advised
 from workbench.models.base import Model, signature
 from workbench.responses import Outcome, Response, failed_response, outcome_of
@@ -169,7 +169,7 @@ def _guarded(
     except InputError as error:
         response = failed_response(Outcome.INVALID_INPUT, str(error))
     except Exception as error:
-        response = failed_response(Outcome.CRASHED, f"{model.name} raised {told(error)}")
+        response = failed_response(Outcome.CRASHED, f"{model.name} raised {message_of(error)}")
         # file names without directories: records are compared between machines
         trace = [
             f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"

@@ -194,9 +194,9 @@ def _listing(case: Case, *, printed: bool = True) -> Listing:
 def _compact(toml: str) -> str:
     """The same TOML with lists of numbers along the line instead of below each other."""
 
-    def along(found: re.Match[str]) -> str:
-        numbers = ", ".join(found[2].replace(",", " ").split())
-        return found[1] + "\n".join(textwrap.wrap(f"[{numbers}]", _WIDE, subsequent_indent="    "))
+    def along(match: re.Match[str]) -> str:
+        numbers = ", ".join(match[2].replace(",", " ").split())
+        return match[1] + "\n".join(textwrap.wrap(f"[{numbers}]", _WIDE, subsequent_indent="    "))
 
     return _NUMBERS.sub(along, toml)
 

@@ -12,7 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from workbench.content.formatting import count
-from workbench.content.html import STYLE, templates
+from workbench.content.documents import STYLE, templates
 from workbench.content.tree import Callout, Cell, Table
 from workbench.report.chapters import answer, choice, measured
 from workbench.report.drawing.frame import DIRECTIONS
