@@ -170,7 +170,7 @@ def numbers_of(
         "text": dict(_texts(cell, response, errors)),
     }
     if not cell.ok:
-        content["message"] = cell.message.removeprefix(f"{cell.case}: ")
+        content["message"] = cell.message
     if cell.collapse is not None:
         content["collapse"] = [cell.collapse.time, cell.collapse.displacement]
     if cell.outside:
