@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from markupsafe import Markup
 
-from workbench.content.formatting import count
 from workbench.content.documents import STYLE, templates
+from workbench.content.formatting import count
 from workbench.content.tree import Callout, Cell, Table
 from workbench.report.chapters import answer, choice, measured
 from workbench.report.drawing.frame import DIRECTIONS
