@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.errors import InputError, OutOfDomainError
+from workbench.frames import out_of_domain
 from workbench.frames.collapse_load import collapse_factor, collapse_mechanism
 from workbench.frames.column_line import HEAD_MASSES, ColumnLine, column_line, mass_of_head
 from workbench.frames.elastic import ElasticFrame, dead_load_state
@@ -198,10 +199,7 @@ def _column(
     flexibility, shape = _opening(line)
     if flexibility == 0.0 and not line.fixed[1]:
         if head == "pinned" or not line.fixed[0]:
-            raise OutOfDomainError(
-                "the head of the column is pinned and cannot move along it: a column with a "
-                "pinned head is free to shorten or on a spring"
-            )
+            raise out_of_domain("pinned-fixed-head")
         line = line.turned()
     axial, bent = _dead_state(line)
     member = frame.member(line.members[0])
@@ -264,7 +262,7 @@ def _dead_state(line: ColumnLine) -> tuple[float, float]:
     elastic = ElasticFrame(frame, springs=False)
     moved = elastic.displacement(elastic.load(frame.loads))
     if moved is None:
-        raise OutOfDomainError("under its dead loads the frame moves without resistance")
+        raise out_of_domain("moves-under-dead-loads")
     axial, moments = elastic.end_forces(moved)
     names = [member.name for member in frame.members]
     hinges = [2 * names.index(name) + side for name in line.members for side in (0, 1)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.arrays import Array
-from workbench.errors import OutOfDomainError
+from workbench.frames import out_of_domain
 from workbench.frames.chains import chains
 from workbench.frames.elastic import ElasticFrame
 from workbench.scenarios import Frame, FrameImpact, Load, Member, Node
@@ -72,10 +72,7 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     frame, struck = scenario.frame, scenario.striker.node
     chain = next((each for each in chains(frame) if struck in each.nodes[1:-1]), None)
     if chain is None:
-        raise OutOfDomainError(
-            f"the striker hits node {struck}, which is not between the two ends of a straight "
-            "member: a column is hit between its joints"
-        )
+        raise out_of_domain("hit-at-joint", node=struck)
     members, line = [frame.member(name) for name in chain.members], chain.nodes
     ends = frame.node(line[0]), frame.node(line[-1])
     chord = np.array([ends[1].x - ends[0].x, ends[1].y - ends[0].y])
@@ -90,10 +87,7 @@ def column_line(scenario: FrameImpact) -> ColumnLine:
     ]
     for name in joints:
         if frame.joint(name).weaker(properties.strength) != properties.strength:
-            raise OutOfDomainError(
-                f"joint {name} at the end of the column is weaker than the column, whose hinges "
-                "all have its own strength"
-            )
+            raise out_of_domain("weak-joint", joint=name)
     column = ColumnLine(
         frame,
         chain.members,
@@ -116,25 +110,16 @@ def _refuse_what_no_column_has(
     frame, striker = scenario.frame, scenario.striker
     kinds = {(m.section, *(getattr(m, key) for key in OVERRIDES)) for m in members}
     if len(kinds) > 1:
-        raise OutOfDomainError(
-            f"members {', '.join(m.name for m in members)} differ in their sections: a column has "
-            "one all along"
-        )
+        raise out_of_domain("changing-section", members=", ".join(m.name for m in members))
     for name in line[1:-1]:
         node = frame.node(name)
         loaded = any(load.node == name for load in frame.loads)
         if loaded or node.rotary_inertia > 0.0 or (node.mass > 0.0 and name != striker.node):
-            raise OutOfDomainError(
-                f"node {name} inside the column carries a dead load or a mass of its own: a "
-                "column has them at its head only"
-            )
+            raise out_of_domain("loaded-inside", node=name)
     lengthwise = abs(float(axis[0 if striker.direction.endswith("x") else 1]))
     if lengthwise > OBLIQUE:
         how = "along" if lengthwise > 1.0 - OBLIQUE else "obliquely to"
-        raise OutOfDomainError(
-            f"the strike in direction {striker.direction} is {how} the axis of the member: a "
-            "column is hit across its axis"
-        )
+        raise out_of_domain("oblique-strike", direction=striker.direction, how=how)
 
 
 def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: float) -> bool:
@@ -145,7 +130,7 @@ def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: 
     others = [m for m in frame.members if m.name not in chain and node.name in (m.start, m.end)]
     sprung = max(node.spring_x, node.spring_y) > 0.0 or node.locked != "none"
     if not others and not node.held and not sprung:
-        raise OutOfDomainError(f"nothing holds the end of the column at node {node.name}")
+        raise out_of_domain("loose-end", node=node.name)
     stiffnesses = [frame.joint(joint).rotational_stiffness]
     stiff = any(
         frame.joint(m.joint_start if m.start == node.name else m.joint_end).rotational_stiffness
@@ -159,11 +144,8 @@ def _is_fixed(frame: Frame, node: Node, chain: Sequence[str], joint: str, unit: 
         return True
     share = 0.0 if 0.0 in known else 1.0 / sum(1.0 / k for k in known) / unit
     if PINNED < share < RIGID:
-        raise OutOfDomainError(
-            f"the joint of the column at node {node.name} has {share:.3g} EI/L, neither rigid "
-            f"(from {RIGID:g}) nor pinned (up to {PINNED:g}; EN 1993-1-8, 5.2.2.5): a column "
-            "knows nothing between"
-        )
+        limits = {"rigid": RIGID, "pinned": PINNED}
+        raise out_of_domain("semi-rigid-end", node=node.name, share=share, **limits)
     return share >= RIGID
 
 
@@ -180,10 +162,7 @@ def mass_of_head(rule: str, line: ColumnLine, shape: Array | None) -> float:
         return 0.0
     if rule == "deflected-shape":
         if shape is None:
-            raise OutOfDomainError(
-                "head_mass = deflected-shape: without the column nothing resists a movement of its "
-                "head along it, so that there is no such shape; take another rule"
-            )
+            raise out_of_domain("no-deflected-shape")
         return float(shape @ ElasticFrame(frame, line.rest).mass @ shape)
     nodes = [line.head] if rule == "joint" else _line_above(line)
     total = sum(frame.node(name).mass for name in nodes)

@@ -15,7 +15,13 @@ from workbench.fields import Choice, Flag, Number, checked
 from workbench.frames.shear import fiber_section, shear_stiffness
 from workbench.models.base import respond
 from workbench.references.fiber import FiberReference
-from workbench.references.fiber_mesh import COROTATIONAL_RULES, FrameMesh, MeshRule
+from workbench.references.fiber_mesh import (
+    BALANCED_RULE,
+    CLASSICAL_RULE,
+    CLASSICAL_STATIC_RULE,
+    FrameMesh,
+    MeshRule,
+)
 from workbench.references.refine import COARSEST, REFINEMENT, refined
 from workbench.responses import Outcome, Response, finding, findings_of, outcome_of, set_findings
 from workbench.scenarios import ColumnScenario, Frame, FrameScenario, FrameStatic, Member, Scenario
@@ -85,7 +91,10 @@ class FiberCorotational(FiberReference):
 
     def mesh_rule(self, scenario: FrameScenario) -> MeshRule:
         """Sizes of elements where no option gives them."""
-        return COROTATIONAL_RULES[self.element, isinstance(scenario, FrameStatic)]
+        if self.element == BALANCED:
+            return BALANCED_RULE
+        static = isinstance(scenario, FrameStatic)
+        return CLASSICAL_STATIC_RULE if static else CLASSICAL_RULE
 
     @property
     def sampled(self) -> float:

@@ -44,18 +44,13 @@ class MeshRule(NamedTuple):
     largest_depth: float = inf
 
 
-# Sizes before the option `refinement` halves them, by reference and, for co-rotational elements,
-# by kind and whether the event is static: hinges need room, and statics has no inertia to carry
-# an element over the loss of stiffness when its hinge crumples.
+# Sizes before the option `refinement` halves them, by reference; of co-rotational elements in
+# dynamics, in statics and balanced: hinges need room, and statics has no inertia to carry an
+# element over the loss of stiffness when its hinge crumples.
 STATIC_SHARE = 1.0 / 8.0  # no hinge travels in statics
-COROTATIONAL_RULES = {
-    ("lobatto", False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
-    ("lobatto", True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
-    ("interpolated", False): MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE),
-    ("interpolated", True): MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE),
-    ("balanced", False): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
-    ("balanced", True): MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE),
-}
+CLASSICAL_RULE = MeshRule(1.0 / 32.0, 0.1, static_share=STATIC_SHARE)
+CLASSICAL_STATIC_RULE = MeshRule(1.0 / 16.0, 0.2, static_share=STATIC_SHARE)
+BALANCED_RULE = MeshRule(1.0 / 12.0, 0.3, static_share=STATIC_SHARE)
 # Linear elements longer than half a depth lose waves of a light striker: peaks up to 4 % off.
 HALF_DEPTH = 0.5
 REISSNER_RULE = MeshRule(1.0 / 256.0, 0.01, growth=2.0, largest_depth=HALF_DEPTH)  # within 1 %
