@@ -6,8 +6,7 @@ import numpy as np
 
 from workbench.arrays import Array
 from workbench.frames import collapse_watch as watch
-from workbench.frames.record import Record
-from workbench.frames.snapshots import Snapshots
+from workbench.frames.record import Record, Snapshots
 from workbench.frames.structure import FrameStructure
 from workbench.structures.paths import PathStep
 from workbench.structures.superelements import Superelements, SuperelementState
