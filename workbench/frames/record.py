@@ -165,7 +165,7 @@ class Record:
             "axial_force": members.axial_forces(),
             "moment": self.structure.sense * members.moments(),
             "plastic_rotation": self.structure.sense * members.plastic_rotations(),
-            "sliding": members.sliding(),
+            "sliding": members.plastic_shear(),
         }
         for name, values in seen.items():
             self._rows.setdefault(name, []).append(values)
@@ -212,8 +212,8 @@ class Record:
 
     def states(self) -> dict[str, Any]:
         """Variables of hinges, members, watched dofs and snapshots."""
-        slid = () if self._rows["sliding"][0] is None else ("sliding",)
-        names = "axial_force", "moment", "plastic_rotation", *slid
+        webs = () if self._rows["sliding"][0] is None else ("sliding",)
+        names = "axial_force", "moment", "plastic_rotation", *webs
         return {
             **self.columns(*self.structure.watched, *names),
             "shear_utilisation": self.shear_utilisation(),

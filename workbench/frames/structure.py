@@ -62,8 +62,8 @@ class MemberReader(ABC):
     def plastic_rotations(self) -> Array:
         """Plastic rotations (hinges,), those of the joints included."""
 
-    def sliding(self) -> Array | None:
-        """Plastic sliding of the web of each member (members,) in m; None where none yields."""
+    def plastic_shear(self) -> Array | None:
+        """Plastic shear displacement of each member (members,) in m; None where no web yields."""
         return None
 
     @abstractmethod

@@ -241,12 +241,12 @@ class SuperelementMembers(MemberReader):
         """Plastic rotations (hinges,) by bending alone; of pins the whole rotation."""
         return self._signs * self.elements.plastic[..., self._ends, 1 + 2 * self._side]
 
-    def sliding(self) -> Array | None:
+    def plastic_shear(self) -> Array | None:
         """That of the parts of each member in sum."""
         group = self.elements
-        if not isinstance(group, Superelements) or not group.slide.any():
+        if not isinstance(group, Superelements) or not group.yields_in_shear.any():
             return None
-        return np.asarray(np.add.reduceat(group.sliding, self.first[:-1], axis=-1))
+        return np.asarray(np.add.reduceat(group.plastic_shear, self.first[:-1], axis=-1))
 
     def utilisation(self) -> Array:
         """Left side of the yield condition (hinges,)."""
@@ -259,10 +259,10 @@ class SuperelementMembers(MemberReader):
 
     def unyielding_shear(self) -> Array:
         """Shear force of each member (members,), mean along its equal parts; zero of panels."""
-        slide, parts = self.elements.slide, np.diff(self.first)
-        if slide.all():
+        webs, parts = self.elements.yields_in_shear, np.diff(self.first)
+        if webs.all():
             return np.zeros(len(parts))
-        shear = np.where(slide, 0.0, self.elements.shear_forces)
+        shear = np.where(webs, 0.0, self.elements.shear_forces)
         return np.asarray(np.abs(np.add.reduceat(shear, self.first[:-1], axis=-1)) / parts)
 
     def shapes(self, assembly: PlanarAssembly) -> Array:

@@ -60,7 +60,7 @@ COMMON = (
     "it is hit.",
     "Elastic-perfectly plastic hinges with associated flow on a super-elliptic N-M surface; joints "
     "weaker than the member interact linearly.",
-    "Webs of I, box and tube sections deform, yield and slide in shear (option shear), with the "
+    "Webs of I, box and tube sections deform and yield in shear (option shear), with the "
     "N-M-V domain of the plates at both ends, root fillets in the flanges; beside joints weaker "
     "than the member, and in other sections, members are rigid in shear.",
     "No local buckling, no strain-rate effect.",
@@ -73,7 +73,7 @@ class _HingedBars(BarFrames):
 
     Shared options: `alpha`, `beta`: exponents of the yield surface of moment and axial force (None:
     fitted to the exact N-M envelope of the section and stated to one decimal); `shear`, panel: webs
-    yield and slide, none: members are rigid in shear; `accuracy` that steps by error aim at, as a
+    yield, none: members are rigid in shear; `accuracy` that steps by error aim at, as a
     share of the peak; `time_step` None: of the midpoint scheme by the error, of frames that peak
     after several rebounds up to 0.6 % off the peak, of columns whose light striker is thrown off
     mostly 1 %, a few 7 %.

@@ -33,7 +33,7 @@ class FiberShear(ExactBeams):
         "section.",
         "Webs and solid sections yield under normal and shear stress together, flanges and "
         "fillets carry no shear; the elastic shear stiffness is that of the same fibers.",
-        "Sections slide without stretching the member: above a mean shear strain of 0.3 the "
+        "Plastic shear does not stretch the member: above a mean shear strain of 0.3 the "
         "catenary action of a real member is missed.",
         "The mass is that of the rolled profile, distributed along the member.",
         "Point contact; no local denting, no web buckling, no strain-rate effect, no fracture.",

@@ -189,7 +189,7 @@ class HingedElements(ElementGroup):
         super().place(bars._replace(first_order=self.first_order, relative=True))
 
     @property
-    def slide(self) -> Flags:
+    def yields_in_shear(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
         return np.zeros(len(self.lengths), dtype=bool)
 

@@ -215,8 +215,8 @@ class Superelements(HingedElements):
         super().place(bars)
         pairs = list(zip(self._kinds, self.lengths, strict=True))
         bending = np.stack([kind.flexibility(length) for kind, length in pairs])
-        slides = np.array([kind.shear_flexibility(length) for kind, length in pairs])
-        flexibility = bending + np.multiply.outer(slides, [0.0, 1.0, 1.0, 1.0])
+        in_shear = np.array([kind.shear_flexibility(length) for kind, length in pairs])
+        flexibility = bending + np.multiply.outer(in_shear, [0.0, 1.0, 1.0, 1.0])
         webs = np.zeros(len(pairs), WEB)
         for e, kind in enumerate(self._kinds):
             if kind.web is not None:
@@ -283,13 +283,13 @@ class Superelements(HingedElements):
 
     @property
     def plastic(self) -> Array:
-        """Committed plastic deformations (elements, 4), without those of webs, see `sliding`."""
+        """Committed plastic deformations (elements, 4), without `plastic_shear`."""
         turned = self._old.plastic[..., :4].copy()
-        turned[..., [1, 3]] -= (self.sliding / self.lengths)[..., None]
+        turned[..., [1, 3]] -= (self.plastic_shear / self.lengths)[..., None]
         return turned
 
     @property
-    def sliding(self) -> Array:
+    def plastic_shear(self) -> Array:
         """Plastic shear displacement of the webs (elements,), in m."""
         return self._old.plastic[..., 4]
 
@@ -301,12 +301,12 @@ class Superelements(HingedElements):
     @property
     def shear_forces(self) -> Array:
         """Committed shear force of the elements (elements,), in N; in panels that of the web."""
-        webs, carried = self.slide, self._old.carried
+        webs, carried = self.yields_in_shear, self._old.carried
         of_webs = (carried[..., 1] + carried[..., 2]) / self.lengths
         return of_webs if webs.all() else np.where(webs, of_webs, super().shear_forces)
 
     @property
-    def slide(self) -> Flags:
+    def yields_in_shear(self) -> Flags:
         """Whether webs yield in shear (elements,)."""
         return np.asarray(self._tables.webs["stiffness"] > 0.0)
 
@@ -315,7 +315,7 @@ class Superelements(HingedElements):
         carried, exponents = self._old.carried, self._tables.exponents
         moments = self._shares(carried[..., 1:], 2) ** exponents[..., 0]
         used = moments + self._shares(carried[..., :1], 0) ** exponents[..., 1]
-        if self.slide.any():
+        if self.yields_in_shear.any():
             rows = np.ascontiguousarray(carried).reshape(-1, len(self.lengths), 3)
             kernels.use_webs(self._tables, rows, used.reshape(-1, len(self.lengths), 2))
         return used
