@@ -59,42 +59,35 @@ def draw(request: Request) -> Drawing:
     return _multiples(request, shapes_of_cases, everything, notes)
 
 
-class Window(NamedTuple):
-    """Window of a panel: lower left and upper right corner in m, `wide` and `tall` inches."""
+class _Window(NamedTuple):
+    """Window of a panel: lower left corner and size in m, `wide` and `tall` inches."""
 
     low: complex
-    high: complex
+    size: complex
     wide: float
     tall: float
-
-    @classmethod
-    def around(
-        cls, curves: list[Points], edge: float, wide: float, least: float, most: float
-    ) -> "Window":
-        """The window on some curves with an `edge` in m around them, in a panel `wide` inches.
-
-        Its height in inches has room for the numbers on the upright axis (`least`) and a limit
-        (`most`).
-        """
-        low, high = corners_of(curves)
-        low, high = low - edge * (1 + 1j), high + edge * (1 + 1j)
-        size = high - low
-        natural = wide * size.imag / size.real
-        if natural < least:
-            spare = 0.5j * (least / natural - 1.0) * size.imag
-            low, high = low - spare, high + spare
-        return cls(low, high, wide, min(max(natural, least), most))
-
-    @property
-    def size(self) -> complex:
-        """Width and height in m."""
-        return self.high - self.low
 
     def show(self, panel: Axes) -> None:
         """Give a panel these limits, both axes to one scale."""
         panel.set_aspect("equal")
-        panel.set_xlim(self.low.real, self.high.real)
-        panel.set_ylim(self.low.imag, self.high.imag)
+        panel.set_xlim(self.low.real, (self.low + self.size).real)
+        panel.set_ylim(self.low.imag, (self.low + self.size).imag)
+
+
+def _window_around(
+    curves: list[Points], edge: float, wide: float, least: float, most: float
+) -> _Window:
+    """Return the window on some curves with an `edge` in m around them, in a panel `wide` inches.
+
+    Its height in inches has room for the numbers on the upright axis (`least`) and a limit.
+    """
+    low, high = corners_of(curves)
+    low, size = low - edge * (1 + 1j), high - low + 2.0 * edge * (1 + 1j)
+    natural = wide * size.imag / size.real
+    if natural < least:
+        spare = 1j * (least / natural - 1.0) * size.imag
+        low, size = low - 0.5 * spare, size + spare
+    return _Window(low, size, wide, min(max(natural, least), most))
 
 
 class _Row(NamedTuple):
@@ -103,7 +96,7 @@ class _Row(NamedTuple):
     case: Case
     label: str
     shapes: Shapes
-    window: Window
+    window: _Window
     times: float
 
 
@@ -176,7 +169,7 @@ def _rows(
         wider = max(0.0, 0.5 * (_SLENDEREST * (high - low).imag - (high - low).real))
         curves.append(np.array([low - wider, high + wider]))
         most = min(_MOST, _HIGHEST / len(shown) - 0.25)
-        window = Window.around(curves, edge, (TEXT_WIDTH - 1.35) / len(instants), _LEAST, most)
+        window = _window_around(curves, edge, (TEXT_WIDTH - 1.35) / len(instants), _LEAST, most)
         rows += [_Row(case, label, shapes, window, times) for label, shapes in drawn.items()]
     return rows
 
@@ -281,7 +274,7 @@ def _lying(
         for drawn in (shapes.rest, *(shapes.magnified(shapes.index(i), times) for i in styles))
     ]
     wide = TEXT_WIDTH - 0.75
-    window = Window.around(curves, 0.04 * size, wide, _LEAST_LYING, _MOST_LYING)
+    window = _window_around(curves, 0.04 * size, wide, _LEAST_LYING, _MOST_LYING)
     rows = len(shapes_of_cases)
     height, notes = (window.tall + 0.35) * rows + 0.75, [_scale_text(times), *notes]
     sheet = Sheet.table(rows, 1, height, notes, sharex=True, sharey=True)

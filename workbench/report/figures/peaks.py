@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from workbench.content.formatting import axis_label, title_of, unit_of
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, first, nothing
-from workbench.report.drawing.style import GRID, INK, MUTED, Style, entry, new_figure
+from workbench.report.drawing.style import GRID, INK, MUTED, Style, entry
 from workbench.study.definition import Case
 
 MOST_CASES = 8
@@ -27,9 +27,8 @@ def draw(request: Request) -> Drawing:
     table = _values(request, cases, quantity)
     if table.empty:
         return nothing(f"No model answered these cases with {title_of(quantity)}.")
-    canvas = new_figure(4.3)
-    top, bottom = canvas.subplots(2, 1, sharex=True, height_ratios=[1.15, 1.0])
-    sheet, unit = Sheet(canvas, (top, bottom), notes), unit_of(quantity).factor
+    sheet = Sheet.table(2, 1, 4.3, notes, sharex=True, height_ratios=[1.15, 1.0])
+    (top, bottom), unit = sheet.panels, unit_of(quantity).factor
     labels = [label for label in request.labels if label in set(table["label"])]
     if _bands(request, sheet, cases, quantity):
         sheet.legend(Patch(**_BAND, label=f"numerical uncertainty of {request.study.reference}"))
