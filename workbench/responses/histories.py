@@ -40,7 +40,10 @@ def implied(
     residual displacement; energies imply how far
     their balance is open. What takes time to find is left out where the values give it.
     """
-    given = {name: array for name, array in values.items() if array is not None}
+    given: dict[str, Array] = {}
+    for name, array in values.items():
+        if array is not None:
+            given[name] = array
     blow = "percussion" in given
     hit = blow or "load" in given
     found: dict[str, Any] = {}
