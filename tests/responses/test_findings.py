@@ -15,7 +15,7 @@ from workbench.responses import Finding, finding
 
 ROOT = Path(workbench.__file__).parent
 TABLE = tomllib.loads((ROOT / "responses" / "findings.toml").read_text(encoding="utf-8"))
-NOT_VALUES = {"subject", "refusal"}
+NOT_VALUES = {"subject", "refusal", "parts"}
 
 
 def calls() -> list[tuple[str, str, set[str]]]:
@@ -38,7 +38,7 @@ def calls() -> list[tuple[str, str, set[str]]]:
 def wanted(name: str) -> set[str]:
     """The values that the sentence and the remedy of an entry ask for."""
     entry = TABLE[name]
-    texts = entry["sentence"] + entry.get("remedy", "")
+    texts = entry["sentence"] + entry.get("remedy", "") + "".join(entry.get("parts", {}).values())
     values = {value for _, value, _, _ in Formatter().parse(texts) if value}
     limit = entry.get("limit")
     return values | ({limit} if isinstance(limit, str) else set())

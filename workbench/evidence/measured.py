@@ -6,6 +6,7 @@ A second table holds what the columns of the study spanned: outside, nothing is 
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from math import inf, isnan
 from typing import Any, NamedTuple
@@ -26,18 +27,19 @@ from workbench.frames.column_estimate import column_like
 from workbench.models.base import Model
 from workbench.models.column_of_frame import MODELS, ColumnOfFrame
 from workbench.models.domain import RESTITUTION
-from workbench.responses import Finding, Response
+from workbench.responses import Finding, Response, finding
 from workbench.scenarios import ColumnImpact, FrameImpact, MemberPulse
 
 TABLE, RANGES, PULSES = "validity", "validity-ranges", "pulses"
 BEYOND = 0.10  # error of the peak from which a model warns
-_OFF = f"{100.0 * BEYOND:g} % off"
 TOLERATED = 0.04  # chance of a column to be beyond it that needs no warning, see the theory page
 TOLERATED_OF_PULSES = 0.1  # the same of a member under a pulse
-SUBJECT = "measured"  # most columns of the region are off: outside the domain
-RISK = "measured-risk"  # some are
-UNMEASURED = f"un{SUBJECT}", f"un{RISK}"  # the same where the hit is none of those that were drawn
-MOSTLY = SUBJECT, UNMEASURED[0]
+SUBJECTS = (
+    "measured",
+    "measured-risk",
+)  # most columns of the region are off, outside the domain; some
+UNMEASURED = "unmeasured", "unmeasured-risk"  # the same where no such hit was drawn
+MOSTLY = SUBJECTS[0], UNMEASURED[0]
 
 
 def measured_findings(
@@ -59,11 +61,11 @@ def measured_findings(
     if isinstance(model, ColumnOfFrame):
         estimate = model.estimate(scenario)
         # columns of the study neither sway nor turn at their ends
-        sways = any(finding.subject == "sway" for finding in estimate.findings())
+        sways = any(each.subject == "sway" for each in estimate.findings())
         return [] if sways else _column_findings(MODELS[model.model], estimate.column)
     column = column_like(scenario) if _may_warn(model) else None
     findings = [] if column is None else _column_findings(model, column)
-    return [finding for finding in findings if finding.subject in MOSTLY]
+    return [each for each in findings if each.subject in MOSTLY]
 
 
 def pulse_findings(model: Model, load: str, response: Response) -> list[Finding]:
@@ -74,9 +76,8 @@ def pulse_findings(model: Model, load: str, response: Response) -> list[Finding]
         risky = chance_of(row) > TOLERATED_OF_PULSES
         if (row["model"], row["load"]) == (model.name, load) and here and risky:
             state = "yielding" if row["least"] else "elastic"
-            text = _how_often(row, f"drawn members under such a load, {state} as this one,")
-            text += f"; 90 % lay between {row['p5']:.4g} and {row['p95']:.4g} of the reference"
-            return [_finding(row, text)]
+            parts = (*_sides(row), "spread")
+            return [_finding("measured-under-pulses", {**row, "state": state}, SUBJECTS, parts)]
     return []
 
 
@@ -167,54 +168,39 @@ def _known(
     row: dict[str, Any], values: dict[str, float], others: list[dict[str, Any]], bounces: bool
 ) -> Finding:
     """What was measured in a region, the values of this column beside its bounds."""
-    where = _region(row, values) + ("; all without restitution" if bounces else "")
-    text = _how_often(row, f"columns like this ({where})")
-    if not isnan(row["bias"]):
-        ends = (100.0 * (row[name] - 1.0) for name in ("bias", "least", "most"))
-        text += "; expect {:+.0f} % ({:+.0f} to {:+.0f} %)".format(*ends)
-    if row["falls"] + row["stands"]:
-        text += (
-            f"; {row['falls']:.0f} false alarms (collapse where the reference survives), "
-            f"{row['stands']:.0f} false safe (survival where it collapses)"
-        )
-    return _finding(row, text, _better(row, others))
-
-
-def _how_often(row: dict[str, Any], like: str) -> str:
-    """In how many of the cases `like` this one a model was off, in words."""
-    off = row["low"] + row["high"]
-    text = f"in {off:.0f} of {row['count']:.0f} {like} the peak was more than {_OFF}"
-    if not off:
-        return text + ", but that few prove little"
-    return text + f", {row['low']:.0f} too small and {row['high']:.0f} too large"
-
-
-def _finding(row: dict[str, Any], text: str, better: tuple[str, ...] = ()) -> Finding:
-    """The warning of a row of a table, of less weight where fewer than half of the cases were off.
-
-    `better` models come first in the remedy.
-    """
-    share = _share(row)
-    return Finding(RISK if share <= 0.5 else SUBJECT, text, number=share, instead=better)
+    parts = {
+        "errors": not isnan(row["bias"]),
+        "collapses": row["falls"] + row["stands"] > 0,
+        "restitution": bounces,
+    }
+    present = (*_sides(row), *(name for name, here in parts.items() if here))
+    errors = {name: 100.0 * (row[name] - 1.0) for name in ("bias", "least", "most")}
+    known = {**row, **errors, "region": _region(row, values)}
+    return replace(_finding("measured", known, SUBJECTS, present), instead=_better(row, others))
 
 
 def _unknown(row: dict[str, Any], values: dict[str, float], outside: Iterable[str]) -> Finding:
     """That nobody measured such a hit, and what the region holds of those that were drawn."""
-    share = _share(row)
-    text = (
-        f"what to expect here is not known ({'; '.join(outside)}); of the columns that were, in "
-        f"the same region ({_region(row, values)}), {row['low'] + row['high']:.0f} of "
-        f"{row['count']:.0f} had a peak more than {_OFF}"
-    )
-    return Finding(UNMEASURED[share <= 0.5], text, number=share, instead=())
+    known = {**row, "region": _region(row, values), "outside": "; ".join(outside)}
+    return _finding("unmeasured", known, UNMEASURED)
+
+
+def _sides(row: dict[str, Any]) -> tuple[str]:
+    """The part of a sentence that says how many peaks were too small and too large."""
+    return ("sides",) if row["low"] + row["high"] else ("few",)
+
+
+def _finding(
+    name: str, row: dict[str, Any], subjects: tuple[str, str], parts: tuple[str, ...] = ()
+) -> Finding:
+    """The finding of a row, by the second of its subjects where fewer than half were off."""
+    off = row["low"] + row["high"]
+    share = float(off / row["count"])
+    subject = subjects[share <= 0.5]
+    return finding(name, share, subject, parts=parts, off=off, bound=100.0 * BEYOND, **row)
 
 
 def _region(row: dict[str, Any], values: dict[str, float]) -> str:
     """The region of a row in words, by the bounds that bound anything."""
     ends = {name: (row[f"{name}_low"], row[f"{name}_high"]) for name in FEATURES}
     return region_of({name: end for name, end in ends.items() if end != (-inf, inf)}, values)
-
-
-def _share(row: dict[str, Any]) -> float:
-    """Share of the cases of a row that were off."""
-    return float((row["low"] + row["high"]) / row["count"])

@@ -119,19 +119,22 @@ def finding(
     number: float | None = None,
     subject: str = "",
     refusal: bool | None = None,
+    parts: Sequence[str] = (),
     **values: Any,
 ) -> Finding:
     """The finding of this `name` in ``findings.toml``, its sentence filled with the `values`.
 
     Arguments: the `number` behind it, which the sentence may show too; `subject` and `refusal`,
-    where they depend on the values. Raises KeyError for a name or value that is missing.
+    where they depend on the values; `parts` of the sentence that not every case has, in order.
+    Raises KeyError for a name or value that is missing.
     """
     entry = _sentences()[name]
     known = {"number": number, **values}
     limit, instead = entry.get("limit"), entry.get("instead")
+    sentence = "".join((entry["sentence"], *(entry["parts"][part] for part in parts)))
     return Finding(
         subject or entry.get("subject", name),
-        entry["sentence"].format_map(known),
+        sentence.format_map(known),
         entry.get("refusal", False) if refusal is None else refusal,
         entry.get("remedy", "").format_map(known),
         None if number is None else float(number),
