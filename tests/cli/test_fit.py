@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -64,17 +66,23 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any
     return result
 
 
+def table(found: dict[str, Any], name: str, of: str = "") -> list[dict[str, Any]]:
+    """Rows of a table of an answer, those of one fit where it is named."""
+    return [row for row in found["results"][name] if not of or row["of"] == of]
+
+
 # -- strength -------------------------------------------------------------------------------------
 
 
 def test_shipped_tests_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "stud-strength")
     assert found["tables"] == ["shipped"]
-    fits = {content["fit"]["model"]: content["fit"] for content in found["models"]}
+    fits = {fit["model"]: fit for fit in table(found, "fit")}
     assert set(fits) == set(SHEAR_MODELS)
-    assert fits["en1994"]["parameters"]["bias"]["value"] == pytest.approx(1.496, abs=0.001)
-    assert fits["roik-mean"]["d8"]["gamma_m_star"] == pytest.approx(1.06, abs=0.01)
-    assert all(each["result"] is None for each in found["series"])
+    assert fits["en1994"]["bias"] == pytest.approx(1.496, abs=0.001)
+    (d8,) = table(found, "d8", SHEAR_MODELS["roik-mean"].label)
+    assert d8["gamma_m_star"] == pytest.approx(1.06, abs=0.01)
+    assert all("P_Rk" not in each and each["refusal"] for each in table(found, "series"))
     assert run(["fit", "stud-strength"]) == 0
     text = capsys.readouterr().out
     assert "26 tests of lehigh279, provines2019 (shipped tables)" in text
@@ -87,12 +95,13 @@ def test_a_laboratory_brings_its_own(tmp_path: Path, capsys: pytest.CaptureFixtu
     file = laboratory(tmp_path / "lab.csv")
     found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean",
                    "--trend", "diameter", "--validate", "lab 3")  # fmt: skip
-    (content,) = found["models"]
-    assert content["fit"]["campaigns"] == ["lab 0", "lab 1", "lab 2"]
-    assert content["fit"]["parameters"]["bias"]["value"] == pytest.approx(1.1, abs=0.1)
-    assert content["fit"]["new_campaign_factor"] < 1.05
-    assert content["judgement"]["tests"] == 6
-    assert content["corrected"]["test_over_prediction"] == pytest.approx(1.0, abs=0.12)
+    (fit,) = table(found, "fit")
+    assert fit["campaigns"] == "lab 0, lab 1, lab 2"
+    assert fit["bias"] == pytest.approx(1.1, abs=0.1)
+    assert fit["new_campaign_factor"] < 1.05
+    plain, corrected = table(found, "judgement")
+    assert plain["tests"] == 6
+    assert corrected["test_over_prediction"] == pytest.approx(1.0, abs=0.12)
     arguments = ["fit", "stud-strength", str(file), "--model", "roik-mean", "--factor", "concrete"]
     assert run([*arguments, "--validate", "lab 3", "--trend", "diameter"]) == 0
     text = capsys.readouterr().out
@@ -110,11 +119,11 @@ def test_a_series_is_evaluated_by_annex_b(
         lines += [f"our lab,{name},0,0", f"our lab,{name},4,{top}", f"our lab,{name},12,{end}"]
     points.write_text("\n".join(lines) + "\n")
     found = answer(capsys, "stud-strength", str(file), "--points", str(points))
-    (series,) = found["series"]
-    assert series["result"]["P_Rk"] == pytest.approx(85.5e3)
-    assert series["result"]["P_Rd"] == pytest.approx(450 / 472 * 85.5e3 / 1.25)
-    assert series["result"]["slip_capacity"] == pytest.approx(6.21e-3)
-    assert series["result"]["ductile"] is True
+    (series,) = table(found, "series")
+    assert series["P_Rk"] == pytest.approx(85.5e3)
+    assert series["P_Rd"] == pytest.approx(450 / 472 * 85.5e3 / 1.25)
+    assert series["slip_capacity"] == pytest.approx(6.21e-3)
+    assert series["ductile"] == "ductile"
     assert run(["fit", "stud-strength", str(file)]) == 0
     text = capsys.readouterr().out
     assert "3 tests: EN 1990 has no factor of the design value for fewer than 4" in text
@@ -124,9 +133,8 @@ def test_own_and_shipped_tests_together(tmp_path: Path, capsys: pytest.CaptureFi
     file = equal_tests(tmp_path / "series.csv")
     found = answer(capsys, "stud-strength", str(file), "--with-shipped", "--model", "roik-mean",
                    "--calibrate", "provines2019", "--validate", "our lab")  # fmt: skip
-    (content,) = found["models"]
-    assert content["fit"]["campaigns"] == ["provines2019"]
-    assert content["judgement"]["campaigns"] == ["our lab"]
+    assert [fit["campaigns"] for fit in table(found, "fit")] == ["provines2019"]
+    assert {row["campaigns"] for row in table(found, "judgement")} == {"our lab"}
 
 
 def test_validation_on_calibration_rows_is_refused(
@@ -194,13 +202,12 @@ def test_bad_options_are_one_line_and_status_2(
 
 def test_load_slip_of_shipped_curves(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "load-slip", "--validate", "lehigh279")
-    laws = {content["fit"]["law"]: content for content in found["laws"]}
+    laws = {fit["law"]: fit for fit in table(found, "fit")}
     assert set(laws) == {"ollgaard", "bilinear", "rational"}
-    assert laws["ollgaard"]["fit"]["curves"] == 22
-    assert laws["ollgaard"]["judgement"]["curves"] == 2
-    grid = laws["ollgaard"]["grid"]
-    assert all(low <= mid <= high for low, mid, high in
-               zip(grid["low"], grid["median"], grid["high"], strict=True))  # fmt: skip
+    assert laws["ollgaard"]["curves"] == 22
+    assert [row["curves"] for row in table(found, "judgement", "ollgaard")] == [2]
+    grid = table(found, "grid", "ollgaard")
+    assert all(row["low"] <= row["median"] <= row["high"] for row in grid)
     assert run(["fit", "load-slip", "--law", "ollgaard", "--validate", "lehigh279"]) == 0
     text = capsys.readouterr().out
     assert "Unseen curves:" in text
@@ -221,25 +228,25 @@ def test_the_grade_stands_first_until_tests_are_given(
     assert "the table holds no test after pre-damage" in text
     synthetic = damaged(tmp_path / "synthetic.csv", "pull-out", "displacement ratio")
     found = answer(capsys, "residual", str(synthetic), "--quantity", "strength")
-    assert found["grade"] == "exercise on synthetic rows: shows the method, is no evidence"
-    (content,) = found["quantities"]
-    assert {score["name"] for score in content["fit"]["scores"]} >= {"linear", "mechanical"}
-    assert content["fit"]["tests"] == 24
+    (fit,) = table(found, "fit")
+    assert fit["grade"] == "exercise on synthetic rows: shows the method, is no evidence"
+    assert {score["name"] for score in table(found, "scores")} >= {"linear", "mechanical"}
+    assert fit["tests"] == 24
     measured = damaged(tmp_path / "measured.csv", "fatigue", "life fraction", "measured")
     found = answer(capsys, "residual", str(measured), "--quantity", "strength",
                    "--validate", "lab 3")  # fmt: skip
-    assert found["grade"].endswith("cross-validated over campaigns")
-    (content,) = found["quantities"]
-    weights = {score["name"]: score["weight"] for score in content["fit"]["scores"]}
+    (fit,) = table(found, "fit")
+    assert fit["grade"].endswith("cross-validated over campaigns")
+    weights = {score["name"]: score["weight"] for score in table(found, "scores")}
     assert weights["linear"] + weights["power"] + weights["threshold"] > 0.9  # all hold the truth
-    assert content["fit"]["parameters"]["c"] == pytest.approx(0.5, abs=0.05)
-    assert "for damage up to 0.85 of studs 19 mm, as tested" in content["fit"]["holds"]
-    curve = content["curve"]
-    assert curve["left"][30] == pytest.approx(1.0 - 0.5 * 0.75, abs=0.03)
-    assert [level for level, beyond in zip(curve["level"], curve["extrapolated"], strict=True)
-            if beyond] == [pytest.approx(k / 40) for k in range(35, 41)]  # fmt: skip
-    assert curve["low"][35:] == [None] * 6
-    assert content["judgement"]["tests"] == 6
+    assert table(found, "parameters")[0]["value"] == pytest.approx(0.5, abs=0.05)
+    assert "for damage up to 0.85 of studs 19 mm, as tested" in fit["holds"]
+    curve = table(found, "curve")
+    assert curve[30]["left"] == pytest.approx(1.0 - 0.5 * 0.75, abs=0.03)
+    beyond = [row for row in curve if row["extrapolated"]]
+    assert [row["level"] for row in beyond] == [pytest.approx(k / 40) for k in range(35, 41)]
+    assert [row["low"] for row in beyond] == [None] * 6
+    assert [row["tests"] for row in table(found, "judgement")] == [6]
     assert run(["fit", "residual", str(measured), "--quantity", "strength"]) == 0
     text = capsys.readouterr().out
     assert "24 tests after pre-damage" in text
@@ -305,10 +312,9 @@ def test_the_role_of_a_row_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture
     ]
     file.write_text("\n".join(f"{a},{b}" for a, b in zip(lines, roles, strict=True)) + "\n")
     found = answer(capsys, "stud-strength", str(file), "--model", "roik-mean")
-    (content,) = found["models"]
     assert found["validate"] == ["lab 3"]
-    assert content["fit"]["campaigns"] == ["lab 0", "lab 1", "lab 2"]
-    assert content["judgement"]["campaigns"] == ["lab 3"]
+    assert [fit["campaigns"] for fit in table(found, "fit")] == ["lab 0, lab 1, lab 2"]
+    assert {row["campaigns"] for row in table(found, "judgement")} == {"lab 3"}
     arguments = ["fit", "stud-strength", str(file), "--calibrate", "lab 3"]
     assert run(arguments) == 2
     assert "has no row whose role is calibrate" in capsys.readouterr().err
@@ -322,9 +328,29 @@ def test_formulas_that_the_table_cannot_feed_are_named(
     short = [",".join(line.split(",")[:7] + line.split(",")[8:]) for line in lines]
     file.write_text("\n".join(short) + "\n")
     found = answer(capsys, "stud-strength", str(file))
-    assert [content["fit"]["model"] for content in found["models"]] == ["ollgaard"]
-    assert set(found["not_fitted"]) == set(SHEAR_MODELS) - {"ollgaard"}
-    assert "fill diameter_mm, height_mm, fcm_MPa and fu_MPa" in found["not_fitted"]["en1994"]
+    assert [fit["model"] for fit in table(found, "fit")] == ["ollgaard"]
+    assert {row["of"] for row in table(found, "not_fitted")} == set(SHEAR_MODELS) - {"ollgaard"}
+    (refused,) = table(found, "not_fitted", "en1994")
+    assert "fill diameter_mm, height_mm, fcm_MPa and fu_MPa" in refused["why"]
     assert run(["fit", "stud-strength", str(file)]) == 0
     assert "not fitted: en1994: table" in capsys.readouterr().out
     assert run(["fit", "stud-strength", str(file), "--model", "en1994"]) == 2
+
+
+SOLVERS = """
+import sys
+from workbench.cli import run
+status = run(["fit", *sys.argv[1:]])
+floors = ("workbench.frames", "workbench.structures", "workbench.hinges")
+print(status, [name for name in sys.modules if name.startswith(floors)], file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("verb", ["stud-strength", "load-slip", "residual"])
+def test_a_fit_of_studs_imports_no_frame_solver(tmp_path: Path, verb: str) -> None:
+    """The mechanical model, which is made of them, is read where it is asked to predict alone."""
+    file = damaged(tmp_path / "lab.csv", "fatigue", "life fraction", "measured")
+    more = [str(file), "--quantity", "strength"] if verb == "residual" else []
+    call = [sys.executable, "-c", SOLVERS, verb, *more]
+    done = subprocess.run(call, capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1] == "0 []"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench.cli import run
-from workbench.studs.templates import TEMPLATES
+from workbench.studs.schema import TEMPLATES
 
 
 @pytest.mark.parametrize("kind", TEMPLATES)

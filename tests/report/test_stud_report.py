@@ -14,7 +14,7 @@ from workbench.assessment import Gate
 from workbench.content.bibliography import bibliography
 from workbench.content.tree import Bullets, Callout, Table, walk
 from workbench.report.build import build_report
-from workbench.report.chapters import stud_evidence
+from workbench.report.chapters import stud_study
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import looks
 from workbench.report.figures import draw
@@ -87,7 +87,7 @@ def test_there_is_no_structure_to_draw(studs):
 
 
 def test_what_is_not_validated_comes_first(studs):
-    blocks = stud_evidence.in_short(studs.study, studs)
+    blocks = stud_study.in_short(studs.study, studs)
     first, second = [block for block in blocks if isinstance(block, Callout)]
     assert first.tone == "bad"
     assert first.text.startswith("Not validated: strength and stiffness left after damage")
@@ -114,7 +114,7 @@ SAID = {
 
 
 def test_design_numbers_are_those_of_the_fits(studs):
-    section = stud_evidence.design(studs.study, studs)
+    section = stud_study.design(studs.study, studs)
     tables = {block.key: block for block in walk((section,)) if isinstance(block, Table)}
     assert set(tables) == {"design-d8", "design-left-out", "design-load-slip", "design-residual"}
     (callout,) = [block for block in section.blocks if isinstance(block, Callout)]
@@ -195,7 +195,7 @@ def test_tests_after_pre_damage_flip_the_chart(tmp_path):
     assert "band of a new test" in {
         text.get_text() for text in drawing.canvas.legends[0].get_texts()
     }
-    (only,) = stud_evidence.in_short(study, stored)
+    (only,) = stud_study.in_short(study, stored)
     assert "5 unseen tests of lab 3" in only.items[0]
     (result,) = assess(study, tmp_path).verdicts
     assert result.verdict.value == "pass"

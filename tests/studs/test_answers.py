@@ -25,11 +25,12 @@ from workbench.studs.answers import (
     StudSeries,
     StudStrength,
 )
-from workbench.studs.answers.common import content_of
 from workbench.studs.fit_protocol import judge, plain
 from workbench.studs.interaction import combined_tests
+from workbench.studs.model import tables_of
 from workbench.studs.reading import from_frame
 from workbench.studs.tables import joined, split_table
+from workbench.study.store import read_netcdf, to_netcdf_bytes
 from workbench.testing import check_model
 
 Maker = Callable[..., pd.DataFrame]
@@ -57,6 +58,16 @@ def test_every_model_of_studs_keeps_the_contract(model: Any, scenario: StudTests
     check_model(model, [scenario])
 
 
+def fit_of(response: Response) -> pd.Series:
+    """The only row of the summary of a fit."""
+    (row,) = (row for _, row in tables_of(response)["fit"].iterrows())
+    return row
+
+
+def judgement_of(response: Response) -> pd.Series:
+    return tables_of(response)["judgement"].iloc[0]
+
+
 def number(response: Response, name: str) -> float:
     return float(response[name])
 
@@ -65,9 +76,9 @@ def test_formulas_are_judged_by_what_they_have_not_seen() -> None:
     plain_, corrected = (StudStrength(corrected=c).simulate(UNSEEN) for c in (False, True))
     for response in (plain_, corrected):
         assert outcome_of(response) is Outcome.OK
-        assert content_of(response)["fit"]["campaigns"] == ["provines2019"]
-        assert content_of(response)["judgement"]["campaigns"] == ["lehigh279"]
-    bias = content_of(plain_)["fit"]["parameters"]["bias"]["value"]
+        assert fit_of(response)["campaigns"] == "provines2019"
+        assert judgement_of(response)["campaigns"] == "lehigh279"
+    bias = fit_of(plain_)["bias"]
     ratio = number(plain_, "test_over_prediction") / number(corrected, "test_over_prediction")
     assert ratio == pytest.approx(bias)
     # calibrated on the campaign of strong shanks the formula is unsafe on the other one
@@ -83,9 +94,8 @@ def test_the_mechanical_model_is_judged_by_unseen_tests() -> None:
     response = StudMechanical().simulate(UNSEEN)
     # measured 0.0013
     assert number(response, "least_test_over_prediction") == pytest.approx(0.91, abs=2.6e-3)
-    content = content_of(response)
-    assert content["judgement"]["worst"] == "lehigh279 P3"
-    assert {curve["specimen"] for curve in content["curves"]} == {"P3", "P8"}
+    assert judgement_of(response)["worst"] == "lehigh279 P3"
+    assert set(tables_of(response)["curves"]["specimen"]) == {"P3", "P8"}
 
 
 def test_a_table_without_a_split_is_fitted_but_judges_nothing() -> None:
@@ -129,7 +139,7 @@ def test_names_and_tables_are_checked() -> None:
 def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     given = asked("load-slip", tables=(), curves=CURVES, validate=("lehigh279", "mcgarraugh1971"))
     fitted = StudLoadSlip().simulate(given)
-    assert content_of(fitted)["judgement"]["curves"] == 4
+    assert judgement_of(fitted)["curves"] == 4
     assert 0.8 < number(fitted, "coverage") <= 1.0  # nominal 0.9, measured 0.97
     assert json.loads(fitted.attrs["sampling_uncertainty"])["coverage"] >= 0.25
     assert sampled_interval(fitted, "coverage")[1] == 1.0  # no band holds more than all
@@ -138,6 +148,17 @@ def test_load_slip_laws_are_judged_by_unseen_curves() -> None:
     # measured 0.0021
     assert number(published, "stiffness_test_over_prediction") == pytest.approx(0.75, abs=4.3e-3)
     assert number(StudMeasured().simulate(given), "coverage") == 0.9
+
+
+def test_tables_are_stored_with_their_types_and_units(tmp_path: Path) -> None:
+    response = StudStrength("en1994").simulate(UNSEEN)
+    (tmp_path / "cell.nc").write_bytes(to_netcdf_bytes(response))
+    stored = read_netcdf(tmp_path / "cell.nc")
+    assert stored["answer.judged.prediction"].attrs["units"] == "N"
+    tables = tables_of(stored)
+    for name, table in tables_of(response).items():
+        pd.testing.assert_frame_equal(tables[name], table, check_dtype=False, check_like=True)
+    assert tables["fit"]["tests"].dtype.kind == "i"
 
 
 # -- a laboratory's own table, as a scenario ------------------------------------------------------
@@ -150,9 +171,9 @@ def written(table: pd.DataFrame, path: Path) -> str:
 
 def test_tests_after_pre_damage_flip_the_path(damaged: Maker, tmp_path: Path) -> None:
     """The same model and question: a prediction, then a fit that says what it rests on."""
-    before = content_of(StudResidual().simulate(asked("residual-strength")))
-    assert before["fit"]["grade"] == Grade.MECHANICAL
-    assert before["validated"] is False
+    before = fit_of(StudResidual().simulate(asked("residual-strength")))
+    assert before["grade"] == Grade.MECHANICAL
+    assert not before["validated"]
     rows = damaged(6, kind="pull-out", measure="displacement ratio", origin="measured")
     file = written(rows.assign(use_for_fit=1), tmp_path / "lab.csv")
     given = StudTests(
@@ -160,16 +181,16 @@ def test_tests_after_pre_damage_flip_the_path(damaged: Maker, tmp_path: Path) ->
         calibrate=("provines2019", *(f"lab {k}" for k in range(4))), validate=("lab 4", "lab 5"),
     )  # fmt: skip
     response = StudResidual().simulate(given)
-    after = content_of(response)
-    assert {score["name"] for score in after["fit"]["scores"]} >= {"linear", "mechanical"}
-    assert after["fit"]["grade"] == Grade.CROSS_VALIDATED
-    assert after["validated"] is True
-    assert after["fit"]["tests"] == 32
+    after = fit_of(response)
+    assert set(tables_of(response)["scores"]["name"]) >= {"linear", "mechanical"}
+    assert after["grade"] == Grade.CROSS_VALIDATED
+    assert after["validated"]
+    assert after["tests"] == 32
     assert number(response, "test_over_prediction") == pytest.approx(1.0, abs=0.09)  # measured 0.04
     assert number(StudMeasured().simulate(given), "test_over_prediction") == 1.0
     synthetic = written(damaged(4, kind="fatigue"), tmp_path / "synthetic.csv")
     given = StudTests("s", "residual-strength", (synthetic,))
-    assert content_of(StudResidual().simulate(given))["fit"]["grade"] == Grade.SYNTHETIC
+    assert fit_of(StudResidual().simulate(given))["grade"] == Grade.SYNTHETIC
 
 
 def combined(campaigns: int = 2) -> pd.DataFrame:
@@ -247,7 +268,7 @@ def test_one_test_per_campaign_is_no_crash() -> None:
         rel=4.5e-8,  # measured 2.3e-8
     )
     single = judge(frame.iloc[:1], ratio[:1], np.ones(1))
-    assert (single.interval, single.told["test_over_prediction"].width) == (None, None)
+    assert (single.interval, single.scalars["test_over_prediction"].width) == (None, None)
     with pytest.raises(InputError, match="holds no test"):
         judge(frame.iloc[:0], ratio[:0], np.ones(0))
 

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from workbench.studs import POINTS, RELATIONS, SHEAR_MODELS, OllgaardLaw, fit_load_slip
-from workbench.studs.factors_fit import prediction
+from workbench.studs.formulas import prediction
 from workbench.studs.load_slip_fit import judge_curves
 from workbench.studs.quantities import Specimens
 from workbench.studs.reading import from_frame

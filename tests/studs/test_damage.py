@@ -103,8 +103,8 @@ def test_a_threshold_is_found_and_levels_beyond_one_are_fitted() -> None:
     assert fit.relation.name == "threshold"
     assert fit.parameters["t"] == pytest.approx(0.4, abs=0.03)
     assert fit.averaged[0].weight > 0.9
-    curve = fit.parts(0.9)["curve"]
-    assert curve["level"][-1] == pytest.approx(1.5)
+    curve = fit.tables(0.9)["curve"]
+    assert curve["level"].iloc[-1] == pytest.approx(1.5)
     assert not curve["extrapolated"].any()
     at = np.array([0.3, 1.4])
     assert fit.left(at) == pytest.approx([1.0, 0.5], abs=0.02)

@@ -1,4 +1,4 @@
-"""From tests to design values: bands of medians, posteriors, few tests, interaction, decks."""
+"""From tests to design values: bands of medians, few tests, interaction, decks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from scipy import stats
 
 from workbench.cli import run
 from workbench.errors import InputError
@@ -22,9 +21,6 @@ from workbench.studs.reading import from_frame
 from workbench.studs.schema import TESTS
 from workbench.studs.series import evaluate_few
 from workbench.studs.statistics.annex_d import few_tests_factor
-from workbench.studs.statistics.mixed import fit
-from workbench.studs.statistics.mixture import mixture_of, posterior_intervals, predictive_quantile
-from workbench.studs.statistics.problem import location
 
 Capture = pytest.CaptureFixture[str]
 
@@ -78,98 +74,12 @@ def test_design_rows_are_fractiles_and_lie_in_order(quantity: str) -> None:
     assert told["design"].to_numpy() == pytest.approx(fractiles[1][rows["design"].notna()])
 
 
-def test_without_campaigns_there_is_no_band_of_the_median_but_with_a_prior() -> None:
-    table = after_fatigue([7])
-    alone = fit_residual(table)
+def test_without_campaigns_there_is_no_band_of_the_median() -> None:
+    alone = fit_residual(after_fatigue([7]))
     assert alone.design_rows()["low"].isna().all()
     assert alone.band([0.5]) is None
-    known = fit_residual(table, priors={"tau": (0.05, 0.3)})
-    assert known.design_rows().drop(columns="design").notna().all(axis=None)
-    moved = known.influence()
+    moved = alone.influence()
     assert moved["without"].min() < moved["value"].iloc[0] < moved["without"].max()
-    wide = fit_residual(table, priors={"tau": (0.15, 0.3)})
-    bands = [found.band([0.5]) for found in (known, wide)]
-    widths = [float(high[0] - low[0]) for low, high in bands if low is not None]
-    assert widths[0] < widths[1]
-    assert any(finding.subject == "prior" for finding in known.findings)
-    with pytest.raises(InputError, match=r"must be one of tau, linear\.c"):
-        fit_residual(table, priors={"c": (0.4, 0.1)})
-
-
-# -- posterior -----------------------------------------------------------------------------------
-
-
-def test_the_posterior_of_a_median_is_that_of_plain_integration() -> None:
-    """Two campaigns of three tests, sigma and tau on a grid of their own."""
-    groups = np.repeat([0, 1], 3)
-    y = np.array([0.02, -0.05, 0.06, 0.21, 0.14, 0.16])
-    estimate = fit(location(y, groups))
-    mixture = mixture_of(estimate, {"tau": (0.1, 0.3)})
-    means = y.reshape(2, 3).mean(axis=1)
-    within = np.sum((y.reshape(2, 3) - means[:, None]) ** 2)
-    sigma, tau = np.meshgrid(np.geomspace(0.005, 1.0, 101), np.geomspace(0.03, 0.35, 101))
-    total = tau**2 + sigma**2 / 3.0
-    rest = np.sum((means - means.mean()) ** 2)
-    log = -4.0 * np.log(sigma) - 0.5 * within / sigma**2 - 0.5 * np.log(total) - 0.5 * rest / total
-    log -= 0.5 * (np.log(tau / 0.1) / 0.3) ** 2
-    weight = np.exp(log - log.max()).ravel()
-    weight /= weight.sum()
-    x = np.linspace(-0.4, 0.6, 301)
-    spread = np.sqrt(0.5 * total.ravel())
-    ends = np.interp([0.05, 0.95], stats.norm.cdf(x[:, None], means.mean(), spread) @ weight, x)
-    found = posterior_intervals(estimate, mixture, 0.9)
-    assert found["median"][:2] == pytest.approx(tuple(ends), abs=2e-3)
-    order = np.argsort(tau.ravel())
-    ends = np.interp([0.05, 0.95], np.cumsum(weight[order]), tau.ravel()[order])
-    assert found["tau"][:2] == pytest.approx(tuple(ends), abs=4e-3)
-
-
-def test_a_prior_of_a_parameter_is_weighed_by_its_precision() -> None:
-    """Many tests of one campaign, next to no campaign scatter: normal prior times likelihood."""
-    y = 0.2 + 0.3 * np.random.default_rng(1).normal(size=400)
-    estimate = fit(location(y, ["a"] * 400))
-    priors = {"tau": (0.002, 0.1), "median": (0.18, 0.01)}
-    interval = posterior_intervals(estimate, mixture_of(estimate, priors), 0.9)["median"]
-    own = 1.0 / (np.var(y, ddof=1) / 400.0 + 0.002**2)
-    mean = (own * y.mean() + 1.8e3) / (own + 1e4)
-    ends = mean + np.array([-1.0, 1.0]) * 1.6449 / np.sqrt(own + 1e4)
-    assert interval[:2] == pytest.approx(tuple(ends), abs=3e-4)
-
-
-def prior_coverage(runs: int, campaigns: int) -> float:
-    """Share of new tests of new campaigns above the 5 % fractile, tau known up to a factor."""
-    generator, below = np.random.default_rng(6), []
-    for _ in range(runs):
-        tau = 0.06 * np.exp(0.5 * generator.normal())
-        groups = np.repeat(np.arange(campaigns), 6)
-        y = tau * generator.normal(size=campaigns)[groups]
-        y = y + 0.08 * generator.normal(size=len(groups))
-        estimate = fit(location(y, groups))
-        q = predictive_quantile(estimate, estimate.problem, 0.05, {"tau": (0.06, 0.5)})[0]
-        below.append(stats.norm.cdf(q / np.hypot(tau, 0.08)))
-    return float(np.mean(below))
-
-
-def test_fractiles_under_a_true_prior_are_not_off() -> None:
-    assert prior_coverage(40, 1) == pytest.approx(0.05, abs=0.03)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("campaigns", "share"), [(1, 0.042), (2, 0.050)])
-def test_fractiles_under_a_true_prior(campaigns: int, share: float) -> None:
-    """Nominally 0.05; of one campaign on the safe side, as the theory page says."""
-    assert prior_coverage(1500, campaigns) == pytest.approx(share, abs=0.004)
-
-
-def test_strength_takes_priors_where_campaigns_are_few() -> None:
-    rows = [{"shear_kN": load, "campaign": c} for c in "ab" for load in (105.0, 110.0, 112.0)]
-    table = push_outs(rows)
-    assert fit_strength(table).new_campaign_factor is None
-    known = fit_strength(table, priors={"tau": (0.06, 0.5), "bias": (1.0, 0.05)})
-    factor, interval = known.new_campaign_factor, known.posterior["bias"]
-    assert factor is not None
-    assert interval.low is not None
-    assert factor < interval.low < known.bias
 
 
 # -- few tests -----------------------------------------------------------------------------------
@@ -207,7 +117,7 @@ def test_few_tests_on_the_command_line(tmp_path: Path, capsys: Capture) -> None:
     assert run(["fit", "few-tests", str(file)]) == 2
     assert "--known-variation" in capsys.readouterr().err
     assert run(["fit", "few-tests", str(file), "--known-variation", "0.11", "--json"]) == 0
-    (group,) = json.loads(capsys.readouterr().out)["groups"]
+    (group,) = json.loads(capsys.readouterr().out)["results"]["groups"]
     assert group["characteristic"] == pytest.approx(69.4e3, rel=1e-3)
 
 

@@ -27,10 +27,7 @@ from workbench.studs.load_slip import (
     fit_curve,
     law_kind,
     law_stiffness,
-    make_law,
-    parameter_names,
 )
-from workbench.studs.load_slip_fit import HELD
 from workbench.studs.tables import curves_of, first_loading
 
 SLIPS = np.linspace(0.0, 8e-3, 60)
@@ -143,7 +140,7 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     fit = fit_load_slip(curves)
     assert len(fit.rows) == 24
     assert len(fit.skipped) == 4  # the noisy initial branches
-    assert fit.to_dict()["campaigns"] == ["lehigh279", "mcgarraugh1971", "provines2019"]
+    assert fit.summary()["campaigns"] == "lehigh279, mcgarraugh1971, provines2019"
     for found in fit.population.values():
         median = found.parameters["median"]
         assert median.profile.low < median.value < median.profile.high
@@ -151,7 +148,7 @@ def test_population_counts_curves_not_points(curves: pd.DataFrame) -> None:
     repeated = pd.concat([curves, dense, dense], ignore_index=True)
     again = fit_load_slip(repeated)
     assert again.medians["rate"] == pytest.approx(fit.medians["rate"], rel=1e-8)  # measured 4.0e-11
-    json.dumps(plain(fit.to_dict()), allow_nan=False)
+    json.dumps(plain(fit.tables()), allow_nan=False)
 
 
 def test_band_holds_the_curves_it_was_made_of(curves: pd.DataFrame) -> None:
@@ -194,12 +191,12 @@ def test_doubtful_points_and_means_are_left_out(curves: pd.DataFrame) -> None:
 
 def squares(law: str, start: np.ndarray, curve: tuple[np.ndarray, np.ndarray]) -> float:
     """Sum of squares of a law of logarithms of parameters, from one start down."""
-    names = [name for name in parameter_names(law) if name not in HELD.get(law, {})]
+    names = [name for name in LAWS[law].bounds if name not in LAWS[law].held]
     slip, ratio = curve
 
     def error(theta: np.ndarray) -> np.ndarray:
-        own = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **HELD.get(law, {})}
-        return make_law(law, own, float(slip.max())).ratio(slip) - ratio
+        own = {**dict(zip(names, np.exp(theta).tolist(), strict=True)), **LAWS[law].held}
+        return LAWS[law].fitted(own, float(slip.max())).ratio(slip) - ratio
 
     low, high = (np.log([BOUNDS[law][name][k] for name in names]) for k in (0, 1))
     tight = {"xtol": 1e-10, "ftol": 1e-10, "gtol": 1e-10}
@@ -212,7 +209,7 @@ def no_start_is_better(curves: pd.DataFrame, law: str, starts: int) -> None:
     for name, slip, load in curves_of(curves, falling=law == "rational"):
         if len(slip) < 3:
             continue
-        fit = fit_curve(slip, load, law, held=HELD.get(law, {}))
+        fit = fit_curve(slip, load, law, held=LAWS[law].held)
         curve, count = (np.maximum(slip, 0.0), load / load.max()), count + 1
         least = min(squares(law, start, curve) for start in generator.uniform(size=(starts, 2)))
         assert fit.points * fit.rms**2 <= least * (1.0 + 1e-6) + 1e-12, name

@@ -28,10 +28,9 @@ from workbench.studs.mechanical import (
     push_out,
     residual_curve,
 )
-from workbench.studs.mechanical.calibration import predicted
+from workbench.studs.mechanical.calibration import predicted, residual_ratios, uplift_at
 from workbench.studs.mechanical.driving import shear
 from workbench.studs.mechanical.parameters import SHEAR_MODULUS, STEEL_MODULUS
-from workbench.studs.mechanical.residual import residual_ratios, uplift_at
 from workbench.studs.mechanical.structure import StudStructure, round_section
 
 STUD = Stud(0.019, 0.1, 30e6, 26e9, 450e6)
@@ -306,7 +305,7 @@ def test_calibration_meets_its_own_campaign(fitted: MechanicalFit) -> None:
         assert own["mechanism_ratio"].mean() == pytest.approx(1.0, abs=0.015)  # measured 0.0073
     assert fitted.rows["slip_ratio"].mean() == pytest.approx(1.0, abs=0.02)  # measured 0.0093
     assert max(fitted.standard_errors.values()) < 0.14  # measured 0.072
-    json.dumps(plain(fitted.to_dict()), allow_nan=False)
+    json.dumps(plain({"fit": fitted.summary(), **fitted.tables()}), allow_nan=False)
 
 
 @pytest.mark.parametrize("strength", [20e6, 30e6, 80e6])

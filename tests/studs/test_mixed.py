@@ -12,11 +12,11 @@ from workbench.errors import InputError
 from workbench.studs.statistics.intervals import (
     Interval,
     freedom_of,
+    predictive_quantile,
     profile_interval,
     scatter_intervals,
 )
 from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.mixture import predictive_quantile
 from workbench.studs.statistics.prediction import leave_one_campaign_out, score_relations
 from workbench.studs.statistics.problem import Problem, problem
 

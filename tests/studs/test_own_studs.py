@@ -12,9 +12,10 @@ import pytest
 from workbench.cli import run
 from workbench.errors import InputError
 from workbench.studs import TESTS
-from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve
-from workbench.studs.mechanical.calibration import USUAL, complete_rows, studs_of
+from workbench.studs.mechanical import MechanicalFit, Stud, Surroundings, residual_curve, studs_of
+from workbench.studs.mechanical.calibration import complete_rows
 from workbench.studs.reading import from_frame
+from workbench.studs.schema import USUAL
 from workbench.studs.tables import identity_of
 
 NOTHING: dict[str, float | None] = dict.fromkeys(USUAL)
@@ -69,24 +70,24 @@ def test_a_laboratory_without_damaged_tests_gets_its_own_stud(
     model = MechanicalFit(
         Surroundings(), {}, table((19, 100, 30, 450)), {}, 1, identity_of(table((19, 100, 30, 450)))
     )
-    monkeypatch.setattr("workbench.studs.answers.evidence.calibrated", lambda scenario: model)
+    monkeypatch.setattr("workbench.studs.answers.calibrated", lambda scenario: model)
     short = partial(residual_curve, levels=(0.0, 0.5), spread={})
-    monkeypatch.setattr("workbench.studs.answers.fits.residual_curve", short)
+    monkeypatch.setattr("workbench.studs.mechanical.calibration_curve", short)
     file = tmp_path / "lab.csv"
     rows = table((16, 90, 40, 480), (16, 90, 40, 480), (16, 90, 40, 480))
     rows.assign(shear_kN=[88.0, 90.0, 92.0], use_for_fit=1).to_csv(file, index=False)
     assert run(["fit", "residual", str(file), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    results = json.loads(capsys.readouterr().out)["results"]
     own = short(Stud.of_concrete(0.016, 0.09, 40e6, 480e6), model.around)
-    fits = [content["fit"] for content in found["quantities"]]
-    assert [fit["stud"] for fit in fits] == ["16 x 90 mm, f_c 40 MPa, f_u 480 MPa"] * 2
-    assert all("assumed" not in text for fit in fits for text in fit["warnings"])
-    left = found["quantities"][0]["curve"]["left"]
+    studs = [fit["stud"] for fit in results["fit"]]
+    assert studs == ["16 x 90 mm, f_c 40 MPa, f_u 480 MPa"] * 2
+    assert all("assumed" not in row["sentence"] for row in results["findings"])
+    left = [row["left"] for row in results["curve"] if row["of"] == "strength"]
     assert left[20] == pytest.approx(own.ratio[1])
     assert run(["fit", "residual", "--json", "--quantity", "strength"]) == 0
-    (usual,) = json.loads(capsys.readouterr().out)["quantities"]
-    assert usual["fit"]["stud"] == "19 x 100 mm, f_c 30 MPa, f_u 450 MPa"
-    assert any("assumed: diameter_mm 19" in text for text in usual["fit"]["warnings"])
-    assert usual["curve"]["left"][20] > left[20] + 0.01
+    usual = json.loads(capsys.readouterr().out)["results"]
+    assert usual["fit"][0]["stud"] == "19 x 100 mm, f_c 30 MPa, f_u 450 MPa"
+    assert any("assumed: diameter_mm 19" in row["sentence"] for row in usual["findings"])
+    assert usual["curve"][20]["left"] > left[20] + 0.01
     assert run(["fit", "residual", str(file), "--fcm-mpa", "3000"]) == 2
     assert "--fcm-mpa = 3000.0: must be a number from 5 to 250 MPa" in capsys.readouterr().err

@@ -43,7 +43,7 @@ def test_without_tests_only_the_mechanical_prediction_is_left(
     low, high = fit.band([0.5])
     assert (low[0], high[0]) == (0.6, 0.9)
     assert "holds no test after pre-damage" in fit.findings[0].text
-    stored = json.loads(json.dumps(plain(fit.to_dict()), allow_nan=False))
+    stored = json.loads(json.dumps(plain(fit.summary()), allow_nan=False))
     assert stored["grade"] == str(fit.grade)
     with pytest.raises(InputError, match="holds no test after pre-damage"):
         fit_residual(push_outs)
@@ -174,7 +174,7 @@ def test_damage_beyond_the_tests_is_an_extrapolation(damaged: Maker) -> None:
     low, high = fit.band([0.05, fit.levels[1], 0.5, 1.0])
     assert np.isfinite([low[:2], high[:2]]).all()
     assert np.isnan([low[2:], high[2:]]).all()
-    curve = fit.parts(0.9)["curve"]
+    curve = fit.tables(0.9)["curve"]
     assert curve["extrapolated"].tolist() == [level > fit.levels[1] for level in curve["level"]]
 
 

@@ -6,7 +6,7 @@ long form (--run-slow) is that of the table in docs/theory/studs-statistics.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -94,42 +94,36 @@ def test_bands_of_two_hundred_laboratories(truth: str) -> None:
     assert 0.86 <= median <= 0.99, median
 
 
-def below(sizes: list[int], priors: Mapping[str, tuple[float, float]], runs: int) -> float:
+def below(sizes: list[int], runs: int) -> float:
     """Share of new tests in new campaigns below the characteristic value, truths in turn."""
     generator, shares = np.random.default_rng(2), []
     for run in range(runs):
         truth = list(TRUTHS)[run % len(TRUTHS)]
-        fit = fit_residual(laboratory(generator, truth, sizes), priors=priors)
+        fit = fit_residual(laboratory(generator, truth, sizes))
         rows = fit.design_rows()
         short = rows["characteristic"] - TRUTHS[truth](rows["level"].to_numpy())
         shares.append(norm.cdf(short / np.hypot(WITHIN, BETWEEN)).mean())
     return float(np.mean(shares))
 
 
-KNOWN = {"tau": (BETWEEN, 0.5)}
-KINDS = [([6], KNOWN), ([4, 4], KNOWN), ([6] * 3, {}), ([4] * 4, {}), ([6] * 6, {})]
-
-
 def test_characteristic_values_are_not_off() -> None:
-    assert 0.005 <= below([6, 6, 6], {}, 5) <= 0.1
+    assert 0.005 <= below([6, 6, 6], 5) <= 0.1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("sizes", "priors"), KINDS)
-def test_five_percent_of_new_tests_lie_below_characteristic_values(
-    sizes: list[int], priors: Mapping[str, tuple[float, float]]
-) -> None:
-    assert 0.03 <= below(sizes, priors, 200) <= 0.07
+@pytest.mark.parametrize("sizes", [[6] * 3, [4] * 4, [6] * 6])
+def test_five_percent_of_new_tests_lie_below_characteristic_values(sizes: list[int]) -> None:
+    assert 0.03 <= below(sizes, 200) <= 0.07
 
 
 @pytest.mark.parametrize("sizes", [[6], [4, 4]])
-def test_few_campaigns_give_no_characteristic_value_without_a_prior(sizes: list[int]) -> None:
+def test_few_campaigns_give_no_characteristic_value(sizes: list[int]) -> None:
     """EN 1990 D.8 on the tests that the relation was fitted to: 15 to 19 % of new ones below."""
     fit = fit_residual(laboratory(np.random.default_rng(1), "linear", sizes))
     assert fit.design_rows()[["characteristic", "design"]].isna().all(axis=None)
     told = " ".join(f"{finding.text} {finding.remedy}" for finding in fit.findings)
     assert "no characteristic or design value" in told
-    assert "--prior tau=" in told
+    assert "fit few-tests with a scatter that is known" in told
 
 
 def test_a_parameter_that_reaches_its_bound_does_not_end_a_fit() -> None:
@@ -139,6 +133,17 @@ def test_a_parameter_that_reaches_its_bound_does_not_end_a_fit() -> None:
     table = laboratory(np.random.default_rng(1), "linear", [6])
     fit = fit_residual(table.assign(predamage_level=level, shear_kN=left))
     assert all(c.estimate.sigma > 0.0 for c in fit.averaged)
+
+
+def test_a_criterion_with_kinks_does_not_end_a_fit() -> None:
+    """The 175th laboratory of six campaigns: the estimate of a threshold lay in a side valley."""
+    generator = np.random.default_rng(2)
+    for run in range(175):
+        table = laboratory(generator, list(TRUTHS)[run % len(TRUTHS)], [6] * 6)
+    fitted = fit_residual(table).fitted
+    assert fitted is not None
+    for each in fitted.parameters.values():
+        assert each.profile.low <= each.value <= each.profile.high
 
 
 def test_a_loss_that_shows_beyond_the_tests_is_not_denied_there() -> None:

@@ -12,7 +12,7 @@ import pytest
 from workbench.cli import run
 from workbench.studs import TESTS, fit_strength
 from workbench.studs.reading import from_frame
-from workbench.studs.statistics.intervals import rank_scatters
+from workbench.studs.statistics.prediction import rank_scatters
 
 
 def rows(logs: np.ndarray, labs: int = 3) -> pd.DataFrame:
@@ -21,11 +21,18 @@ def rows(logs: np.ndarray, labs: int = 3) -> pd.DataFrame:
     return pd.DataFrame({"campaign": campaign, "specimen": names, "ratio": np.exp(logs)})
 
 
+def ranked(tests: dict[str, pd.DataFrame]) -> tuple[str, pd.Series]:
+    """The formula of least scatter, and its only rival."""
+    stacked = pd.concat([table.assign(of=name) for name, table in tests.items()])
+    first, rival = (row for _, row in rank_scatters(stacked, 0.9).iterrows())
+    return first["of"], rival
+
+
 def test_the_ratio_of_scatters_by_hand() -> None:
     """Two campaigns of three; residuals (1, 0, -1) and (2, -1, -1): r = 3 / sqrt(2 x 6), nu = 3."""
     one = 0.1 * np.array([1.0, 1.0, 0.0, 0.0, -1.0, -1.0])
     two = 0.1 * np.array([2.0, 2.0, -1.0, -1.0, -1.0, -1.0])
-    best, (rival,) = rank_scatters({"one": rows(one, 2), "two": rows(two, 2)}, 0.9)
+    best, rival = ranked({"one": rows(one, 2), "two": rows(two, 2)})
     assert best == "one"
     assert rival["ratio"] == pytest.approx(np.sqrt(3.0))
     wide = 1.0 + 2.0 * (1.0 - 0.75) * 2.353363**2 / 3.0  # t of 3 degrees of freedom at 95 %
@@ -42,7 +49,7 @@ def test_the_interval_covers_what_it_says() -> None:
     for _ in range(400):
         logs = generator.multivariate_normal([0.0, 0.0], 0.01 * spread, size=18)
         tests = {name: rows(logs[:, k]) for k, name in enumerate(("one", "two"))}
-        best, (rival,) = rank_scatters(tests, 0.9)
+        best, rival = ranked(tests)
         low, high = rival["low"], rival["high"]
         inside += low <= 1.2 <= high if best == "one" else 1.0 / high <= 1.2 <= 1.0 / low
     assert inside / 400 == pytest.approx(0.9, abs=0.045)  # three standard errors
@@ -51,9 +58,7 @@ def test_the_interval_covers_what_it_says() -> None:
 def test_different_scatters_are_told_apart() -> None:
     generator = np.random.default_rng(2)
     logs = 0.05 * generator.normal(size=30)
-    best, (rival,) = rank_scatters(
-        {"far": rows(logs + 0.2 * generator.normal(size=30)), "near": rows(logs)}, 0.9
-    )
+    best, rival = ranked({"far": rows(logs + 0.2 * generator.normal(size=30)), "near": rows(logs)})
     assert best == "near"
     assert rival["apart"]
     assert rival["low"] > 1.01
@@ -76,9 +81,10 @@ def test_one_type_of_stud_tells_no_formula_apart(
     arguments = ["fit", "stud-strength", str(file), *models]
     assert run([*arguments, "--json", "--report", str(report)]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["least_scatter"] == "aisc360"  # the first: none is better
-    assert [each["apart"] for each in found["rivals"]] == [False, False]
-    assert [each["ratio"] for each in found["rivals"]] == pytest.approx([1.0, 1.0])
+    first, *rivals = found["results"]["ranking"]
+    assert first["of"] == "AISC 360-22"  # the first: none is better
+    assert [each["apart"] for each in rivals] == [False, False]
+    assert [each["ratio"] for each in rivals] == pytest.approx([1.0, 1.0])
     said = "the tests cannot tell AISC 360-22, solid slab (Rg = 1, Rp = 0.75) from EN 1994-1-1, "
     assert said + "EN 1994-1-1, mean form" in report.read_text()
     assert run(arguments) == 0

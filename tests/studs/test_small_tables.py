@@ -83,13 +83,12 @@ def check(
 RESIDUAL = ["fit", "residual", "--quantity", "strength", "--no-mechanical"]
 
 
-PRIORS = ["--prior", "tau=0.1:0.5"]
 VERBS = [
-    (["fit", "stud-strength", *PRIORS], 20),
+    (["fit", "stud-strength"], 20),
     (["fit", "stud-strength", "--slab", "deck"], 10),
     (["fit", "interaction"], 10),
     (["fit", "few-tests", "--known-variation", "0.1"], 100),
-    ([*RESIDUAL, *PRIORS], 100),
+    (RESIDUAL, 100),
 ]
 
 
@@ -111,7 +110,7 @@ def test_some_small_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("verb", "least"), [*VERBS, (RESIDUAL, 100)])
+@pytest.mark.parametrize(("verb", "least"), VERBS)
 def test_three_hundred_small_tables(
     verb: list[str], least: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

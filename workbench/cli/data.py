@@ -262,6 +262,6 @@ def studs(
     as_json: Json = False,
 ) -> Answer:
     """A table of tests on studs, commented, with an example: for `workbench fit`."""
-    from workbench.studs.templates import template
+    from workbench.studs.schema import template
 
     return _printed(template(kind), as_json)

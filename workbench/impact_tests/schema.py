@@ -10,8 +10,7 @@ from typing import Any
 
 from workbench.errors import InputError
 from workbench.scenarios import ColumnImpact, scenario_from
-from workbench.studs.schema import Row, RowFinding, Table, declared, known
-from workbench.studs.templates import templates_in
+from workbench.studs.schema import Row, RowFinding, Table, declared, known, templates_in
 
 # measured quantities: response variable, column, and column of its half-width
 MEASURED = {

@@ -19,7 +19,7 @@ from workbench.report.chapters import (
     limits,
     measured,
     results,
-    stud_evidence,
+    stud_study,
     verdicts,
 )
 from workbench.report.explorer import FILE, explorer
@@ -86,7 +86,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         if of not in apart and p.key != first
     )
     decisive = [p for _, p in drawn if p.key == first]
-    more = (*stud_evidence.in_short(study, stored), *integrators.in_short(study, stored))
+    more = (*stud_study.in_short(study, stored), *integrators.in_short(study, stored))
     parts: list[Section | None] = [
         answer.answer(study, stored, decisive, more),
         choice.ranking(stored),
@@ -98,7 +98,7 @@ def document(study: Study, stored: Stored, drawn: Sequence[tuple[str, Picture]])
         limits.notes(study),
         Section("results", "Results", tuple(pictures)),
         budgets.budget_tables(stored),
-        stud_evidence.design(study, stored),
+        stud_study.design(study, stored),
         results.numbers(study, stored),
         results.convergence(study, stored, apart["convergence"]),
         results.cost(study, stored, apart["cost"]),

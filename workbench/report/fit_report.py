@@ -1,10 +1,10 @@
 """The report of a fit to tests on studs: the answer and its grade, what it rests on, the tests.
 
-Made of the content that `workbench fit --json` prints and of the rows of the table; nothing is
+Made of the tables that `workbench fit --json` prints and of the rows of the input; nothing is
 fitted here. One self-contained HTML file or PDF, and the numbers of every figure as CSV beside it.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,28 +12,34 @@ from typing import Any
 import pandas as pd
 
 from workbench.content.documents import render_html, render_pdf
-from workbench.content.tree import Block, Bullets, Callout, Definitions, Document, Picture, Section
+from workbench.content.formatting import brief, count
+from workbench.content.tree import (
+    ABSENT,
+    Block,
+    Bullets,
+    Callout,
+    Cell,
+    Column,
+    Definitions,
+    Document,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+)
 from workbench.errors import InputError
-from workbench.report.chapters import fit_answer, fit_rows
-from workbench.report.chapters.stud_tables import Content
+from workbench.report.chapters.studs import Head, of_fit, warnings_of
 from workbench.report.drawing import influence
 from workbench.report.drawing.sheet import Drawing, drawn
-from workbench.report.drawing.studs import table_of
-from workbench.report.figures import (
-    stud_curves,
-    stud_guideline,
-    stud_interaction,
-    stud_residuals,
-    stud_scatter,
-)
+from workbench.report.figures import stud_laws, stud_tests
 from workbench.report.gallery import Plate, to_csv
 from workbench.responses.provenance import provenance
-from workbench.studs.tables import first_loading
+from workbench.studs.fit_protocol import Tables
+from workbench.studs.schema import NO_PREDAMAGE, TESTS
 from workbench.study.definition import Figure
 from workbench.study.store import own_directory, write_atomically
 
 _RENDERERS = {"html": lambda content: render_html(content).encode(), "pdf": render_pdf}
-FORMATS = tuple(_RENDERERS)
 _TITLES = {
     "stud-strength": "Shear strength of headed studs",
     "load-slip": "Load and slip of headed studs",
@@ -41,33 +47,66 @@ _TITLES = {
     "interaction": "Tension and shear of headed studs together",
     "few-tests": "Characteristic values of few tests on headed studs",
 }
-_TESTS = "tests"  # name of the file with the rows
+_FIGURES: dict[str, tuple[Callable[[Mapping[str, Tables]], Drawing], str, str, str]] = {
+    "stud-scatter": (
+        *(stud_tests.scatter_of, "prediction", "Prediction"),
+        "Measured over predicted strength; below the line a prediction is unsafe.",
+    ),
+    "stud-residuals": (
+        *(stud_tests.residuals_of, "residuals", "Residuals"),
+        "What the formula of least scatter misses: a trend in a variable is one that it lacks.",
+    ),
+    "stud-curves": (
+        *(stud_laws.curves_of, "curves", "Curves"),
+        "Load over its largest value: the laws with their bands over the tests.",
+    ),
+    "stud-guideline": (
+        *(stud_laws.left_of, "left", "What is left"),
+        "Share that is left; the band ends where the tested damage ends, beyond it the line is an "
+        "extrapolation.",
+    ),
+    "stud-interaction": (
+        *(stud_laws.interaction_of, "interaction", "Law"),
+        "Tension and shear over the resistances under one of them alone.",
+    ),
+}
 _SOFTWARE = ("workbench", "commit", "requirements_lock", "python", "numpy", "scipy")
+_NAMES = ["campaign", "specimen"]
+_MOST_COLUMNS = 8  # beside the name, on paper; more stand in a further table
+_PRINTED = 100
+# how rows came about, which the file tells
+_HIDDEN = ("licence", "source_locator", "reference", "fcm_basis", "fu_basis", "connector")
+_LEFT = {  # of tests after pre-damage: columns of the fit, as they are read
+    "level": "damage D",
+    "ratio": "left R",
+    "uncertainty": "u(R) by its reference",
+    "reference": "reference",
+    "reference_tests": "tests behind it",
+}
 Drawn = tuple[str, str, str, Drawing]  # key, title, caption
 
 
 def write(
-    result: Mapping[str, Any], rows: Sequence[pd.DataFrame], targets: Mapping[str, Path]
+    head: Head, tables: Tables, rows: Sequence[pd.DataFrame], targets: Mapping[str, Path]
 ) -> dict[str, Path]:
     """Write reports of a fit; returns what was written, by words.
 
-    Arguments: `result`, what `workbench fit --json` prints; `rows`, the fitted and the unseen rows
-    of the tables (schema `TESTS` or `POINTS`); `targets`, paths by format, any of `FORMATS`. Equal
+    Arguments: `head`, what was asked, and `tables` of the answer; `rows`, the fitted and the unseen
+    rows of the input (schema `TESTS` or `POINTS`); `targets`, paths by format, html or pdf. Equal
     input gives equal bytes: no time, no path. Raises `InputError` for what cannot be written.
     """
-    tables = [Path(name).name for name in result["tables"]]
-    content = fit_answer.labelled({**result, "tables": tables})
-    figures = list(_figures(content, *rows))
+    head = {**head, "tables": [Path(name).name for name in head["tables"]]}
+    figures = list(_figures(tables))
     written: dict[str, Path] = {}
     numbers = {key: drawing.data for key, _, _, drawing in figures if drawing.canvas is not None}
-    numbers[_TESTS] = pd.concat(rows).dropna(axis="columns", how="all")
+    numbers["tests"] = pd.concat(rows).dropna(axis="columns", how="all")
     for kind, target in targets.items():
         try:
             folder = own_directory(target.parent, f"{target.stem}-curves")
             for key, data in numbers.items():
                 write_atomically(folder / f"{key}.csv", to_csv(data).encode())
-            tree = document(content, rows, figures, folder.name)
-            write_atomically(target, _RENDERERS[kind](tree))
+            document = _document(head, tables, rows, figures, folder.name)
+            write_atomically(target, _RENDERERS[kind](document))
         except OSError as error:
             reason = error.strerror or "unknown reason"
             raise InputError("--report", str(target), f"cannot be written: {reason}") from error
@@ -75,109 +114,181 @@ def write(
     return written
 
 
-def document(
-    result: Content, rows: Sequence[pd.DataFrame], figures: Sequence[Drawn], folder: str
+def _document(
+    head: Head,
+    tables: Tables,
+    rows: Sequence[pd.DataFrame],
+    figures: Sequence[Drawn],
+    folder: str,
 ) -> Document:
-    """The content tree of a fit; `folder`, where the numbers of its figures are."""
-    warnings = fit_answer.warnings_of(result)
-    answer = [*fit_answer.grade(result), *fit_answer.answer(result)]
-    if warnings:
-        answer.insert(1, Callout("doubt", f"Decisive: {warnings[0]}"))
-    rows_of = fit_rows.tests(result, rows, f"{folder}/{_TESTS}.csv")
+    warnings = warnings_of(tables)
+    warned: Block = Bullets(tuple(warnings))
+    if not warnings:
+        warned = Callout("good", "None of the checks found anything to warn of.")
     pictures = tuple(
         Section(f"figure-{key}", title, (_picture(key, title, caption, drawing, folder),))
         for key, title, caption, drawing in figures
     )
     record = provenance()
     software = ((n.replace("_", " "), f"`{record[n]}`") for n in _SOFTWARE if n in record)
-    parts = (
-        Section("answer", "The answer", tuple(answer)),
-        Section("basis", "What it rests on", tuple(_basis(result))),
-        Section("warnings", "Warnings, the decisive ones first", tuple(_warnings(result))),
-        Section("figures", "Figures", pictures),
-        Section("numbers", "Numbers", tuple(fit_answer.tables_of(result))),
-        Section("method", "Formulas and method", tuple(fit_answer.method(result))),
-        Section("tests", "The tests", tuple(rows_of)),
-        Section("software", "Software", (Definitions(tuple(software)),)),
-    )
-    sections = tuple(part for part in parts if part.blocks)
-    made = [f"{name} {record[name]}" for name in ("workbench", "commit") if name in record]
-    facts = (fit_answer.size(result), f"table: {fit_answer.sources_of(result)}", ", ".join(made))
-    return Document(_TITLES[result["fit"]], "Evaluation of tests", facts, sections)
+    parts: dict[str, tuple[str, tuple[Block, ...]]] = {
+        "answer": ("The answer", of_fit("answer", head, tables)),
+        "basis": ("What it rests on", _basis(head, tables)),
+        "warnings": ("Warnings, the decisive ones first", (warned,) if "fit" in tables else ()),
+        "figures": ("Figures", pictures),
+        "numbers": ("Numbers", of_fit("other_tables", head, tables)),
+        "method": ("Formulas and method", of_fit("method", head, tables)),
+        "tests": ("The tests", tuple(_tests(head, tables, pd.concat(rows), folder))),
+        "software": ("Software", (Definitions(tuple(software)),)),
+    }
+    sections = tuple(Section(key, *part) for key, part in parts.items() if part[1])
+    made = ", ".join(f"{name} {record[name]}" for name in _SOFTWARE[:2] if name in record)
+    facts = (_size(head, tables), f"table: {' and '.join(head['tables'])}", made)
+    return Document(_TITLES[head["fit"]], "Evaluation of tests", facts, sections)
 
 
 def _picture(key: str, title: str, caption: str, drawing: Drawing, folder: str) -> Picture:
-    found = Plate(Figure(key, "", title, caption), drawing).picture()
-    return replace(found, files=tuple(f"{folder}/{Path(name).name}" for name in found.files))
+    picture = Plate(Figure(key, "", title, caption), drawing).picture()
+    return replace(picture, files=tuple(f"{folder}/{Path(name).name}" for name in picture.files))
 
 
-def _figures(result: Content, fitted: pd.DataFrame, held: pd.DataFrame) -> Iterator[Drawn]:
-    """Predictions, residuals or curves of a fit, and how every test moves it."""
-    named = fit_answer.named_of(result)
-    contents = fit_answer.contents_of(result)
-    titles = list(named)
-    match result["fit"]:
-        case "stud-strength":
-            caption = "Measured over predicted strength; below the line a prediction is unsafe."
-            # the figure draws unseen tests of contents with a basis
-            told = {name: {**c, "basis": ""} if c["judged"] else c for name, c in named.items()}
-            yield "prediction", "Prediction", caption, drawn(stud_scatter.plot, told)
-            name, content = fit_answer.formula(result)
-            caption = f"What {name} misses: a trend in a variable is one that it lacks."
-            tests = table_of(content["tests"])
-            yield "residuals", "Residuals", caption, drawn(stud_residuals.plot, name, tests)
-        case "load-slip":
-            points = (first_loading(p, falling=True) if len(p) else p for p in (fitted, held))
-            caption = "Load over its largest value: the laws with their bands over the tests."
-            yield "curves", "Curves", caption, drawn(stud_curves.plot, dict(named), *points)
-        case "residual":
-            titles = [fit_answer.stud_of(content) for content in contents]
-            panels = [(c["fit"]["quantity"], t, c) for c, t in zip(contents, titles, strict=True)]
-            caption = (
-                "Share that is left; the band ends where the tested damage ends, beyond it the "
-                "line is an extrapolation."
-            )
-            yield "left", "What is left", caption, drawn(stud_guideline.plot, panels)
-            single = len(set(titles)) == 1
-            titles = [q if single else f"{q}, {t}" for q, t, _ in panels]
-        case "interaction":
-            caption = "Tension and shear over the resistances under one of them alone."
-            (content,) = contents
-            yield "interaction", "Law", caption, drawn(stud_interaction.plot, content)
-    moved = {
-        (title if len(set(rows["answer"])) == 1 else f"{title}, {answer}"): own
-        for title, content in zip(titles, contents, strict=True)
-        if content["influence"]
-        for rows in [pd.DataFrame(content["influence"])]
-        for answer, own in rows.groupby("answer", sort=False)
-    }
-    if moved:
+def _figures(tables: Tables) -> Iterator[Drawn]:
+    """The figures of the fits, and how every test moves them."""
+    names = list(dict.fromkeys(tables["fit"]["of"])) if "fit" in tables else []
+    best = tables["ranking"]["of"].iloc[0] if "ranking" in tables else ""
+    kinds = dict.fromkeys(tables["figures"]["kind"]) if names else ()
+    for plot, key, title, caption in (_FIGURES[kind] for kind in kinds):
+        shown = [best] if key == "residuals" else names
+        yield key, title, caption, drawn(plot, {n: _of(tables, n) for n in shown})
+    moved = tables.get("influence", pd.DataFrame())
+    if len(moved):
+        several = moved.groupby("of")["answer"].transform("nunique") > 1
+        panel = moved["of"].where(~several, moved["of"] + ", " + moved["answer"])
+        panels = {str(name): rows for name, rows in moved.groupby(panel, sort=False)}
         caption = "Change of the answer when one test is left out, all else kept."
-        yield "influence", "Influence of single tests", caption, drawn(influence.plot, moved)
+        yield "influence", "Influence of single tests", caption, drawn(influence.plot, panels)
 
 
-def _basis(result: Content) -> Iterator[Block]:
-    campaigns = {name for c in fit_answer.contents_of(result) for name in c["fit"]["campaigns"]}
-    given = {k: v if isinstance(v, list) else [v] for k, v in result["options"].items()}
+def _of(tables: Tables, name: str) -> Tables:
+    """The tables of one of several answers."""
+    return {
+        key: table[table["of"] == name].drop(columns="of") if "of" in table else table
+        for key, table in tables.items()
+        if "of" not in table or (table["of"] == name).any()
+    }
+
+
+def _size(head: Head, tables: Tables) -> str:
+    """How much was fitted."""
+    if "fit" not in tables:
+        return count(len(tables["groups"]), "group") + " of nominally equal tests"
+    what = "curves" if head["fit"] == "load-slip" else "tests"
+    most = tables["fit"].iloc[int(tables["fit"][what].argmax())]
+    after = " after pre-damage" if head["fit"] == "residual" else ""
+    if not most["campaigns"]:
+        return f"no {what}{after}"
+    campaigns = count(len(most["campaigns"].split(", ")), "campaign")
+    return f"{count(int(most[what]), what[:-1])}{after} of {campaigns}"
+
+
+def _basis(head: Head, tables: Tables) -> tuple[Block, ...]:
+    fit = tables.get("fit", pd.DataFrame(columns=["campaigns", "holds"]))
+    given = {k: v if isinstance(v, list) else [v] for k, v in head["options"].items()}
     options = ", ".join(f"{name} = {', '.join(map(str, v))}" for name, v in given.items())
-    pairs = [
-        ("tests", fit_answer.size(result)),
-        *([("campaigns", ", ".join(sorted(campaigns)))] if campaigns else []),
-        ("held out to judge the fit", ", ".join(result["validate"]) or "none"),
-        ("the grade holds", fit_answer.holds(result)),
-        ("table", fit_answer.sources_of(result)),
-        ("SHA-256 of the table", f"`{result['digest']}`" if result["digest"] else "shipped"),
-        ("confidence of intervals", f"{100 * result['confidence']:g} %"),
-        ("options", options or "none"),
+    pairs = {
+        "tests": _size(head, tables),
+        "campaigns": "; ".join(dict.fromkeys(fit["campaigns"])),
+        "held out to judge the fit": ", ".join(head["validate"]) or "none",
+        "the grade holds": "; ".join(dict.fromkeys(fit["holds"])) or "for these tests",
+        "table": " and ".join(head["tables"]),
+        "SHA-256 of the table": f"`{head['digest']}`" if head["digest"] else "shipped",
+        "confidence of intervals": f"{100 * head['confidence']:g} %",
+        "options": options or "none",
+    }
+    terms = Definitions(tuple((name, text) for name, text in pairs.items() if text))
+    return (terms, *of_fit("left_out_rows", head, tables))
+
+
+# -- the tests as they stand in the table ---------------------------------------------------------
+
+
+def _tests(head: Head, tables: Tables, rows: pd.DataFrame, folder: str) -> Iterator[Block]:
+    """What is the same in all rows of the input, then every row with its use."""
+    yield Paragraph(f"All columns of all rows are in `{folder}/tests.csv`.")
+    if head["fit"] == "load-slip":
+        yield _curves(tables)
+        return
+    rows = rows.assign(use="in the table" if head["fit"] == "few-tests" else "not used")
+    for key, use in (("tests", "fitted"), ("judged", "unseen")):
+        if key in tables:
+            used = pd.MultiIndex.from_frame(tables[key][_NAMES])
+            rows.loc[pd.MultiIndex.from_frame(rows[_NAMES]).isin(used), "use"] = use
+    if (rows["use"] == "not used").all():
+        yield Paragraph(f"None of the {len(rows)} rows entered the answer.")
+        return
+    if head["fit"] in ("residual", "interaction"):
+        alone = rows["predamage"] == NO_PREDAMAGE
+        alone = rows["test"] != "combined" if head["fit"] == "interaction" else alone
+        campaigns = set(rows.loc[rows["use"] != "not used", "campaign"])
+        rows.loc[alone & rows["campaign"].isin(campaigns), "use"] = "companion"
+    if head["fit"] == "residual":
+        for name, left in tables["tests"].groupby("of", sort=False):
+            titles = {key: f"{name}: {words}" for key, words in _LEFT.items()}
+            rows = rows.merge(left[[*_NAMES, *_LEFT]].rename(columns=titles), "left", _NAMES)
+    defaults = {name: TESTS.column(name).blank for name in TESTS.names}
+    known = [
+        str(name)
+        for name, column in rows.items()
+        if name not in (*_NAMES, *_HIDDEN)
+        and (column.notna() & (column != defaults.get(str(name), "")) & (column != "")).any()
     ]
-    yield Definitions(tuple(pairs))
-    if out := list(fit_answer.left_out(result)):
-        yield Bullets(tuple(out))
+    same = [name for name in known if len(set(rows[name].astype(str))) == 1]
+    if len(set(rows["campaign"])) == 1:
+        same.insert(0, "campaign")
+    yield Definitions(tuple((_title(name), _cell(rows[name].iloc[0]).text) for name in same))
+    names = [name for name in reversed(_NAMES) if name not in same]
+    varying = [name for name in known if name not in same]
+    parts = -(-len(varying) // _MOST_COLUMNS) or 1
+    each = max(-(-len(varying) // parts), 1)
+    for start in range(0, max(len(varying), 1), each):
+        part = [*names, *varying[start : start + each]]
+        columns = [_column(name, rows[name].dtype == float) for name in part]
+        more = "" if start == 0 else ", further columns"
+        caption = f"The tests as they stand in the table{more}; a dash is not reported."
+        yield Table.of(f"tests-{start}", caption, columns, rows.to_dict("records"), _PRINTED)
 
 
-def _warnings(result: Content) -> Iterator[Block]:
-    warnings = fit_answer.warnings_of(result)
-    if warnings:
-        yield Bullets(tuple(map(str, warnings)))
-    elif fit_answer.contents_of(result):
-        yield Callout("good", "None of the checks found anything to warn of.")
+def _title(name: str) -> str:
+    """The name of a column with its unit in brackets."""
+    if name in TESTS.names:
+        column = TESTS.column(name)
+        unit = column.unit.replace("kg/m3", "kg/m³")
+        return column.base.replace("_", " ") + (f" ({unit})" if unit else "")
+    return name.removeprefix("x_").replace("_", " ")
+
+
+def _column(name: str, numeric: bool) -> Column:
+    return Column(_title(name), numeric, of=lambda row: _cell(row[name]))
+
+
+def _cell(value: Any) -> Cell:
+    if value == "" or pd.isna(value):
+        return ABSENT
+    return Cell(brief(value), value) if isinstance(value, float) else Cell(str(value))
+
+
+def _curves(tables: Tables) -> Table:
+    """One row per curve, with the misfit of every law."""
+    curves = tables["curves"].assign(specimen=tables["curves"][_NAMES].agg(" ".join, axis=1))
+    misfits = curves.pivot_table("rms", "specimen", "of", sort=False)
+    values = {
+        "points": curves["points"].astype(float),
+        "largest load (kN)": 1e-3 * curves["strength"],
+        "slip there (mm)": 1e3 * curves["slip_at_max"],
+        "stiffness, chord from 10 to 40 % (kN/mm)": 1e-6 * curves["chord_stiffness"],
+    }
+    rows = curves[["specimen"]].assign(**values).drop_duplicates("specimen")
+    rows = rows.merge(misfits.add_prefix("misfit, ").reset_index(), on="specimen")
+    columns = [_column(str(name), name != "specimen") for name in rows.columns]
+    caption = "The curves that were fitted; misfit of the load over its largest value."
+    return Table.of("curves", caption, columns, rows.to_dict("records"), _PRINTED)

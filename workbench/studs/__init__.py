@@ -4,8 +4,8 @@ The mechanical model is in `workbench.studs.mechanical`, which needs the compile
 """
 
 from workbench.studs.damaged import Grade as Grade
-from workbench.studs.factors_fit import fit_factors as fit_factors
 from workbench.studs.formulas import SHEAR_MODELS as SHEAR_MODELS
+from workbench.studs.formulas import fit_factors as fit_factors
 from workbench.studs.formulas import strength_formula as strength_formula
 from workbench.studs.interaction import INTERACTIONS as INTERACTIONS
 from workbench.studs.load_slip import LAWS as LAWS

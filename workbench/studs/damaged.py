@@ -6,7 +6,7 @@ of the load over the area of the shank. That line is characteristic and no mean,
 it are a measure of their own, which no fit mixes with shares of measured lives.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from enum import StrEnum
 from math import sqrt
 
@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.responses import Finding
-from workbench.studs.fit_protocol import Fitted, prior_findings
+from workbench.responses import Finding, finding
 from workbench.studs.formulas import strength_formula
 from workbench.studs.quantities import Array, equal_studs, shank_area, specimens
 from workbench.studs.schema import (
@@ -31,7 +30,7 @@ from workbench.studs.schema import (
     QUANTITIES,
     SN_LIFE,
 )
-from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, TAU, Priors
+from workbench.studs.statistics.intervals import LEAST_CAMPAIGNS
 
 EXPONENT, STRESS, CYCLES = 8.0, 90.0, 2e6  # of the S-N line: m, tau_c (MPa), N_c
 LIKE_PEAK = 0.05  # by which P_max / P_u may differ between tests of one curve
@@ -49,12 +48,9 @@ def damage_of(table: pd.DataFrame) -> pd.DataFrame:
     level, measure = table["predamage_level"].astype(float), table["predamage_measure"]
     cycles, life = (table[f"predamage_{n}"].astype(float) for n in ("cycles", "life_cycles"))
     characteristic = fatigue_life(table["predamage_range_kN"], table["diameter_mm"])
-    by_line = pd.Series(cycles / characteristic, index=table.index)
-    open_ = level.isna() & (table["predamage"] == FATIGUE)
-    told = open_ & (cycles / life).notna()
-    line = open_ & ~told & by_line.notna()
-    level = level.mask(told, cycles / life).mask(line, by_line)
-    measure = measure.mask(told, LIFE).mask(line, SN_LIFE)
+    for share, name in ((cycles / life, LIFE), (cycles / characteristic, SN_LIFE)):
+        computed = level.isna() & (table["predamage"] == FATIGUE) & share.notna()
+        level, measure = level.mask(computed, share), measure.mask(computed, name)
     return pd.DataFrame({"level": level, "measure": measure})
 
 
@@ -66,30 +62,20 @@ def peaks_of(rows: pd.DataFrame) -> pd.Series:
 def damage_findings(rows: pd.DataFrame, quantity: str) -> Iterator[Finding]:
     """What the way in which damage was measured says against it, for the rows of a fit."""
     if (rows["predamage_measure"] == SN_LIFE).any():
-        text = (
-            "damage is the share of the characteristic life of EN 1994-1-1, 6.8.3, which is no "
-            "mean: a range 10 % higher halves the life"
-        )
-        remedy = "give predamage_life_cycles of equal studs"
-        yield Finding("evidence", text, remedy=remedy)
-    peak = peaks_of(rows)
+        yield finding("stud-characteristic-life")
+    peak, tests = peaks_of(rows), len(rows)
     if quantity != "strength":
         peak = rows["predamage_peak_kN"].astype(float) / rows["undamaged_shear_kN"].astype(float)
     elif set(rows["predamage_measure"]) == {LIFE} and (unknown := int(peak.isna().sum())):
-        text = f"{unknown} of {len(rows)} tests do not tell the peak of their cycles: no relation"
-        text += " that ends a fatigue life at R(1) = P_max/P_u is a candidate"
-        yield Finding("fatigue", text, remedy="give predamage_peak_kN")
+        yield finding("stud-unknown-peaks", count=unknown, tests=tests)
     elif set(rows["predamage_measure"]) == {LIFE} and np.ptp(peak) > LIKE_PEAK:
-        text = f"P_max/P_u of the tests is {peak.min():.2f} to {peak.max():.2f}: curves are for"
-        yield Finding("fatigue", f"{text} {peak.mean():.2f}", number=float(peak.mean()))
-    high = int((peak > NORMAL_PEAK).sum())
+        ends = {"least": peak.min(), "most": peak.max()}
+        yield finding("stud-different-peaks", float(peak.mean()), **ends, mean=peak.mean())
+    high, most = int((peak > NORMAL_PEAK).sum()), float(peak.max())
     if high:
-        text = (
-            f"{high} of {len(rows)} tests were cycled above {NORMAL_PEAK:g} of their undamaged "
-            f"strength (up to {peak.max():.2f}): such peaks damage by themselves, which a "
-            "share of the fatigue life does not tell"
+        yield finding(
+            "stud-high-peaks", most, count=high, tests=tests, limit=NORMAL_PEAK, most=most
         )
-        yield Finding("evidence", text, number=float(peak.max()))
 
 
 REFERENCE = ("reference", "reference_tests", "uncertainty")
@@ -108,17 +94,17 @@ def references(table: pd.DataFrame, quantity: str) -> pd.DataFrame:
     """
     column, given = QUANTITIES[quantity]
     undamaged = table[(table["predamage"] == NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)]
-    own, counts, squares = table[given].astype(float), pd.Series(0.0, table.index), {}
-    for index in table.index[own.isna() & (table["predamage"] != NO_PREDAMAGE)]:
+    whole, counts, squares = table[given].astype(float), pd.Series(0.0, table.index), {}
+    for index in table.index[whole.isna() & (table["predamage"] != NO_PREDAMAGE)]:
         tests = equal_studs(undamaged, table.loc[index])[column].astype(float).dropna()
-        own[index], counts[index] = tests.mean(), float(len(tests))
+        whole[index], counts[index] = tests.mean(), float(len(tests))
         if len(tests) > 1:  # a group counts once, however many rows refer to it
             squares[tuple(tests.index)] = len(tests) - 1, float((tests / tests.mean()).var())
     freedom = sum(nu for nu, _ in squares.values())
     spread = sqrt(sum(nu * s for nu, s in squares.values()) / freedom) if freedom else np.nan
     relative = (spread / counts**0.5).where(counts > 0.0)
-    uncertainty = relative * table[column].astype(float) / own
-    return pd.DataFrame(dict(zip(REFERENCE, (own, counts, uncertainty), strict=True)))
+    uncertainty = relative * table[column].astype(float) / whole
+    return pd.DataFrame(dict(zip(REFERENCE, (whole, counts, uncertainty), strict=True)))
 
 
 def ratios(table: pd.DataFrame, quantity: str) -> pd.Series:
@@ -136,10 +122,10 @@ def damaged_rows(
     """
     Choice(tuple(QUANTITIES)).check("quantity", quantity)
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
-    damage, told = damage_of(table), references(table, quantity)
-    ratio = table[QUANTITIES[quantity][0]].astype(float) / told["reference"]
+    damage, whole = damage_of(table), references(table, quantity)
+    ratio = table[QUANTITIES[quantity][0]].astype(float) / whole["reference"]
     measures = damage["measure"]
-    rows = table.assign(level=damage["level"], predamage_measure=measures, ratio=ratio, **told)
+    rows = table.assign(level=damage["level"], predamage_measure=measures, ratio=ratio, **whole)
     for name, wanted in (("predamage", predamage), ("predamage_measure", measure)):
         if wanted is not None:
             damaged &= rows[name] == wanted
@@ -190,32 +176,20 @@ def reference_findings(table: pd.DataFrame, rows: pd.DataFrame, quantity: str) -
     damaged = (table["predamage"] != NO_PREDAMAGE) & (table["use_for_fit"] == 1.0)
     damaged &= table[QUANTITIES[quantity][0]].notna() & ratios(table, quantity).isna()
     if damaged.any():
-        text = f"{damaged.sum()} damaged tests left out: no undamaged reference of their {quantity}"
-        yield Finding("stud", text, remedy="--predicted-reference" * (quantity == "strength"))
-    share, known = reference_share(rows), int(rows["uncertainty"].notna().sum())
+        remedy = "--predicted-reference" if quantity == "strength" else ""
+        yield finding("stud-no-reference", count=damaged.sum(), quantity=quantity, remedy=remedy)
+    relative, tests = (rows["uncertainty"] / rows["ratio"]).dropna(), len(rows)
+    share = sqrt(float((relative**2).mean())) if len(relative) else 0.0
+    known = int(rows["uncertainty"].notna().sum())
     if share:
-        text = (
-            f"the references of {known} of {len(rows)} tests scatter: what is left is uncertain by "
-            f"{100 * share:.2g} %, alike in all tests of a campaign; this is in bands and "
-            "fractiles of new tests (with three campaigns or more as a part of tau)"
+        yield finding(
+            "stud-scattering-references", share, known=known, tests=tests, percent=100 * share
         )
-        yield Finding("tests", text, number=share)
-    if unknown := len(rows) - known:
-        text = f"the scatter of the references of {unknown} of {len(rows)} tests is not known: it"
-        yield Finding("measurement", f"{text} is in no interval", remedy="give their companions")
+    if known < tests:
+        yield finding("stud-unknown-references", unknown=tests - known, tests=tests)
     predicted = (rows["undamaged_basis"] == PREDICTED).sum() if quantity == "strength" else 0
     if predicted:
-        text = (
-            f"{predicted} of {len(rows)} tests are compared with a predicted undamaged strength: "
-            "what the formula misses counts as damage"
-        )
-        yield Finding("evidence", text, remedy="test an undamaged companion of each")
-
-
-def reference_share(rows: pd.DataFrame) -> float:
-    """Relative standard uncertainty of what is left by the references, root mean square."""
-    known = (rows["uncertainty"] / rows["ratio"]).dropna()
-    return sqrt(float((known**2).mean())) if len(known) else 0.0
+        yield finding("stud-predicted-references", count=predicted, tests=tests)
 
 
 def studs_in_words(rows: pd.DataFrame) -> str:
@@ -263,29 +237,19 @@ def grade_of(rows: pd.DataFrame, quantity: str) -> Grade:
 
 
 def residual_findings(
-    rows: pd.DataFrame, found: Fitted, relation: Callable[..., Array], priors: Priors
+    rows: pd.DataFrame, at_bound: tuple[str, ...], onset: float
 ) -> Iterator[Finding]:
-    """What is to be said of a fit to tests after pre-damage."""
+    """What is to be said of a fit to tests after pre-damage.
+
+    Arguments: parameters `at_bound`; what is left at the `onset` of loss, 15 % of the life.
+    """
     synthetic = int((rows["origin"] == "synthetic").sum())
     if synthetic:
-        yield Finding("evidence", f"{synthetic} of {len(rows)} rows are synthetic")
-    campaigns = rows["campaign"].nunique()
-    yield from prior_findings(priors)
-    if campaigns < LEAST_CAMPAIGNS and TAU in priors:
-        text = "bands rest on the prior of the scatter between campaigns"
-        yield Finding("campaigns", f"{campaigns} of {LEAST_CAMPAIGNS} campaigns: {text}")
-    elif campaigns < LEAST_CAMPAIGNS:
-        text = (
-            f"{campaigns} of {LEAST_CAMPAIGNS} campaigns do not tell how much campaigns differ: no "
-            "characteristic or design value and no band for a new one; intervals lack that scatter"
-        )
-        if campaigns == 1:
-            text += "; candidates were weighed by leaving out specimens, not campaigns"
-        remedy = "give that scatter: --prior tau=MEDIAN:SPREAD, in shares; SPREAD of its logarithm"
-        yield Finding("campaigns", text, remedy=remedy)
-    if found.at_bound:
-        yield Finding("bounds", f"parameters on a bound: {', '.join(found.at_bound)}")
-    left = float(relation(ONSET_OF_FATIGUE_LOSS, list(found.estimates.values())))
-    if rows["predamage"].iloc[0] == "fatigue" and left >= 1.0:
-        text = "no loss at 15 % of the fatigue life contradicts Hanswille, Porsch and Ustundag"
-        yield Finding("fatigue", f"{text} (2007)")
+        yield finding("stud-synthetic", count=synthetic, tests=len(rows))
+    if (campaigns := rows["campaign"].nunique()) < LEAST_CAMPAIGNS:
+        key = "stud-one-damaged-campaign" if campaigns == 1 else "stud-few-damaged-campaigns"
+        yield finding(key, campaigns=campaigns)
+    if at_bound:
+        yield finding("stud-bounds", names=", ".join(at_bound))
+    if rows["predamage"].iloc[0] == FATIGUE and onset >= 1.0:
+        yield finding("stud-no-loss-of-fatigue")

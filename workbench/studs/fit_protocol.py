@@ -1,61 +1,36 @@
 """What every fit to tests is made of: parameters with intervals, findings, and unseen tests.
 
-Strength, factors, load-slip and residual capacity are fitted by functions of their own; all give a
-`Fit`, so that the command line, the models of a study and the pages treat them alike.
+A `Fit` gives a `summary` (one row) and `tables`, and names the `figures` that its tables feed. The
+command line, studies, reports and JSON are made of these alone.
 """
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, is_dataclass
-from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.responses import Finding
-from workbench.studs.statistics.intervals import Interval, profile_interval, scatter_intervals
+from workbench.responses import Finding, finding
+from workbench.studs.statistics.intervals import (
+    LEAST_CAMPAIGNS,
+    Interval,
+    profile_interval,
+    scatter_intervals,
+)
 from workbench.studs.statistics.mixed import Estimate, fit
-from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, Priors
 from workbench.studs.statistics.prediction import outliers
 from workbench.studs.statistics.problem import location
 from workbench.studs.tables import RowIdentity
 
-Content = dict[str, Any]
-Ends = tuple[float, float]  # of an interval
-
-
-def fields_of(value: Any) -> Any:
-    """A record (dataclass or named tuple) as the mapping of its fields, anything else as it is."""
-    if hasattr(value, "_asdict"):
-        return value._asdict()
-    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
-
-
-def plain(value: Any) -> Any:
-    """Any nesting of mappings, records, sequences, arrays, frames and numbers as JSON types.
-
-    NaN and infinities become None; a data frame becomes a list of its rows.
-    """
-    if isinstance(value, pd.DataFrame):
-        return [plain(row) for row in value.to_dict("records")]
-    value = fields_of(value)
-    if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, (list, tuple, set, frozenset)):
-        return [plain(each) for each in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, str) else value
-
-
+Summary = dict[str, Any]  # one row of a table: numbers, words and flags by column
+Tables = dict[str, pd.DataFrame]
 # subjects of findings: what may void an answer comes first, what hardly moves it last
 _DECISIVE = (
-    *("data", "evidence", "prior", "fatigue", "outlier", "stud", "tests", "campaigns", "shank"),
+    *("data", "evidence", "fatigue", "outlier", "stud", "tests", "campaigns", "shank"),
     *("range", "bounds", "points", "modulus", "measurement"),
 )
 _PLACES = {subject: place for place, subject in enumerate(_DECISIVE)}
@@ -65,6 +40,26 @@ def ranked(findings: Iterable[Finding]) -> list[Finding]:
     """Findings without repetitions, the decisive ones first."""
     others = _PLACES["bounds"]
     return sorted(dict.fromkeys(findings), key=lambda each: _PLACES.get(each.subject, others))
+
+
+def plain(value: Any) -> Any:
+    """Any nesting of mappings, named tuples, sequences, arrays, frames and numbers as JSON types.
+
+    NaN and infinities become None; a data frame becomes a list of its rows.
+    """
+    if isinstance(value, pd.DataFrame):
+        value = value.to_dict("records")
+    elif hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, Mapping):
+        return {str(key): plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(each) for each in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, str) else value
 
 
 def grade_of(rows: pd.DataFrame, what: str, *, left_out: bool = False) -> str:
@@ -83,66 +78,9 @@ def grade_of(rows: pd.DataFrame, what: str, *, left_out: bool = False) -> str:
     return f"fitted to {what} of {campaigns} campaigns, {how}"
 
 
-class Told(NamedTuple):
-    """A scalar that models are compared by, with its interval over tests (None: not known).
-
-    `width`, its half-width; `ends`, skewed as those of a logarithm are.
-    """
-
-    value: float | None
-    width: float | None = None
-    ends: Ends | None = None
-
-
-class Judged(Protocol):
-    """How a fit meets tests that it has not used: row by row (`rows`), and what they tell."""
-
-    @property
-    def rows(self) -> pd.DataFrame: ...  # noqa: D102
-
-    @property
-    def told(self) -> dict[str, Told]: ...  # noqa: D102
-
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fit(ABC):
-    """A fit to tests: the `rows` behind it, their `identity`, and what it warns of (`findings`)."""
-
-    rows: pd.DataFrame
-    findings: tuple[Finding, ...]
-    identity: RowIdentity
-
-    @abstractmethod
-    def to_dict(self) -> Content:
-        """Parameters, intervals, diagnostics: everything but the rows."""
-
-    @abstractmethod
-    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judged:
-        """Hold the fit against unseen tests. Raises `InputError` for rows that it has used."""
-
-    def parts(self, confidence: float) -> Content:
-        """What belongs to the content of the fit beside itself: rows, predictions."""
-        return {}
-
-    def influence(self) -> pd.DataFrame:
-        """How every test moves the answer (`influence_of`); without rows where none is told."""
-        return pd.DataFrame()
-
-    def content(self, judged: Judged | None, confidence: float = 0.9) -> Content:
-        """The fit, its parts, and a judgement (or None), for JSON and pages."""
-        return {"fit": self.to_dict(), **self.parts(confidence), **judgement_of(judged)}
-
-    def used(self, what: str = "tests") -> Content:
-        """What a fit says of the rows behind it; `what`, which they are."""
-        return {
-            what: len(self.rows),
-            "campaigns": sorted(set(self.rows["campaign"])),
-            "warnings": [finding.text for finding in ranked(self.findings)],
-        }
+def counted(rows: pd.DataFrame, what: str = "tests") -> Summary:
+    """How many rows (`what` they are) of which campaigns, as columns of a summary."""
+    return {what: len(rows), "campaigns": ", ".join(sorted(set(rows["campaign"])))}
 
 
 def outlier_findings(
@@ -151,58 +89,35 @@ def outlier_findings(
     """Every test that the others do not expect; `shown` makes of what was fitted what is read."""
     for row, distance, expected in outliers(estimate):
         name = f"{rows['campaign'].iloc[row]} {rows['specimen'].iloc[row]}"
-        values = f"{shown(estimate.problem.y[row]):.3g} where the others give {shown(expected):.3g}"
-        text = f"outlier: {name}, {values} ({abs(distance):.1f} standard deviations)"
-        advice = "check it; --loss huber gives it less weight"
-        yield Finding("outlier", f"{text}: {advice}", number=distance)
-
-
-def prior_findings(priors: Priors) -> Iterator[Finding]:
-    """That an answer rests on more than its tests."""
-    if priors:
-        told = (f"{name} {value:g} ({spread:g})" for name, (value, spread) in priors.items())
-        text = f"priors from elsewhere, value and spread: {', '.join(told)}"
-        yield Finding("prior", f"{text}; bands and posterior intervals rest on them")
+        value, expected = shown(estimate.problem.y[row]), shown(expected)
+        far: Summary = {"distance": abs(distance), "expected": expected}
+        yield finding("stud-outlier", distance, test=name, value=value, **far)
 
 
 class Parameter(NamedTuple):
-    """A fitted parameter and its profile interval."""
+    """A fitted parameter, or a standard deviation, and its profile interval."""
 
     value: float
     profile: Interval
 
-
-class Scatter(NamedTuple):
-    """A standard deviation with its profile interval."""
-
-    value: float
-    low: float | None
-    high: float | None
-    confidence: float
-    method: str
+    def columns(self, name: str = "value") -> Summary:
+        """Its value under a name, and the ends of its interval, as columns of a table."""
+        low, high = ("low", "high") if name == "value" else (f"{name}_low", f"{name}_high")
+        return {name: self.value, low: self.profile.low, high: self.profile.high}
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """The parameters of an estimate by name; `confidence` of all intervals."""
+    """The parameters of an estimate by name; `confidence` of all intervals.
+
+    `sigma` and `tau`: scatter within and between campaigns.
+    """
 
     estimate: Estimate
     parameters: dict[str, Parameter]
+    sigma: Parameter
+    tau: Parameter
     confidence: float
-
-    @cached_property
-    def _scatter(self) -> dict[str, Interval]:
-        return scatter_intervals(self.estimate, self.confidence)
-
-    @property
-    def sigma(self) -> Scatter:
-        """Scatter within campaigns."""
-        return Scatter(self.estimate.sigma, *self._scatter["sigma"])
-
-    @property
-    def tau(self) -> Scatter:
-        """Scatter between campaigns."""
-        return Scatter(self.estimate.tau, *self._scatter["tau"])
 
     @property
     def estimates(self) -> dict[str, float]:
@@ -216,9 +131,15 @@ class Fitted:
         return tuple(n for n, at in zip(names, self.estimate.at_bound, strict=True) if at)
 
     @property
-    def intervals(self) -> dict[str, Interval]:
-        """Profile intervals by parameter."""
-        return {name: each.profile for name, each in self.parameters.items()}
+    def scatters(self) -> Summary:
+        """Both scatters with their intervals, as columns of a summary."""
+        return self.sigma.columns("sigma") | self.tau.columns("tau")
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row per parameter: `parameter`, `value`, `low`, `high`."""
+        rows = [{"parameter": n, **each.columns()} for n, each in self.parameters.items()]
+        return pd.DataFrame(rows, columns=["parameter", "value", "low", "high"])
 
 
 def fitted(estimate: Estimate, logarithms: Collection[str] = (), *, confidence: float) -> Fitted:
@@ -233,7 +154,92 @@ def fitted(estimate: Estimate, logarithms: Collection[str] = (), *, confidence: 
         if name in logarithms:
             value, profile = float(np.exp(value)), profile.exponential()
         parameters[name] = Parameter(value, profile)
-    return Fitted(estimate, parameters, confidence)
+    ends = scatter_intervals(estimate, confidence)
+    sigma, tau = (Parameter(getattr(estimate, n), ends[n]) for n in ("sigma", "tau"))
+    return Fitted(estimate, parameters, sigma, tau, confidence)
+
+
+class Scalar(NamedTuple):
+    """A scalar that models are compared by, with its interval over tests (None: not known).
+
+    `width`, its half-width; `ends`, skewed as those of a logarithm are.
+    """
+
+    value: float | None
+    width: float | None = None
+    ends: tuple[float, float] | None = None
+
+
+class Judged(Protocol):
+    """How a fit meets tests that it has not used: row by row (`rows`), and what they tell."""
+
+    @property
+    def rows(self) -> pd.DataFrame: ...  # noqa: D102
+
+    @property
+    def scalars(self) -> dict[str, Scalar]: ...  # noqa: D102
+
+    def summary(self) -> Summary:
+        """One row of a table."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit(ABC):
+    """A fit to tests: the `rows` behind it, their `identity`, and what it warns of (`findings`).
+
+    `figures`: kinds of figures that its tables feed.
+    """
+
+    rows: pd.DataFrame
+    findings: tuple[Finding, ...]
+    identity: RowIdentity
+    figures: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What it is called among others: its formula, law or quantity."""
+
+    @abstractmethod
+    def summary(self) -> Summary:
+        """The answer, its size and its grade: one row of a table."""
+
+    @abstractmethod
+    def tables(self, confidence: float = 0.9) -> Tables:
+        """Everything behind the summary (SI); bands at a `confidence`."""
+
+    @abstractmethod
+    def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judged:
+        """Hold the fit against unseen tests. Raises `InputError` for rows that it has used."""
+
+    @abstractmethod
+    def influence(self) -> pd.DataFrame:
+        """How every test moves the answer (`influence_of`)."""
+
+
+def answer_tables(
+    answer: Summary, tables: Mapping[str, pd.DataFrame], judged: Judged | None, how: str = "fitted"
+) -> Tables:
+    """The tables of an answer: its summary is `fit`; judgement and unseen rows where there are any.
+
+    `how`: what the judged prediction is, as it stands or as fitted.
+    """
+    answered = {"fit": pd.DataFrame([answer]), **tables}
+    if judged is not None:
+        answered["judgement"] = pd.DataFrame([{"prediction": how, **judged.summary()}])
+        answered["judged"] = judged.rows
+    return answered
+
+
+def stacked(answers: Iterable[tuple[str, Tables]]) -> Tables:
+    """The tables of several answers below each other; `of` says which one a row belongs to."""
+    parts: dict[str, list[pd.DataFrame]] = {}
+    for name, tables in answers:
+        for key, table in tables.items():
+            parts.setdefault(key, []).append(table.assign(of=name))
+    whole = {key: pd.concat(each, ignore_index=True) for key, each in parts.items()}
+    return {key: table[["of", *table.columns.drop("of")]] for key, table in whole.items()}
 
 
 @dataclass(frozen=True)
@@ -258,22 +264,22 @@ class Judgement:
     known_campaigns: tuple[str, ...] = ()
 
     @property
-    def told(self) -> dict[str, Told]:
+    def scalars(self) -> dict[str, Scalar]:
         """What a model is compared by; the width of the bias reaches to its farther end."""
         low, high = (None, None) if self.interval is None else self.interval[:2]
-        bias = Told(self.bias)
+        bias = Scalar(self.bias)
         if low is not None and high is not None:
-            bias = Told(self.bias, max(self.bias - low, high - self.bias), (low, high))
-        return {"test_over_prediction": bias, "least_test_over_prediction": Told(self.least)}
+            bias = Scalar(self.bias, max(self.bias - low, high - self.bias), (low, high))
+        return {"test_over_prediction": bias, "least_test_over_prediction": Scalar(self.least)}
 
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        told = ("interval", "worst", "scatter", "covered", "known_campaigns")
+    def summary(self) -> Summary:
+        """One row of a table."""
+        low, high = (None, None) if self.interval is None else self.interval[:2]
         return {
-            "tests": len(self.rows),
-            "campaigns": sorted(set(self.rows["campaign"])),
-            **{name: each.value for name, each in self.told.items()},
-            **{name: getattr(self, name) for name in told},
+            **counted(self.rows),
+            **{name: each.value for name, each in self.scalars.items()},
+            **{"low": low, "high": high, "worst": self.worst, "scatter": self.scatter},
+            **{"covered": self.covered, "known_campaigns": ", ".join(self.known_campaigns)},
         }
 
 
@@ -300,10 +306,3 @@ def judge(
         bias = float(np.exp(estimate.theta[0]))
     worst = " ".join(judged.loc[int(np.argmin(ratio)), ["campaign", "specimen"]])
     return Judgement(bias, interval, float(ratio.min()), worst, scatter, judged)
-
-
-def judgement_of(judged: Judged | None) -> Content:
-    """The content of a judgement (or of None)."""
-    if judged is None:
-        return {"judgement": None, "judged": None}
-    return {"judgement": judged.to_dict(), "judged": judged.rows}

@@ -1,22 +1,37 @@
 """Strength of headed studs in shear and in tension: formulas as ``formulas.toml`` declares them.
 
-Also a usual stud by the formula of a code, as a designer asks for it: both terms, what governs.
+Also a usual stud by the formula of a code, as a designer asks for it: both terms, what governs; and
+the fit of the factors of a formula itself, c_s and c_c, within bounds.
 Check a code before relying on a number. Units: SI, of factors N, mm and MPa.
 """
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
+from workbench.errors import InputError
 from workbench.fields import Choice
-from workbench.responses import Finding
-from workbench.studs.quantities import Array, Specimens, concrete_modulus, embedment_of, shank_area
+from workbench.responses import Finding, finding
+from workbench.studs.fit_protocol import Fitted, fitted
+from workbench.studs.quantities import (
+    Array,
+    Specimens,
+    concrete_modulus,
+    embedment_of,
+    shank_area,
+    specimens,
+    undamaged_headed_studs,
+)
+from workbench.studs.statistics.mixed import fit_robust
+from workbench.studs.statistics.problem import Prediction, problem
 
 LEAST_SLENDERNESS = 3.0  # height over diameter, EN 1994-1-1, 6.6.3.1
 STRENGTH_MARGIN = 8e6  # Pa, mean less characteristic concrete strength, EN 1992-1-1 table 3.1
@@ -104,13 +119,13 @@ class Formula:
         depth = embedment_of(d, h) if embedment is None else np.asarray(embedment, float)
         if np.isinf(self.concrete_factor):
             return np.full(np.broadcast(d, strength).shape, INF)
-        found = self.concrete_factor * self._stockiness(d, h)
+        term = self.concrete_factor * self._stockiness(d, h)
         sizes = (1e3 * d, 1e3 * depth, 1e-6 * np.asarray(strength), 1e-6 * np.asarray(modulus))
         for base, power in zip(sizes, self.powers, strict=True):
             if power:
-                found = found * base**power
+                term = term * base**power
         twice = 1.0 + (depth >= self.pry_depth * (1.0 - _ROUND)) * bool(self.pry_depth)
-        return np.asarray(found * twice * (0.25 * np.pi if self.over_area else 1.0))
+        return np.asarray(term * twice * (0.25 * np.pi if self.over_area else 1.0))
 
     def _stockiness(self, diameter: Array, height: Array) -> Array:
         slenderness = height / diameter if self.reduces_stocky else np.full(diameter.shape, 9.0)
@@ -153,8 +168,8 @@ class Formula:
     def findings(self, tests: Specimens) -> list[Finding]:
         """Tests outside the range that the code states; empty when all are in."""
         counts = {limit.words: limit.beyond(tests) for limit in self.limits}
-        texts = (f"{n} of {len(tests)} tests outside {words}" for words, n in counts.items() if n)
-        return [Finding("range", f"{text} of {self.title}") for text in texts]
+        how: dict[str, Any] = {"tests": len(tests), "title": self.title}
+        return [finding("stud-outside", words=w, count=n, **how) for w, n in counts.items() if n]
 
     def scaled(self, **factors: float) -> Formula:
         """The same formula with another factor ``steel``, ``concrete`` or both (a fitted form)."""
@@ -163,14 +178,14 @@ class Formula:
 
 
 def _declared(load: str) -> dict[str, Formula]:
-    told = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-    limits = {name: Limit(**each) for name, each in told["limits"].items()}
-    found = {}
-    for name, each in told[load].items():
+    declared = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    limits = {name: Limit(**each) for name, each in declared["limits"].items()}
+    formulas = {}
+    for name, each in declared[load].items():
         fields = {k: tuple(v) if isinstance(v, list) else v for k, v in each.items()}
-        own = tuple(limits[limit] for limit in each.get("limits", ()))
-        found[name] = Formula(**{**fields, "name": name, "load": load, "limits": own})
-    return found
+        fields["limits"] = tuple(limits[limit] for limit in each.get("limits", ()))
+        formulas[name] = Formula(**{**fields, "name": name, "load": load})
+    return formulas
 
 
 SHEAR_MODELS, TENSION_MODELS = _declared("shear"), _declared("tension")
@@ -215,3 +230,80 @@ def usual_stud(model: Formula) -> dict[str, float | None] | None:
         **{"steel_term": steel, "concrete_term": terms[0], "other_concrete_term": terms[1]},
         **{"resistance": min(steel, terms[0]), "partial_factor": _PARTIAL.get(model.name)},
     }
+
+
+# -- fit of the factors: one is only seen by tests that its term, the smaller of the two, governs
+
+
+FACTORS = {"steel": (0.1, 5.0), "concrete": (0.02, 200.0)}  # bounds that no sensible fit reaches
+
+
+@dataclass(frozen=True)
+class FactorFit:
+    """Fitted factors of a formula.
+
+    `model` with the fitted factors; `fitted`, the factors and the scatters of the log ratio;
+    `governed_by_steel`, share of the tests; `findings`, what the fit warns of.
+    """
+
+    model: Formula
+    fitted: Fitted
+    governed_by_steel: float
+    findings: tuple[Finding, ...]
+
+
+def fit_factors(
+    table: pd.DataFrame,
+    model: str | Formula = "roik-mean",
+    factors: Sequence[str] = ("concrete",),
+    *,
+    loss: str = "linear",
+    confidence: float = 0.9,
+    slab: str = "solid",
+) -> FactorFit:
+    """Fit factors of a formula to the undamaged headed studs of a table.
+
+    Arguments: `model`, name or `Formula`, gives the start and the factors that are held;
+    `factors` out of ``steel`` and ``concrete``; the rest as in `fit_strength`. Raises `InputError`
+    for a factor whose term governs no test.
+    """
+    chosen = strength_formula(model) if isinstance(model, str) else model
+    for name in factors:
+        Choice(tuple(FACTORS)).check("factors", name)
+        if name == "steel" and np.isinf(chosen.steel_factor):
+            raise InputError("factors", name, f"{chosen.title} has no steel term")
+    if np.isinf(chosen.concrete_factor) or np.isfinite(chosen.head_factor):
+        raise InputError("factors", chosen.name, "must have one term of concrete to fit factors")
+    rows = undamaged_headed_studs(table, slab, chosen.load)
+    rows = rows[np.isfinite(chosen.of(specimens(rows)))].reset_index(drop=True)
+    tests = specimens(rows)
+    names, predict = tuple(factors), prediction(tests, chosen, tuple(factors))
+    start = np.log([getattr(chosen, f"{name}_factor") for name in names])
+    low, high = np.log([FACTORS[name] for name in names]).T
+    load = np.log(tests.quantity(chosen.load))
+    given = problem(load, tests.campaign, predict, names, start, lower=low, upper=high)
+    try:
+        estimate = fit_robust(given, loss)
+    except InputError as error:
+        if error.field not in factors or not isinstance(error.value, float):
+            raise
+        value = float(np.exp(error.value))  # what is fitted is the logarithm
+        raise InputError(error.field, value, error.allowed, error.advice) from error
+    result = fitted(estimate, factors, confidence=confidence)
+    best = chosen.scaled(**result.estimates)
+    steel, concrete = best.terms(tests)
+    findings = tuple(finding("stud-factor-at-bound", name=name) for name in result.at_bound)
+    return FactorFit(best, result, float(np.mean(steel < concrete)), findings)
+
+
+def prediction(tests: Specimens, model: Formula, factors: tuple[str, ...]) -> Prediction:
+    """Logarithm of the resistance as a function of the logarithms of `factors`."""
+    # terms for a factor of 1, so that a prediction costs a minimum of two arrays
+    steel, concrete = (np.log(term) for term in model.scaled(steel=1.0, concrete=1.0).terms(tests))
+    fixed = {"steel": np.log(model.steel_factor), "concrete": np.log(model.concrete_factor)}
+
+    def predict(theta: Array) -> Array:
+        now = {**fixed, **dict(zip(factors, theta, strict=True))}
+        return np.asarray(np.minimum(now["steel"] + steel, now["concrete"] + concrete))
+
+    return predict

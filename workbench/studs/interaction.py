@@ -7,17 +7,20 @@ logarithm of that distance is regressed, with an effect per campaign.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.studs.fit_protocol import (
-    Content,
     Fit,
     Fitted,
     Judgement,
+    Summary,
+    Tables,
+    counted,
     fitted,
     grade_of,
     judge,
@@ -25,8 +28,8 @@ from workbench.studs.fit_protocol import (
 )
 from workbench.studs.quantities import Array, equal_studs
 from workbench.studs.schema import NO_PREDAMAGE
+from workbench.studs.statistics.intervals import LEAST_CAMPAIGNS
 from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS
 from workbench.studs.statistics.prediction import influence_of, without_each
 from workbench.studs.statistics.problem import problem
 from workbench.studs.suspicion import suspicions
@@ -43,19 +46,32 @@ def _power(exponent: float) -> Callable[[Array], Array]:
     return lambda t: np.maximum(1.0 - t**exponent, 0.0) ** (1.0 / exponent)
 
 
-# shear (n,) that is left at tensions (n,) from 0 on; none is left beyond the tension resistance
-INTERACTIONS: dict[str, Callable[[Array], Array]] = {
-    "five-thirds": _power(5.0 / 3.0),  # AISC 360-22, I8.3c
-    "linear": _power(1.0),
-    # t + v <= 1.2, of ACI 318 and the PCI handbook (recalled, not read again)
-    "trilinear": lambda t: np.where(t > 1.0, 0.0, np.clip(1.2 - t, 0.0, 1.0)),
+class InteractionLaw(NamedTuple):
+    """A law of the books: what it leaves of the shear resistance, its source, its line in figures.
+
+    `shear` (n,) that is left at tensions (n,) from 0 on; none is left beyond the resistance.
+    """
+
+    shear: Callable[[Array], Array]
+    keys: tuple[str, ...]
+    line: str
+
+    def curve(self, points: int) -> tuple[Array, Array]:
+        """Tension and shear (points + 1,), down to no shear at the end."""
+        tension = np.linspace(0.0, 1.0, points)
+        return np.append(tension, 1.0), np.append(self.shear(tension), 0.0)
+
+
+def _trilinear(tension: Array) -> Array:
+    """T + v <= 1.2, of ACI 318 and the PCI handbook (recalled, not read again)."""
+    return np.where(tension > 1.0, 0.0, np.clip(1.2 - tension, 0.0, 1.0))
+
+
+INTERACTIONS: dict[str, InteractionLaw] = {
+    "five-thirds": InteractionLaw(_power(5.0 / 3.0), ("aisc360-22",), "-"),  # I8.3c
+    "linear": InteractionLaw(_power(1.0), (), "--"),
+    "trilinear": InteractionLaw(_trilinear, ("aci318-19",), "-."),
 }
-
-
-def curve_of(law: str, points: int) -> tuple[Array, Array]:
-    """Tension and shear (points + 1,) of a law in `INTERACTIONS`, down to no shear at the end."""
-    tension = np.linspace(0.0, 1.0, points)
-    return np.append(tension, 1.0), np.append(INTERACTIONS[law](tension), 0.0)
 
 
 def combined_tests(table: pd.DataFrame) -> pd.DataFrame:
@@ -68,13 +84,13 @@ def combined_tests(table: pd.DataFrame) -> pd.DataFrame:
     usable = table[(table["use_for_fit"] == 1.0) & (table["predamage"] == NO_PREDAMAGE)]
     rows = []
     for _, row in usable[usable["test"] == "combined"].iterrows():
-        found: dict[str, object] = {name: row[name] for name in ("campaign", "specimen", "origin")}
+        combined: dict[str, object] = {n: row[n] for n in ("campaign", "specimen", "origin")}
         alike, counts = equal_studs(usable, row), []
         for kind, name in (("pull-out", "tension"), ("push-out", "shear")):
             alone = alike.loc[alike["test"] == kind, f"{name}_kN"].astype(float).dropna()
             counts.append(len(alone))
-            found[name] = float(row[f"{name}_kN"]) / alone.mean()
-        rows.append({**found, "companions": min(counts)})
+            combined[name] = float(row[f"{name}_kN"]) / alone.mean()
+        rows.append({**combined, "companions": min(counts)})
     names = ["campaign", "specimen", "origin", "tension", "shear", "companions"]
     complete = pd.DataFrame(rows, columns=names).dropna(subset=["tension", "shear"])
     return complete.reset_index(drop=True)
@@ -114,6 +130,8 @@ class InteractionFit(Fit):
     fitted: Fitted
     laws: tuple[tuple[str, Judgement], ...]
     grade: str
+    name: ClassVar[str] = "power"
+    figures: ClassVar[tuple[str, ...]] = ("stud-interaction",)
 
     @property
     def exponent(self) -> float:
@@ -131,20 +149,22 @@ class InteractionFit(Fit):
             rows, distance, np.exp(log_reach(angle, self.exponent)), confidence, "tension", "shear"
         )
 
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        parameter = self.fitted.parameters["exponent"]
-        scatters = {name: getattr(self.fitted, name) for name in ("sigma", "tau")}
-        laws = [{"law": name, **judged.to_dict()} for name, judged in self.laws]
-        told = {"law": "power", "exponent": parameter, "laws": laws, "grade": self.grade}
-        return {**told, **scatters, **self.used()}
-
-    def parts(self, confidence: float) -> Content:
-        """Its tests, and the law."""
+    def summary(self) -> Summary:
+        """The exponent with its interval and scatters."""
         return {
-            "tests": self.rows,
-            "curve": {"tension": SHARES, "shear": _power(self.exponent)(SHARES)},
+            "law": self.name,
+            **self.fitted.parameters["exponent"].columns("exponent"),
+            **self.fitted.scatters,
+            **counted(self.rows),
+            **{"grade": self.grade, "holds": "for these tests"},
         }
+
+    def tables(self, confidence: float = 0.9) -> Tables:
+        """Its tests, the fitted law and those of the codes over the tension, how these judge."""
+        curves = {name: law.shear(SHARES) for name, law in INTERACTIONS.items()}
+        curve = {"tension": SHARES, "shear": _power(self.exponent)(SHARES), **curves}
+        laws = [{"law": name, **judged.summary()} for name, judged in self.laws]
+        return {"tests": self.rows, "curve": pd.DataFrame(curve), "codes": pd.DataFrame(laws)}
 
     def influence(self) -> pd.DataFrame:
         """How every test moves the exponent."""
@@ -187,18 +207,18 @@ def fit_interaction(
         upper=np.log(EXPONENTS[1]),
     )
     estimate = fit_robust(given, loss)
-    found = fitted(estimate, ("exponent",), confidence=confidence)
+    exponent = fitted(estimate, ("exponent",), confidence=confidence)
     laws = tuple(
-        (name, judge(rows, distance, borne(rows, *curve_of(name, 1001)), confidence))
-        for name in INTERACTIONS
+        (name, judge(rows, distance, borne(rows, *law.curve(1001)), confidence))
+        for name, law in INTERACTIONS.items()
     )
     findings = (
         *suspicions(table),
         *outlier_findings(estimate, rows, lambda value: float(np.exp(value))),
-        *_findings(rows, found),
+        *_findings(rows, exponent),
     )
     return InteractionFit(
-        fitted=found,
+        fitted=exponent,
         laws=laws,
         grade=grade_of(rows, "combined tests"),
         rows=rows,
@@ -207,18 +227,11 @@ def fit_interaction(
     )
 
 
-def _findings(rows: pd.DataFrame, found: Fitted) -> Iterator[Finding]:
+def _findings(rows: pd.DataFrame, estimate: Fitted) -> Iterator[Finding]:
     least = int(rows["companions"].min())
     if least < 3:
-        few = "single tests" if least == 1 else f"as few as {least} tests"
-        text = f"resistances under tension or shear alone rest on {few}"
-        yield Finding("tests", f"{text}: their scatter is in no interval of the exponent")
-    campaigns = rows["campaign"].nunique()
-    if campaigns < LEAST_CAMPAIGNS:
-        tested = "one campaign" if campaigns == 1 else f"{campaigns} campaigns"
-        text = f"{tested}: intervals lack most of the scatter between campaigns"
-        yield Finding("campaigns", text)
-    if found.at_bound:
-        low, high = EXPONENTS
-        text = f"the exponent rests on a bound ({low:g} to {high:g}): these tests do not tell it"
-        yield Finding("bounds", text)
+        yield finding("stud-few-companions", least=least)
+    if (campaigns := rows["campaign"].nunique()) < LEAST_CAMPAIGNS:
+        yield finding("stud-few-combined-campaigns", campaigns=campaigns)
+    if estimate.at_bound:
+        yield finding("stud-exponent-at-bound", low=EXPONENTS[0], high=EXPONENTS[1])

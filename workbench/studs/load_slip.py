@@ -1,14 +1,16 @@
 """Load-slip laws of a stud under first loading, their fit to one measured curve, stiffness.
 
 A law gives the load over its largest value, q = Q / Q_max, as a function of the slip (`ratio`), and
-the slip of its ascending branch at a load (`slip_at`); with it stand its `formula` as it is fitted,
-the `keys` of its sources and the `bounds` of its parameters. Stiffness is that of the chord from
+the slip of its ascending branch at a load (`slip_at`). All that is to be known of a law stands in
+its class; a new law is one more class and its place in `LAWS`. Stiffness is that of the chord from
 10 to 40 % of the largest load (EN 1994-1-1 and AISC 360 speak of stiffness at such levels). In SI.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,12 +19,63 @@ from workbench.errors import InputError, OutOfDomainError, SolverError
 from workbench.fields import Choice, Declared, Number, checked
 from workbench.studs.quantities import Array
 
-# of every parameter that is fitted, as a logarithm: lower and upper bound, start
-Bounds = Mapping[str, tuple[float, float, float]]
+
+class Bound(NamedTuple):
+    """Of a parameter that is fitted: bounds and start; the unit in tables, and its factor to SI."""
+
+    low: float
+    high: float
+    start: float
+    unit: str = ""
+    factor: float = 1.0
+
+
+class Law(Declared, table="law"):
+    """A load-slip law: its `name`, `formula`, sources (`keys`) and the `bounds` of its parameters.
+
+    `held`, parameters that a fit does not free; `falling`, whether it knows points beyond the
+    largest load. A law defines its `curve` over positive slips and the `inverse` of its rise.
+    """
+
+    name: ClassVar[str]
+    formula: ClassVar[str]
+    keys: ClassVar[tuple[str, ...]]
+    bounds: ClassVar[Mapping[str, Bound]]
+    held: ClassVar[Mapping[str, float]] = {}
+    falling: ClassVar[bool] = False
+
+    def curve(self, slip: Array) -> Array:
+        """Load over the largest load at slips (m) from 0 on."""
+        raise NotImplementedError
+
+    def inverse(self, ratio: float) -> float:
+        """Slip (m) of the ascending branch at a load ratio from 0 to below 1."""
+        raise NotImplementedError
+
+    def ratio(self, slip: ArrayLike) -> Array:
+        """Load over the largest load at slips (m). Raises `OutOfDomainError` for negative slips."""
+        s = np.asarray(slip, float)
+        if np.any(s < 0.0):
+            raise OutOfDomainError(
+                f"a load-slip law of first loading has no load for the slip {float(np.min(s)):g} "
+                "m: reversed loading is outside its assumptions"
+            )
+        return np.asarray(self.curve(s))
+
+    def slip_at(self, ratio: float) -> float:
+        """Slip (m) of the ascending branch at a load ratio below 1. Raises `InputError`."""
+        if not 0.0 <= ratio < 1.0:
+            raise InputError("ratio", ratio, "must lie from 0 to below 1")
+        return float(self.inverse(ratio))
+
+    @classmethod
+    def fitted(cls, parameters: Mapping[str, float], end: float) -> Self:
+        """The law with fitted parameters (SI) for curves that end at a slip (m)."""
+        return cls(**parameters)
 
 
 @dataclass(frozen=True)
-class OllgaardLaw(Declared, table="law"):
+class OllgaardLaw(Law):
     """q = (1 - exp(-`rate` s))^`exponent`, `rate` in 1/m.
 
     The published parameters are 18 per inch (708.7 per m) and 0.4 (Ollgaard, Slutter and Fisher
@@ -35,20 +88,20 @@ class OllgaardLaw(Declared, table="law"):
     name: ClassVar[str] = "ollgaard"
     formula: ClassVar[str] = "q = (1 − exp(−rate s))^exponent"
     keys: ClassVar[tuple[str, ...]] = ("ollgaard1971",)
-    bounds: ClassVar[Bounds] = {"rate": (10.0, 1e5, 1000.0), "exponent": (0.05, 10.0, 0.6)}
+    bounds: ClassVar[Mapping[str, Bound]] = {
+        "rate": Bound(10.0, 1e5, 1000.0, "1/mm", 1e3),
+        "exponent": Bound(0.05, 10.0, 0.6),
+    }
 
-    def ratio(self, slip: ArrayLike) -> Array:
-        """Load over the largest load at slips (m)."""
-        return np.asarray((-np.expm1(-self.rate * _slips(slip))) ** self.exponent)
+    def curve(self, slip: Array) -> Array:  # noqa: D102
+        return np.asarray((-np.expm1(-self.rate * slip)) ** self.exponent)
 
-    def slip_at(self, ratio: float) -> float:
-        """Slip (m) at a load ratio below 1."""
-        share = _below_one(ratio) ** (1.0 / self.exponent)
-        return float(-np.log1p(-share) / self.rate)
+    def inverse(self, ratio: float) -> float:  # noqa: D102
+        return float(-np.log1p(-(ratio ** (1.0 / self.exponent))) / self.rate)
 
 
 @dataclass(frozen=True)
-class BilinearLaw(Declared, table="law"):
+class BilinearLaw(Law):
     """Linear to `yield_slip`, constant to `slip_capacity` (m), no load beyond.
 
     The defaults, 0.5 and 6 mm, are those in use with the mean values of Roik.
@@ -59,30 +112,33 @@ class BilinearLaw(Declared, table="law"):
     name: ClassVar[str] = "bilinear"
     formula: ClassVar[str] = "q = s / yield slip, at most 1"
     keys: ClassVar[tuple[str, ...]] = ("roik1989",)
-    bounds: ClassVar[Bounds] = {"yield_slip": (1e-5, 0.02, 5e-4)}
+    bounds: ClassVar[Mapping[str, Bound]] = {"yield_slip": Bound(1e-5, 0.02, 5e-4, "mm", 1e-3)}
 
     def check(self) -> None:
         """Refuse what the fields cannot be together."""
         if self.slip_capacity < self.yield_slip:
             raise self.refusal("slip_capacity", f"must reach {self.yield_slip:g} m")
 
-    def ratio(self, slip: ArrayLike) -> Array:
-        """Load over the largest load at slips (m)."""
-        s = _slips(slip)
-        return np.asarray(np.where(s <= self.slip_capacity, np.minimum(s / self.yield_slip, 1), 0))
+    def curve(self, slip: Array) -> Array:  # noqa: D102
+        rising = np.minimum(slip / self.yield_slip, 1.0)
+        return np.where(slip <= self.slip_capacity, rising, 0.0)
 
-    def slip_at(self, ratio: float) -> float:
-        """Slip (m) at a load ratio below 1."""
-        return _below_one(ratio) * self.yield_slip
+    def inverse(self, ratio: float) -> float:  # noqa: D102
+        return ratio * self.yield_slip
+
+    @classmethod
+    def fitted(cls, parameters: Mapping[str, float], end: float) -> Self:  # noqa: D102
+        return cls(min(parameters["yield_slip"], end), end)
 
 
 @dataclass(frozen=True)
-class RationalLaw(Declared, table="law"):
+class RationalLaw(Law):
     """q = (k x + (D - 1) x^2) / (1 + (k - 2) x + D x^2), x = slip over `peak_slip` (m).
 
     `stiffness_ratio` k is the initial tangent over the secant to the peak; `softening` D in 0..1
     shapes the falling branch (1: slowest fall, 0: a parabola at k = 2). Sargin's form, which has
-    its only maximum, 1, at the peak. Source: Sargin 1971.
+    its only maximum, 1, at the peak, and is never below zero. Source: Sargin 1971. Few curves go
+    beyond their maximum: fits hold the softening.
     """
 
     peak_slip: float = checked(Number(1e-5, 0.1, "m"), 6.0e-3)
@@ -93,30 +149,26 @@ class RationalLaw(Declared, table="law"):
         "q = (k x − x²) / (1 + (k − 2) x), x = s / peak slip, k the stiffness ratio"
     )
     keys: ClassVar[tuple[str, ...]] = ("sargin1971",)
-    bounds: ClassVar[Bounds] = {
-        "peak_slip": (1e-4, 0.05, 6e-3),
-        "stiffness_ratio": (1.01, 500.0, 6.0),
-        "softening": (1e-4, 1.0, 0.5),
+    bounds: ClassVar[Mapping[str, Bound]] = {
+        "peak_slip": Bound(1e-4, 0.05, 6e-3, "mm", 1e-3),
+        "stiffness_ratio": Bound(1.01, 500.0, 6.0),
+        "softening": Bound(1e-4, 1.0, 0.5),
     }
+    held: ClassVar[Mapping[str, float]] = {"softening": 0.0}
+    falling: ClassVar[bool] = True
 
-    def ratio(self, slip: ArrayLike) -> Array:
-        """Load over the largest load at slips (m), not below zero."""
-        x = _slips(slip) / self.peak_slip
-        k, d = self.stiffness_ratio, self.softening
+    def curve(self, slip: Array) -> Array:  # noqa: D102
+        x, k, d = slip / self.peak_slip, self.stiffness_ratio, self.softening
         numerator = k * x + (d - 1.0) * x * x
         return np.asarray(np.maximum(numerator, 0.0) / (1.0 + (k - 2.0) * x + d * x * x))
 
-    def slip_at(self, ratio: float) -> float:
-        """Slip (m) of the ascending branch at a load ratio below 1."""
-        q = _below_one(ratio)
-        k, d = self.stiffness_ratio, self.softening
+    def inverse(self, ratio: float) -> float:  # noqa: D102
+        q, k, d = ratio, self.stiffness_ratio, self.softening
         # (d - 1 - q d) x^2 + (k - q (k - 2)) x - q = 0: the smaller positive root
         a, b = d - 1.0 - q * d, k - q * (k - 2.0)
-        root = np.sqrt(b * b + 4.0 * a * q)
-        return float(2.0 * q / (b + root) * self.peak_slip)
+        return float(2.0 * q / (b + np.sqrt(b * b + 4.0 * a * q)) * self.peak_slip)
 
 
-Law = OllgaardLaw | BilinearLaw | RationalLaw
 LAWS: dict[str, type[Law]] = {law.name: law for law in (OllgaardLaw, BilinearLaw, RationalLaw)}
 
 
@@ -124,22 +176,6 @@ def law_kind(name: str) -> type[Law]:
     """The law of this name. Raises `InputError`."""
     Choice(tuple(LAWS)).check("law", name)
     return LAWS[name]
-
-
-def _slips(slip: ArrayLike) -> Array:
-    s = np.asarray(slip, float)
-    if np.any(s < 0.0):
-        raise OutOfDomainError(
-            f"a load-slip law of first loading has no load for the slip {float(np.min(s)):g} m: "
-            "reversed loading is outside its assumptions"
-        )
-    return s
-
-
-def _below_one(ratio: float) -> float:
-    if not 0.0 <= ratio < 1.0:
-        raise InputError("ratio", ratio, "must lie from 0 to below 1")
-    return ratio
 
 
 LOSSES = ("linear", "huber", "soft_l1")
@@ -163,18 +199,6 @@ class CurveFit:
     bias: float
     at_bound: tuple[str, ...]
     near_interpolation: bool
-
-
-def parameter_names(law: str) -> tuple[str, ...]:
-    """Names of the parameters of a law that are fitted. Raises `InputError`."""
-    return tuple(law_kind(law).bounds)
-
-
-def make_law(law: str, parameters: dict[str, float], slip_capacity: float | None = None) -> Law:
-    """The law of this name with fitted parameters (SI); a bilinear law yields before its end."""
-    if law != "bilinear" or slip_capacity is None:
-        return law_kind(law)(**parameters)
-    return BilinearLaw(min(parameters["yield_slip"], slip_capacity), slip_capacity)
 
 
 def misfit(law: Law, slip: ArrayLike, ratio: ArrayLike) -> tuple[float, float]:
@@ -203,10 +227,10 @@ def fit_curve(
     from scipy.optimize import least_squares
 
     Choice(LOSSES).check("loss", loss)
-    fixed = dict(held or {})
+    kind, fixed = law_kind(law), dict(held or {})
     for name in fixed:
-        Choice(parameter_names(law)).check("held", name)
-    bounds = {name: each for name, each in law_kind(law).bounds.items() if name not in fixed}
+        Choice(tuple(kind.bounds)).check("held", name)
+    bounds = {name: each[:3] for name, each in kind.bounds.items() if name not in fixed}
     names = list(bounds)
     s, q = np.maximum(np.asarray(slip, float), 0.0), np.asarray(load, float)
     least = max(len(bounds), 2)
@@ -216,30 +240,31 @@ def fit_curve(
     if not top > 0.0:
         raise InputError("curve", top, "must hold a positive load")
     y = q / top
-    capacity = float(np.max(s)) if law == "bilinear" else None
     low, high, start = np.log(list(bounds.values())).reshape(-1, 3).T
 
     def at(theta: Array) -> Law:
         # exponentials of the bounds may leave them by round-off
         values = np.clip(np.exp(theta), np.exp(low), np.exp(high))
-        return make_law(law, {**dict(zip(names, values.tolist(), strict=True)), **fixed}, capacity)
+        free = dict(zip(names, values.tolist(), strict=True))
+        return kind.fitted({**free, **fixed}, float(np.max(s)))
 
     def error(theta: Array) -> Array:
         return at(theta).ratio(s) - y
 
-    tolerances = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
+    how: dict[str, Any] = {"loss": loss, "f_scale": LOSS_SCALE}
+    how |= {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
     tried = [
-        least_squares(error, begin, bounds=(low, high), loss=loss, f_scale=LOSS_SCALE, **tolerances)
+        least_squares(error, begin, bounds=(low, high), **how)
         for begin in (start, *_valleys(error, low, high, loss))
     ]
     solved = [each for each in tried if each.success]
     if not solved:
         raise SolverError("least squares of a load-slip curve", float("nan"), "several starts")
-    found = min(solved, key=lambda each: float(each.cost)).x
-    best = at(found)
+    theta = min(solved, key=lambda each: float(each.cost)).x
+    best = at(theta)
     parameters = {name: float(getattr(best, name)) for name in (*names, *fixed)}
     rms, bias = misfit(best, s, y)
-    stuck = np.isclose(found, low, atol=1e-4) | np.isclose(found, high, atol=1e-4)
+    stuck = np.isclose(theta, low, atol=1e-4) | np.isclose(theta, high, atol=1e-4)
     at_bound = tuple(name for name, on in zip(names, stuck, strict=True) if on)
     return CurveFit(parameters, len(s), rms, bias, at_bound, len(s) < len(names) + 3)
 

@@ -9,34 +9,35 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
 from workbench.errors import InputError
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.studs.fit_protocol import (
-    Content,
     Fit,
     Fitted,
     Judgement,
-    Told,
+    Scalar,
+    Summary,
+    Tables,
+    counted,
     fitted,
     grade_of,
     judge,
 )
 from workbench.studs.load_slip import (
-    CurveFit,
+    LAWS,
     Law,
     OllgaardLaw,
     chord_stiffness,
     fit_curve,
+    law_kind,
     law_stiffness,
-    make_law,
     misfit,
-    parameter_names,
 )
 from workbench.studs.quantities import Array
 from workbench.studs.statistics.mixed import fit
@@ -45,7 +46,6 @@ from workbench.studs.statistics.problem import location
 from workbench.studs.suspicion import suspicions_of_points
 from workbench.studs.tables import curves_of, identity_of
 
-HELD = {"rational": {"softening": 0.0}}  # not fitted: few curves go beyond their maximum
 ENDLESS = 0.5  # m: beyond the slip of any test
 GRID = np.linspace(0.0, 10e-3, 101)  # m, slips at which median and band are given
 FEW_CAMPAIGNS = 5
@@ -62,50 +62,44 @@ class CurveJudgement:
 
     `rows`, one per curve: campaign, specimen, points, rms and bias of the load over the largest
     load, share of its points inside the band (`inside`, NaN without a band); `stiffness`, test over
-    prediction of the chord stiffness at the measured strength (None where no curve tells it);
-    `coverage`, mean of `inside` over the curves (None without a band).
+    prediction of the chord stiffness at the measured strength (None where no curve tells it).
     """
 
     rows: pd.DataFrame
     stiffness: Judgement | None
-    coverage: float | None
     confidence: float
 
     @property
-    def coverage_half_width(self) -> float | None:
-        """Half-width of the interval of the coverage over curves; None with a single one.
-
-        At least one curve more or less.
-        """
+    def coverage(self) -> Scalar:
+        """Mean share of points in the band; its half-width over curves is at least one curve."""
         from scipy.special import stdtrit
 
-        count = len(self.rows)
-        if self.coverage is None or count < 2:
-            return None
-        error = float(self.rows["inside"].std(ddof=1)) / np.sqrt(count)
+        inside, count = self.rows["inside"], len(self.rows)
+        if inside.isna().all():
+            return Scalar(None)
+        mean = float(inside.mean())
+        if count < 2:
+            return Scalar(mean)
+        error = float(inside.std(ddof=1)) / np.sqrt(count)
         width = float(stdtrit(count - 1.0, 0.5 + 0.5 * self.confidence) * error)
-        return max(width, 1.0 / count)
+        width = max(width, 1.0 / count)
+        return Scalar(mean, width, (max(mean - width, 0.0), min(mean + width, 1.0)))
 
     @property
-    def told(self) -> dict[str, Told]:
-        """What a model is compared by; a coverage stays between none and all."""
-        coverage, width, stiffness = Told(self.coverage), self.coverage_half_width, Told(None)
-        if self.coverage is not None and width is not None:
-            ends = max(self.coverage - width, 0.0), min(self.coverage + width, 1.0)
-            coverage = Told(self.coverage, width, ends)
-        if self.stiffness is not None:
-            stiffness = self.stiffness.told["test_over_prediction"]
-        return {"coverage": coverage, "stiffness_test_over_prediction": stiffness}
+    def scalars(self) -> dict[str, Scalar]:
+        """What a model is compared by."""
+        ratio = self.stiffness.scalars["test_over_prediction"] if self.stiffness else Scalar(None)
+        return {"coverage": self.coverage, "stiffness_test_over_prediction": ratio}
 
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        return {
-            "curves": len(self.rows),
-            "campaigns": sorted(set(self.rows["campaign"])),
-            "median_rms": float(self.rows["rms"].median()),
-            "coverage": self.coverage,
-            "stiffness": None if self.stiffness is None else self.stiffness.to_dict(),
-        }
+    def summary(self) -> Summary:
+        """One row of a table: interval, least ratio and scatter are those of the stiffness."""
+        row: Summary = {"median_rms": float(self.rows["rms"].median())}
+        if self.stiffness:
+            names = ("low", "high", "least_test_over_prediction", "scatter")
+            stiffness = self.stiffness.summary()
+            row |= {name: stiffness[name] for name in names}
+        scalars = {name: each.value for name, each in self.scalars.items()}
+        return {**counted(self.rows, "curves"), **scalars, **row}
 
 
 def judge_curves(
@@ -118,7 +112,7 @@ def judge_curves(
     """
     rows: list[dict[str, Any]] = []
     stiffness: list[dict[str, Any]] = []
-    for name, slip, load in curves_of(points, falling=law.name == "rational"):
+    for name, slip, load in curves_of(points, falling=law.falling):
         top = float(load.max())
         if len(slip) < 2 or top <= 0.0:
             continue
@@ -134,24 +128,22 @@ def judge_curves(
             stiffness.append({**name, "test": measured, "prediction": law_stiffness(law, top)})
     if not rows:
         raise InputError("validation", 0, "holds no curve of two points or more")
-    frame, stiff, told = pd.DataFrame(rows), pd.DataFrame(stiffness), None
+    judged = None
     if stiffness:
-        told = judge(stiff, stiff["test"], stiff["prediction"], confidence)
-    coverage = None if band is None else float(frame["inside"].mean())
-    return CurveJudgement(frame, told, coverage, confidence)
+        frame = pd.DataFrame(stiffness)
+        judged = judge(frame, frame["test"], frame["prediction"], confidence)
+    return CurveJudgement(pd.DataFrame(rows), judged, confidence)
 
 
 @dataclass(frozen=True)
 class LoadSlipFit(Fit):
     """A load-slip law over a table of curves.
 
-    `law_name`; `rows`, one per curve: campaign, specimen, points, parameters (SI), rms and
-    bias of the fit and of the published Ollgaard law, strength (N), chord stiffness (N/m);
-    `population`, the median of each parameter over the curves and the scatters of its logarithm;
-    `coverage`, share of the points of left-out ``curves`` and ``campaigns`` inside the band (of
-    `confidence`) that the others make, None where they are too few; parameters `held`;
-    `logarithms` (curves, p) behind it; `skipped`, curves that could not be
-    fitted, each with the reason.
+    `rows`, one per curve: parameters (SI), rms and bias of the fit and of the published Ollgaard
+    law, strength (N), chord stiffness (N/m); `population`, the median of each parameter over the
+    curves and the scatters of its logarithm; `coverage`, share of the points of left-out ``curves``
+    and ``campaigns`` inside the band of the others, None where they are too few; parameters `held`;
+    `logarithms` (curves, p) behind it; `skipped`, curves that were not fitted, and why.
     """
 
     law_name: str
@@ -160,6 +152,12 @@ class LoadSlipFit(Fit):
     held: dict[str, float]
     logarithms: Array
     skipped: tuple[str, ...]
+    figures: ClassVar[tuple[str, ...]] = ("stud-curves",)
+
+    @property
+    def name(self) -> str:
+        """The name of the law."""
+        return self.law_name
 
     @property
     def medians(self) -> dict[str, float]:
@@ -172,39 +170,50 @@ class LoadSlipFit(Fit):
 
         A slip capacity is no matter of the shape: EN 1994-1-1 B.2 evaluates it (`evaluate_series`).
         """
-        return make_law(self.law_name, self.medians, ENDLESS)
+        return LAWS[self.law_name].fitted(self.medians, ENDLESS)
 
     def band(self, slip: ArrayLike, share: float = 0.9) -> tuple[Array, Array]:
         """Load ratios (n,) that hold a `share` of the points of a further curve, at slips (m).
 
         Of the fitted campaigns; of a new one fewer points lie inside. At each slip the laws of the
-        curves, each with the misfit of its points, make one distribution, so that the parameters
-        keep their correlation. Its quantiles are those of the order statistics of n curves, which
-        hold a further one with the wanted probability (below 20 curves: at most the extremes).
+        curves, with the misfit of their points, make one distribution; its quantiles are those of
+        the order statistics of n curves (below 20 curves: at most the extremes).
         """
         laws = _laws(self.law_name, tuple(self.population), self.logarithms, self.held)
         ratios = np.array([law.ratio(np.asarray(slip, float)) for law in laws])
         return _bounds(ratios, _spread(self.rows, len(self.population)), share)
 
-    def to_dict(self) -> Content:
-        """Everything but the curves' rows (SI)."""
-        population = {
-            name: {"median": p.estimates["median"], "profile": p.parameters["median"].profile,
-                   "sigma": p.sigma, "tau": p.tau}
-            for name, p in self.population.items()
-        }  # fmt: skip
+    def summary(self) -> Summary:
+        """The law, how well it fits, and what its band holds of left-out curves and campaigns."""
         return {
             "law": self.law_name,
-            **self.used("curves"),
-            "held": self.held,
-            "population": population,
-            "coverage": self.coverage,
+            **counted(self.rows, "curves"),
+            **{f"coverage_of_{kind}": share for kind, share in self.coverage.items()},
             "median_rms": float(self.rows["rms"].median()),
             "median_rms_of_published_ollgaard": float(self.rows["published_rms"].median()),
             "median_bias_of_published_ollgaard": float(self.rows["published_bias"].median()),
-            "skipped": self.skipped,
             "grade": grade_of(self.rows, "curves"),
             "holds": "for the shape of the curve, load over its largest value",
+        }
+
+    def tables(self, confidence: float = 0.9) -> Tables:
+        """Parameters with scatters of their logarithms, curves, median and band over the slip."""
+        free = {
+            n: p.parameters["median"].columns() | p.scatters for n, p in self.population.items()
+        }
+        held = {name: {"value": value} for name, value in self.held.items()}
+        bounds = LAWS[self.law_name].bounds
+        parameters = [
+            {"parameter": n, **row, "unit": bounds[n].unit, "factor": bounds[n].factor}
+            for n, row in (free | held).items()
+        ]
+        low, high = self.band(GRID, confidence)
+        grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
+        return {
+            "parameters": pd.DataFrame(parameters),
+            "curves": self.rows,
+            "grid": pd.DataFrame(grid),
+            "skipped": pd.DataFrame({"why": list(self.skipped)}, dtype=object),
         }
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> CurveJudgement:
@@ -221,12 +230,6 @@ class LoadSlipFit(Fit):
         )  # fmt: skip
         return pd.concat(parts, ignore_index=True)
 
-    def parts(self, confidence: float) -> Content:
-        """Its curves, median and band over the slip."""
-        low, high = self.band(GRID, confidence)
-        grid = {"slip": GRID, "median": self.shape.ratio(GRID), "low": low, "high": high}
-        return {"curves": self.rows, "grid": grid}
-
 
 def fit_load_slip(
     points: pd.DataFrame,
@@ -239,41 +242,48 @@ def fit_load_slip(
     """Fit a law to every curve of a table (schema `POINTS`) and to their population.
 
     Arguments: `law`, a name in `LAWS`; `loss` of the points of a curve (see `fit_curve`);
-    `least_points` of a curve; `confidence` of the intervals. Loads are taken
-    over the largest load of the curve, so curves that were stopped before their maximum do not
-    belong here. Raises `InputError`.
+    `least_points` of a curve; `confidence` of the intervals. Loads are over the largest load, so
+    curves that were stopped before their maximum do not belong here. Raises `InputError`.
     """
-    fixed = HELD.get(law, {})
-    names = tuple(name for name in parameter_names(law) if name not in fixed)
+    kind, fixed = law_kind(law), dict(law_kind(law).held)
+    names = tuple(name for name in kind.bounds if name not in fixed)
     rows: list[dict[str, object]] = []
     skipped: list[str] = []
     measured: list[tuple[Array, Array]] = []
-    for name, slip, load in curves_of(points, falling=law == "rational"):
+    for name, slip, load in curves_of(points, falling=kind.falling):
         if len(slip) < max(least_points, len(names)):
             words = "one point" if len(slip) == 1 else f"{len(slip)} points"
             skipped.append(f"{name['campaign']} {name['specimen']}: {words}")
             continue
-        rows.append({**name, **_row(fit_curve(slip, load, law, loss=loss, held=fixed), slip, load)})
+        rows.append({**name, **_row(slip, load, law, loss)})
         measured.append((np.maximum(slip, 0.0), load / load.max()))
     if len(rows) < 2:
         raise InputError("points", len(rows), "must hold two curves or more that can be fitted")
     curves = pd.DataFrame(rows)
     logarithms = np.log(curves[list(names)].to_numpy(float))
     population = {}
-    for parameter, own in zip(names, logarithms.T, strict=True):
-        estimate = fit(location(own, curves["campaign"].to_numpy(str)))
+    for parameter, values in zip(names, logarithms.T, strict=True):
+        estimate = fit(location(values, curves["campaign"].to_numpy(str)))
         population[parameter] = fitted(estimate, ("median",), confidence=confidence)
     laws = _laws(law, names, logarithms, fixed)
     covered = _coverage(laws, measured, curves, len(names), confidence)
-    found = (law, population, covered, fixed, logarithms, tuple(skipped))
-    findings = (*suspicions_of_points(points), *_findings(curves))
-    return LoadSlipFit(*found, rows=curves, findings=findings, identity=identity_of(curves))
+    return LoadSlipFit(
+        law_name=law,
+        population=population,
+        coverage=covered,
+        held=fixed,
+        logarithms=logarithms,
+        skipped=tuple(skipped),
+        rows=curves,
+        findings=(*suspicions_of_points(points), *_findings(curves)),
+        identity=identity_of(curves),
+    )
 
 
 def _laws(law: str, names: tuple[str, ...], logarithms: Array, held: dict[str, float]) -> list[Law]:
     """The law of every curve, without the end of the bilinear law."""
-    own = (dict(zip(names, np.exp(row).tolist(), strict=True)) for row in logarithms)
-    return [make_law(law, {**each, **held}, ENDLESS) for each in own]
+    free = (dict(zip(names, np.exp(row).tolist(), strict=True)) for row in logarithms)
+    return [LAWS[law].fitted({**each, **held}, ENDLESS) for each in free]
 
 
 def _spread(curves: pd.DataFrame, parameters: int) -> Array:
@@ -298,9 +308,9 @@ def _coverage(
     parameters: int,
     share: float,
 ) -> dict[str, float | None]:
-    """Share of the points of what is left out inside the band of the others, curves alike.
+    """Share of the points of left-out curves and campaigns inside the band of the others.
 
-    Curves and campaigns are left out in turn; None where fewer than two curves would be left.
+    None where fewer than two curves would be left.
     """
     spread, result = _spread(curves, parameters), {}
     for kind, parts in (("curves", curves.index), ("campaigns", curves["campaign"])):
@@ -316,26 +326,24 @@ def _coverage(
     return result
 
 
-def _row(fit: CurveFit, slip: Array, load: Array) -> dict[str, object]:
-    top = float(np.max(load))
+def _row(slip: Array, load: Array, law: str, loss: str) -> dict[str, object]:
+    """A curve with the law that fits it, and with the published one."""
+    best, top = fit_curve(slip, load, law, loss=loss, held=LAWS[law].held), float(np.max(load))
     published_rms, published_bias = misfit(OllgaardLaw(), slip, load / top)
     return {
-        "points": fit.points, **fit.parameters, "rms": fit.rms, "bias": fit.bias,
+        "points": best.points, **best.parameters, "rms": best.rms, "bias": best.bias,
         "published_rms": published_rms, "published_bias": published_bias,
         "strength": top, "slip_at_max": float(slip[int(np.argmax(load))]),
         "chord_stiffness": chord_stiffness(slip, load),
-        "near_interpolation": fit.near_interpolation, "at_bound": ", ".join(fit.at_bound),
+        "near_interpolation": best.near_interpolation, "at_bound": ", ".join(best.at_bound),
     }  # fmt: skip
 
 
 def _findings(curves: pd.DataFrame) -> Iterator[Finding]:
-    for subject, which, words in (
-        ("points", curves["near_interpolation"], "have hardly more points than parameters"),
-        ("bounds", curves["at_bound"] != "", "rest on a bound of a parameter"),
-    ):
-        if which.any():
-            yield Finding(subject, f"{which.sum()} of {len(curves)} curves {words}")
+    near, stuck = curves["near_interpolation"].sum(), (curves["at_bound"] != "").sum()
+    for key, count in (("stud-curve-points", near), ("stud-curve-bounds", stuck)):
+        if count:
+            yield finding(key, count=count, curves=len(curves))
     campaigns = curves["campaign"].nunique()
     if campaigns < FEW_CAMPAIGNS:
-        text = f"{campaigns} campaigns: the scatter between them is hardly known"
-        yield Finding("campaigns", text)
+        yield finding("stud-few-campaigns", campaigns=campaigns)

@@ -108,18 +108,18 @@ class Decks(NamedTuple):
         largest = np.where(self.holes, _LARGEST[1], _LARGEST[0]) + 1e-9
         inside = (over >= 1.0) & (diameter <= largest)
         across = np.where(inside, np.minimum(across, limits), np.nan)
-        found = np.where(self.parallel, along, across)
+        factor = np.where(self.parallel, along, across)
         valid = (self.depth <= DEEPEST + 1e-9) & (height > self.depth)
-        return np.where(self.profiled, np.where(valid, found, np.nan), 1.0)
+        return np.where(self.profiled, np.where(valid, factor, np.nan), 1.0)
 
     def reduction_aisc360(self) -> Array:
         """R_g R_p (n,) over the 0.75 of a solid slab, on the steel term."""
         group = np.select([self.per_rib == 1, self.per_rib == 2], [1.0, 0.85], 0.7)
         wide = np.where(self.width >= 1.5 * self.depth, 1.0, 0.85)
         position = np.where(self.strong, 1.0, 0.6 / 0.75)
-        found = np.where(self.parallel, wide, group * position)
+        factor = np.where(self.parallel, wide, group * position)
         known = np.isfinite(self.depth) & np.isfinite(self.width)
-        return np.where(self.profiled, np.where(known, found, np.nan), 1.0)
+        return np.where(self.profiled, np.where(known, factor, np.nan), 1.0)
 
 
 def profiled(table: pd.DataFrame) -> pd.Series:

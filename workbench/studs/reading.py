@@ -18,7 +18,7 @@ import pandas as pd
 from workbench.datafiles import LARGEST_FILE, open_input
 from workbench.errors import InputError
 from workbench.fields import Number, did_you_mean
-from workbench.studs.schema import EXTRA, TESTS, Column, Row, RowFinding, Table
+from workbench.studs.schema import COMMENT, EXTRA, TESTS, Column, Row, RowFinding, Table
 
 MOST_ROWS = 50_000
 LONGEST_LINE = 65_536  # bytes; no row of any table comes near it
@@ -26,7 +26,6 @@ LONGEST_NUMBER = 60  # characters
 NUMBER = re.compile(  # float() would also take 1_000 and digits of other scripts
     r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)(e[+-]?[0-9]+)?|[+-]?(nan|inf|infinity)", re.IGNORECASE
 )
-COMMENT = "#"  # begins a line above the header that is not read
 _SHOWN = 5  # problems that one message lists by line
 
 
@@ -159,10 +158,10 @@ def _examine(lines: Iterator[str], name: str, table: Table) -> Examination:
     line, header = next(found_rows, (1, None))
     columns = _columns(line, header, name, table)
     for line, cells in found_rows:
-        row, found = _row(cells, columns)
-        found = found or list(table.rules(row)) or list(seen.repeated(row, line))
-        problems.extend(Problem(name, line, *finding) for finding in found)
-        if not found:
+        row, findings = _row(cells, columns)
+        findings = findings or list(table.rules(row)) or list(seen.repeated(row, line))
+        problems.extend(Problem(name, line, *finding) for finding in findings)
+        if not findings:
             rows.append(row)
     if not rows and not problems:
         raise InputError(name, "only a header", "must hold one row or more")
@@ -236,9 +235,9 @@ def width_findings(cells: list[str], width: int) -> list[RowFinding]:
 
 def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[RowFinding]]:
     row: Row = {}
-    found = width_findings(cells, len(columns))
-    if found:
-        return row, found
+    findings = width_findings(cells, len(columns))
+    if findings:
+        return row, findings
     for cell, column in zip(cells, columns, strict=True):
         if isinstance(column, str):
             row[column] = cell.strip()
@@ -246,8 +245,8 @@ def _row(cells: list[str], columns: list[Column | str]) -> tuple[Row, list[RowFi
         try:
             row[column.name] = _cell(cell.strip(), column)
         except InputError as error:
-            found.append((column.name, error.value, error.allowed, error.advice))
-    return row, found
+            findings.append((column.name, error.value, error.allowed, error.advice))
+    return row, findings
 
 
 def _cell(text: str, column: Column) -> object:
@@ -275,7 +274,7 @@ def _frame(rows: list[Row], columns: Iterable[Column | str], table: Table) -> pd
         )
         for column in table.columns
     }
-    own = (column for column in columns if isinstance(column, str))
+    extra = (column for column in columns if isinstance(column, str))
     return pd.DataFrame(
-        {**data, **{name: pd.Series([row[name] for row in rows], dtype=object) for name in own}}
+        {**data, **{name: pd.Series([row[name] for row in rows], dtype=object) for name in extra}}
     )

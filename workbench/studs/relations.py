@@ -20,18 +20,14 @@ from workbench.errors import InputError, SolverError
 from workbench.studs.damaged import peaks_of
 from workbench.studs.quantities import Array
 from workbench.studs.schema import FATIGUE, LIFE
-from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
-from workbench.studs.statistics.mixture import (
-    NOTHING,
-    TAU,
+from workbench.studs.statistics.intervals import (
+    LEAST_CAMPAIGNS,
     Mixture,
     Part,
-    Priors,
     averaged_quantile,
     mixture_of,
-    posterior_mean,
-    tells_new_campaigns,
 )
+from workbench.studs.statistics.mixed import Estimate, fit, fit_robust
 from workbench.studs.statistics.prediction import Score, score_relations
 from workbench.studs.statistics.problem import Problem, problem
 
@@ -60,8 +56,8 @@ class Relation:
         """An anchored relation at peaks, in its formula if they are one; any other as it is."""
         if self.peak is None or peak is None:
             return self
-        told = f", P_max/P_u = {float(np.mean(np.asarray(peak, float))):.3g}" * (np.ndim(peak) == 0)
-        return replace(self, peak=peak, formula=self.formula + told)
+        value = f", P_max/P_u = {np.mean(np.asarray(peak, float)):.3g}" * (np.ndim(peak) == 0)
+        return replace(self, peak=peak, formula=self.formula + value)
 
     def __call__(self, level: ArrayLike, theta: ArrayLike = ()) -> Array:
         """What is left (n,) at damage levels (n,) for parameters (p,)."""
@@ -74,6 +70,9 @@ class Relation:
     def start_for(self, level: Array, left: Array) -> tuple[float, ...]:
         """The one of `starts` that is nearest to what is left (n,) at damage levels (n,)."""
         return min(self.starts, key=lambda theta: float(np.sum((self(level, theta) - left) ** 2)))
+
+
+MEASURES = ("displacement ratio", "load ratio")  # of damage, that the mechanical model knows
 
 
 @dataclass(frozen=True)
@@ -129,8 +128,8 @@ RELATIONS: dict[str, Relation] = {
 
 def _inverted_s(d: Array, p: Array, peak: Array) -> Array:
     inside = np.clip(d, 1e-12, 1.0 - 1e-12)
-    found = np.clip(p[0] - p[1] * np.log(inside / (1.0 - inside)), peak, 1.0)
-    return np.asarray(np.where(d <= 0.0, 1.0, np.where(d >= 1.0, peak, found)))
+    left = np.clip(p[0] - p[1] * np.log(inside / (1.0 - inside)), peak, 1.0)
+    return np.asarray(np.where(d <= 0.0, 1.0, np.where(d >= 1.0, peak, left)))
 
 
 _LEVELS = tuple((a, b) for a in (0.5, 0.65, 0.8, 0.95) for b in (0.02, 0.05, 0.1, 0.2))
@@ -154,15 +153,14 @@ LEAST_WEIGHT = 0.02  # of a candidate in the average
 
 
 class Candidate(NamedTuple):
-    """A relation fitted to the tests, its `weight` in the average; `theta`, under the priors.
+    """A relation fitted to the tests, its `weight` in the average, what it tells of new campaigns.
 
-    `mixture`, what tests and priors tell together; None where that is nothing of new campaigns.
+    `mixture`: None with too few campaigns to say anything of a new one.
     """
 
     weight: float
     relation: Relation
     estimate: Estimate
-    theta: Array
     mixture: Mixture | None
 
 
@@ -180,10 +178,10 @@ def candidates(
         and (mechanical.quantity, mechanical.predamage, mechanical.measure) == damage
         and float(rows["level"].max()) <= mechanical.level[-1]
     )
-    found = [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
+    every = [*RELATIONS.values(), *([mechanical.relation()] if mechanical and comparable else [])]
     if damage == ("strength", FATIGUE, LIFE) and peaks_of(rows).notna().all():
-        found += [each.at(float(peaks_of(rows).mean())) for each in ANCHORED.values()]
-    return found
+        every += [each.at(float(peaks_of(rows).mean())) for each in ANCHORED.values()]
+    return every
 
 
 def problem_of(y: Array, level: Array, campaigns: ArrayLike, relation: Relation) -> Problem:
@@ -203,7 +201,7 @@ def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> 
     """
     y, level = rows["ratio"].to_numpy(float), rows["level"].to_numpy(float)
     campaigns, peaks = rows["campaign"].to_numpy(), peaks_of(rows).to_numpy()
-    found: dict[str, Estimate] = {}
+    estimates: dict[str, Estimate] = {}
     failed: Exception = InputError(
         "tests after pre-damage", len(y), "must be two or more", "one to three: fit few-tests"
     )
@@ -211,44 +209,33 @@ def fit_candidates(relations: list[Relation], rows: pd.DataFrame, loss: str) -> 
         if len(y) < len(relation.parameters) + 2:
             continue
         try:
-            found[relation.name] = fit_robust(
-                problem_of(y, level, campaigns, relation.at(peaks)), loss
-            )
+            given = problem_of(y, level, campaigns, relation.at(peaks))
+            estimates[relation.name] = fit_robust(given, loss)
         except (InputError, SolverError) as error:
             failed = error
-    if not found:
+    if not estimates:
         raise failed
     if loss != "linear":
-        weights = np.max([each.problem.weights for each in found.values()], axis=0)
-        found = {n: fit(replace(e.problem, weights=weights)) for n, e in found.items()}
-    return found
+        weights = np.max([each.problem.weights for each in estimates.values()], axis=0)
+        for name, each in estimates.items():
+            estimates[name] = fit(replace(each.problem, weights=weights))
+    return estimates
 
 
 def average(
-    relations: Sequence[Relation], estimates: dict[str, Estimate], priors: Priors = NOTHING
+    relations: Sequence[Relation], estimates: dict[str, Estimate]
 ) -> tuple[tuple[Score, ...], tuple[Candidate, ...]]:
     """Scores of all candidates, and those that count in the average, that of most weight first."""
     scores = tuple(score_relations(estimates))
     kept = [score for score in scores if score.weight >= LEAST_WEIGHT]
-    total = sum(score.weight for score in kept)
-    named = {relation.name: relation for relation in relations}
+    total, named = sum(score.weight for score in kept), {each.name: each for each in relations}
+    few = next(iter(estimates.values())).problem.campaigns < LEAST_CAMPAIGNS
     averaged = []
-    for weight, name in ((each.weight / total, each.name) for each in kept):
-        relation, estimate = named[name], estimates[name]
-        own = priors_of(relation, priors)
-        mixture = None
-        if own or tells_new_campaigns(estimate, own):
-            mixture = mixture_of(estimate, own)
-        theta = posterior_mean(estimate, mixture) if mixture and own else estimate.theta
-        averaged.append(Candidate(weight, relation, estimate, theta, mixture))
+    for score in kept:
+        estimate = estimates[score.name]
+        mixture = None if few else mixture_of(estimate)
+        averaged.append(Candidate(score.weight / total, named[score.name], estimate, mixture))
     return scores, tuple(averaged)
-
-
-def priors_of(relation: Relation, priors: Priors) -> Priors:
-    """The priors that concern a relation, by its own parameters; `priors` by relation.parameter."""
-    own = {name: priors.get(f"{relation.name}.{name}") for name in relation.parameters}
-    own[TAU] = priors.get(TAU)
-    return {name: each for name, each in own.items() if each is not None}
 
 
 def quantiles(
@@ -256,21 +243,15 @@ def quantiles(
     level: Array,
     shares: Sequence[float],
     median: Sequence[float] = (),
-    reference: float = 0.0,
-) -> Array:
+) -> Array | None:
     """Ratios (shares + median, n) at levels (n,), see `averaged_quantile`.
 
-    `reference`, a relative standard uncertainty of all ratios, adds to them in quadrature.
+    None where the campaigns are too few to say anything of a new one.
     """
-    from scipy.special import ndtri
-
-    new = ["new"] * len(level)
-    parts = [
-        Part(c.weight, c.estimate, c.mixture, problem_of(0.0 * level, level, new, c.relation))
-        for c in averaged
-        if c.mixture is not None
-    ]
-    found = averaged_quantile(parts, shares, median)
-    middle = np.sum([c.weight * c.relation(level, c.theta) for c in averaged], axis=0)
-    more = reference * middle * ndtri(np.array([*shares, *median]))[:, None]
-    return np.asarray(middle + np.sign(found - middle) * np.hypot(found - middle, more))
+    new, parts = ["new"] * len(level), []
+    for weight, relation, estimate, mixture in averaged:
+        if mixture is None:
+            return None
+        held = problem_of(0.0 * level, level, new, relation)
+        parts.append(Part(weight, estimate, mixture, held))
+    return averaged_quantile(parts, shares, median)

@@ -4,8 +4,11 @@ No shipped table holds a strength measured after pre-damage. Until one is given,
 the prediction of the mechanical model, and its grade says that nothing has validated it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -13,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from workbench.arrays import Flags
 from workbench.errors import InputError
-from workbench.fields import Choice
-from workbench.responses import Finding
+from workbench.responses import finding
 from workbench.studs.damaged import (
+    ONSET_OF_FATIGUE_LOSS,
     REFERENCE,
     Grade,
     damage_findings,
@@ -23,23 +26,22 @@ from workbench.studs.damaged import (
     grade_of,
     peaks_of,
     reference_findings,
-    reference_share,
     residual_findings,
     studs_in_words,
 )
 from workbench.studs.fit_protocol import (
-    Content,
     Fit,
     Fitted,
     Judgement,
+    Summary,
+    Tables,
+    counted,
     fitted,
     judge,
     outlier_findings,
 )
 from workbench.studs.quantities import Array
 from workbench.studs.relations import (
-    ANCHORED,
-    RELATIONS,
     Candidate,
     MechanicalCurve,
     Relation,
@@ -50,15 +52,7 @@ from workbench.studs.relations import (
 )
 from workbench.studs.schema import NO_PREDAMAGE, QUANTITIES
 from workbench.studs.statistics.annex_d import CHARACTERISTIC, TABLE_DESIGN
-from workbench.studs.statistics.intervals import Interval, tails_of
-from workbench.studs.statistics.mixture import (
-    LEAST_CAMPAIGNS,
-    NOTHING,
-    TAU,
-    Priors,
-    posterior_intervals,
-    tells_new_campaigns,
-)
+from workbench.studs.statistics.intervals import tails_of
 from workbench.studs.statistics.prediction import Score, influence_of, without_each
 from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
@@ -66,6 +60,7 @@ from workbench.studs.tables import identity_of
 STEP = 0.025  # of damage, at which the curve is given
 DESIGN_LEVELS = (0.25, 0.5, 0.75)  # of damage, besides the largest tested one
 BELOW = 1.0 - CHARACTERISTIC, 1.0 - TABLE_DESIGN  # shares of new tests, for design
+_TESTS = ["campaign", "specimen", "level", "ratio", "origin", *REFERENCE]
 
 
 @dataclass(frozen=True)
@@ -75,7 +70,7 @@ class ResidualFit(Fit):
     `stud`, which one it is for; `relation`, that of most weight; `fitted`, its parameters and the
     scatters of the ratio (None without tests: a prediction); `scores` of all candidates;
     `averaged`, those that count; `grade`, which holds for the `levels` covered only; `mechanical`,
-    the prediction that is a candidate or the answer; `priors` by ``tau`` and relation.parameter.
+    the prediction that is a candidate or the answer.
     """
 
     quantity: str
@@ -89,7 +84,12 @@ class ResidualFit(Fit):
     grade: Grade
     levels: tuple[float, float]
     mechanical: MechanicalCurve | None
-    priors: Priors = field(default_factory=lambda: NOTHING)
+    figures: ClassVar[tuple[str, ...]] = ("stud-guideline",)
+
+    @property
+    def name(self) -> str:
+        """The quantity."""
+        return self.quantity
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -114,7 +114,7 @@ class ResidualFit(Fit):
         """
         if self.fitted is None:
             return self.relation(level)
-        values = [c.weight * c.relation.at(peak)(level, c.theta) for c in self.averaged]
+        values = [c.weight * c.relation.at(peak)(level, c.estimate.theta) for c in self.averaged]
         return np.asarray(np.sum(values, axis=0))
 
     def quantiles(
@@ -124,31 +124,29 @@ class ResidualFit(Fit):
 
         `shares`, of new tests in a new campaign; `median`, of what is known of the median over
         campaigns. NaN beyond the tested levels: what a relation does there no test tells. None for
-        a prediction, and with fewer than three campaigns and no prior of their scatter.
+        a prediction, and with fewer than three campaigns.
         """
         d = np.asarray(level, float)
-        if self.fitted is None or not tells_new_campaigns(self.fitted.estimate, self.priors):
+        inside, left = ~self.extrapolates(d), np.full((len(shares) + len(median), len(d)), np.nan)
+        known = quantiles(self.averaged, d[inside], shares, median) if self.averaged else None
+        if known is None:
             return None
-        found, inside = np.full((len(shares) + len(median), len(d)), np.nan), ~self.extrapolates(d)
-        few = self.rows["campaign"].nunique() < LEAST_CAMPAIGNS
-        share = reference_share(self.rows) if few else 0.0  # else it is a part of tau
-        if inside.any():
-            found[:, inside] = quantiles(self.averaged, d[inside], shares, median, share)
-        return np.asarray(np.maximum(found, 0.0))
+        left[:, inside] = np.maximum(known, 0.0)
+        return left
 
     def band(self, level: ArrayLike, share: float = 0.9) -> tuple[Array, Array] | None:
         """Bounds (n,) of the ratio: of a new test in a new campaign, or of the mechanical model.
 
         NaN and None as in `quantiles`.
         """
-        d = np.asarray(level, float)
         if self.fitted is None:
             assert self.mechanical is not None
             sides = (self.mechanical.low, self.mechanical.high)
-            low, high = (np.interp(d, self.mechanical.level, s, right=np.nan) for s in sides)
+            d, known = np.asarray(level, float), self.mechanical.level
+            low, high = (np.interp(d, known, side, right=np.nan) for side in sides)
             return low, high
-        found = self.quantiles(d, tails_of(share))
-        return None if found is None else (found[0], found[1])
+        ends = self.quantiles(level, tails_of(share))
+        return None if ends is None else (ends[0], ends[1])
 
     def design_rows(self, share: float = 0.9) -> pd.DataFrame:
         """What a designer takes at usual levels in the tested range and at its end; may be empty.
@@ -159,19 +157,12 @@ class ResidualFit(Fit):
         """
         end, usual = self.levels[1], np.array(DESIGN_LEVELS)
         level = np.append(usual[usual < end - 1e-9], end) if self.fitted else np.zeros(0)
-        told = self.quantiles(level, BELOW, tails_of(share)) if len(level) else None
+        known = self.quantiles(level, BELOW, tails_of(share)) if len(level) else None
         names = ("characteristic", "design", "low", "high")
-        rows = np.full((len(names), len(level)), np.nan) if told is None else told
+        rows = np.full((len(names), len(level)), np.nan) if known is None else known
         values = dict(zip(names, rows, strict=True))
         values["design"] = np.where(values["design"] > 0.0, values["design"], np.nan)
         return pd.DataFrame({"level": level, "median": self.left(level), **values})
-
-    def posterior(self, confidence: float) -> dict[str, Interval]:
-        """Intervals under the priors of the parameters of the relation, and of tau."""
-        mixture = self.averaged[0].mixture if self.averaged else None
-        if mixture is None or not self.priors:
-            return {}
-        return posterior_intervals(self.averaged[0].estimate, mixture, confidence)
 
     def judge(self, table: pd.DataFrame, confidence: float = 0.9) -> Judgement:
         """Hold what is predicted to be left against tests that the fit has not used.
@@ -187,60 +178,48 @@ class ResidualFit(Fit):
         predicted = self.left(rows["level"].to_numpy(float), known)
         return judge(rows, rows["ratio"], predicted, confidence, "level")
 
-    def to_dict(self) -> Content:
-        """Everything but the rows."""
-        own, told = self.fitted, ("quantity", "predamage", "measure", "stud", "scores", "levels")
-        scatter = ("sigma", "tau")
+    def summary(self) -> Summary:
+        """The relation of most weight, its scatters, grade, and where it holds."""
+        names = ("quantity", "predamage", "measure", "stud", "holds")
         return {
-            **{name: getattr(self, name) for name in told},
-            "relation": self.relation.name,
-            "formula": self.relation.formula,
-            "parameters": self.parameters,
-            "holds": self.holds,
-            "profile": {} if own is None else own.intervals,
-            "priors": dict(self.priors),
-            **{name: None if own is None else getattr(own.estimate, name) for name in scatter},
-            "grade": str(self.grade),
-            **self.used(),
+            **{name: getattr(self, name) for name in names},
+            **counted(self.rows),
+            **{"relation": self.relation.name, "formula": self.relation.formula},
+            **{"grade": str(self.grade), "lowest_level": self.levels[0], "level": self.levels[1]},
+            "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
+            **({} if self.fitted is None else self.fitted.scatters),
         }
+
+    def tables(self, confidence: float = 0.9) -> Tables:
+        """What is left over the damage, for design; parameters, weights, tests, the prediction."""
+        levels = np.arange(0.0, max(self.levels[1], 1.0) + 0.5 * STEP, STEP)
+        low, high = self.band(levels, confidence) or (np.nan, np.nan)
+        curve = {"level": levels, "left": self.left(levels), "low": low, "high": high}
+        tables = {
+            "curve": pd.DataFrame({**curve, "extrapolated": self.extrapolates(levels)}),
+            "design": self.design_rows(confidence),
+            "scores": pd.DataFrame(self.scores, columns=Score._fields),
+            "tests": self.rows.reindex(columns=_TESTS),
+        }
+        if self.fitted is not None:
+            tables["parameters"] = self.fitted.table
+        if self.mechanical is not None:
+            names = ("level", "ratio", "low", "high", "basis")
+            tables["mechanical"] = pd.DataFrame({n: getattr(self.mechanical, n) for n in names})
+        return tables
 
     def influence(self) -> pd.DataFrame:
-        """How every test moves what is left at the largest tested damage, weights held.
-
-        Under priors the change is that without them.
-        """
+        """How every test moves what is left at the largest tested damage, weights held."""
         if self.fitted is None:
-            return self.rows
+            return pd.DataFrame()
         level = np.array([self.levels[1]])
         answer, value = f"left at damage {self.levels[1]:.3g}", float(self.left(level)[0])
-        found = np.full(len(self.rows), value)
-        for weight, relation, estimate, *_ in self.averaged:
-            own, others = relation(level, estimate.theta)[0], without_each(estimate)
-            found += [weight * float(relation(level, theta)[0] - own) for theta in others]
+        moved = np.full(len(self.rows), value)
+        for weight, relation, estimate, _ in self.averaged:
+            whole, others = relation(level, estimate.theta)[0], without_each(estimate)
+            moved += [weight * float(relation(level, theta)[0] - whole) for theta in others]
         flexible = max(self.averaged, key=lambda each: len(each.estimate.theta)).estimate
-        return influence_of(self.rows, flexible, answer, value, found)
-
-    def parts(self, confidence: float) -> Content:
-        """Its tests, and what is left over the damage."""
-        levels = np.arange(0.0, max(self.levels[1], 1.0) + 0.5 * STEP, STEP)
-        low, high = self.band(levels, confidence) or (None, None)
-        curve = self.mechanical
-        names = ("level", "ratio", "low", "high", "basis")
-        columns = ["campaign", "specimen", "level", "ratio", "origin", *REFERENCE]
-        return {
-            "validated": self.fitted is not None and self.grade is Grade.CROSS_VALIDATED,
-            "curve": {
-                "level": levels,
-                "left": self.left(levels),
-                "low": low,
-                "high": high,
-                "extrapolated": self.extrapolates(levels),
-            },
-            "design": self.design_rows(confidence),
-            "posterior": self.posterior(confidence),
-            "tests": self.rows.reindex(columns=columns),
-            "mechanical": None if curve is None else {n: getattr(curve, n) for n in names},
-        }
+        return influence_of(self.rows, flexible, answer, value, moved)
 
 
 def fit_residual(
@@ -252,7 +231,6 @@ def fit_residual(
     mechanical: MechanicalCurve | None = None,
     loss: str = "linear",
     confidence: float = 0.9,
-    priors: Priors = NOTHING,
 ) -> ResidualFit:
     """Fit and choose a relation between damage and what is left, and grade its evidence.
 
@@ -260,34 +238,27 @@ def fit_residual(
     `measure`, which tests (None: all, if they are of one kind); `mechanical`, prediction of the
     mechanical model, one more candidate and the answer if the table holds no test after
     pre-damage; the rest as in `fit_strength`. The candidates in `RELATIONS` are weighed by
-    leaving out whole campaigns, and averaged. `priors` by ``tau`` and relation.parameter, see
-    `Priors`; they shift medians and bands, not the weights of relations. Raises `InputError`
-    without tests and prediction.
+    leaving out whole campaigns, and averaged. Raises `InputError` without tests and prediction.
     """
     rows = damaged_rows(table, quantity, predamage, measure)
-    every = (RELATIONS | ANCHORED).values()
-    known = Choice((TAU, *(f"{r.name}.{p}" for r in every for p in r.parameters)))
-    for name in priors:
-        known.check("prior", name)
     if rows.empty:
         return _predicted(table, quantity, mechanical, predamage, measure)
     relations = candidates(mechanical, rows, quantity)
-    level = rows["level"].to_numpy(float)
     estimates = fit_candidates(relations, rows, loss)
-    scores, averaged = average(relations, estimates, priors)
-    chosen = averaged[0].relation
-    found = fitted(averaged[0].estimate, confidence=confidence)
+    scores, averaged = average(relations, estimates)
+    chosen, best = averaged[0].relation, fitted(averaged[0].estimate, confidence=confidence)
+    onset = float(chosen(ONSET_OF_FATIGUE_LOSS, list(best.estimates.values())))
     return ResidualFit(
         quantity=quantity,
         predamage=str(rows["predamage"].iloc[0]),
         measure=str(rows["predamage_measure"].iloc[0]),
         stud=studs_in_words(rows),
         relation=chosen,
-        fitted=found,
-        scores=tuple(scores),
-        averaged=tuple(averaged),
+        fitted=best,
+        scores=scores,
+        averaged=averaged,
         grade=grade_of(rows, quantity),
-        levels=(float(level.min()), float(level.max())),
+        levels=(float(rows["level"].min()), float(rows["level"].max())),
         rows=rows,
         findings=(
             *suspicions(table),
@@ -295,11 +266,10 @@ def fit_residual(
             *outlier_findings(max(estimates.values(), key=lambda e: len(e.theta)), rows),
             *damage_findings(rows, quantity),
             *reference_findings(table, rows, quantity),
-            *residual_findings(rows, found, chosen, priors),
+            *residual_findings(rows, best.at_bound, onset),
         ),
         identity=identity_of(rows),
         mechanical=mechanical,
-        priors=priors,
     )
 
 
@@ -310,29 +280,35 @@ def _predicted(
     predamage: str | None,
     measure: str | None,
 ) -> ResidualFit:
-    asked = " ".join(word for word in ("pre-damage", predamage, measure) if word)
-    where = ("table", f"{len(table)} rows", f"holds no test after {asked}")
+    kind = " ".join(word for word in ("pre-damage", predamage, measure) if word)
+    where = ("table", f"{len(table)} rows", f"holds no test after {kind}")
     if mechanical is None:
         advice = "give a table with such rows, or the prediction of the mechanical model"
         raise InputError(*where, advice)
-    for wanted, predicted in ((predamage, mechanical.predamage), (measure, mechanical.measure)):
-        if wanted not in (None, predicted):
-            known = f"{mechanical.predamage}, {mechanical.measure}"
-            raise InputError(*where, f"the mechanical model predicts {known} only")
+    known = (mechanical.predamage, mechanical.measure)
+    if predamage not in (None, known[0]) or measure not in (None, known[1]):
+        raise InputError(*where, f"the mechanical model predicts {', '.join(known)} only")
     if mechanical.quantity != quantity:
         raise InputError("mechanical", mechanical.quantity, f"must predict the {quantity}")
-    why = "the table holds no test after pre-damage"
+    why = finding("stud-no-damaged-test")
     if damaged := int((table["predamage"] != NO_PREDAMAGE).sum()):
-        why = (
-            f"{damaged} tests after pre-damage say nothing about the {quantity}: give "
-            f"{QUANTITIES[quantity][1]}, or undamaged tests of the same campaign and diameter"
-            + ", or --predicted-reference"
-            * (quantity == "strength")
-        )
-    kind = (quantity, mechanical.predamage, mechanical.measure)
-    relation = mechanical.relation()
-    levels, none = (float(mechanical.level[0]), float(mechanical.level[-1])), table.iloc[:0]
-    said = (Finding("evidence", text) for text in (why, mechanical.basis))
-    findings = (*suspicions(table), *said)
-    answer = (*kind, mechanical.stud, relation, None, (), (), Grade.MECHANICAL, levels, mechanical)
-    return ResidualFit(*answer, rows=none, findings=findings, identity=identity_of(none))
+        more = ", or --predicted-reference" if quantity == "strength" else ""
+        which: dict[str, Any] = {"column": QUANTITIES[quantity][1], "more": more}
+        why = finding("stud-useless-damaged-tests", count=damaged, quantity=quantity, **which)
+    none = table.iloc[:0]
+    return ResidualFit(
+        quantity=quantity,
+        predamage=mechanical.predamage,
+        measure=mechanical.measure,
+        stud=mechanical.stud,
+        relation=mechanical.relation(),
+        fitted=None,
+        scores=(),
+        averaged=(),
+        grade=Grade.MECHANICAL,
+        levels=(float(mechanical.level[0]), float(mechanical.level[-1])),
+        rows=none,
+        findings=(*suspicions(table), why, finding("stud-basis", basis=mechanical.basis)),
+        identity=identity_of(none),
+        mechanical=mechanical,
+    )

@@ -6,16 +6,21 @@ their columns. An empty cell means that the quantity was not reported; it never 
 """
 
 import csv
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import isnan, pi
 from pathlib import Path
+from typing import NamedTuple
 
 from workbench.fields import Choice, Number, Text
 
+COMMENT = "#"  # begins a line above the header that is not read
 EXTRA = "x_"  # columns of the user's own begin with this and are kept as they are
 NO_PREDAMAGE = "none"
 HEADED = "headed stud"
+# a usual stud, for what neither a table nor the question tells
+USUAL = {"diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 30.0, "fu_MPa": 450.0}
 Row = dict[str, object]
 RowFinding = tuple[str, object, str, str]  # column, value, reason, advice
 
@@ -225,3 +230,81 @@ def _predamage(row: Row) -> Iterator[RowFinding]:
 _COLUMNS = Path(__file__).with_name("columns.csv")
 TESTS = Table("tests", declared("tests", _COLUMNS), ("campaign", "specimen"), _contradictions)
 POINTS = Table("points", declared("points", _COLUMNS))
+
+
+# -- commented templates of tables: what to fill in, what it means, and an example that runs -------
+# CSV whose comments stand above the header; what is in each, ``templates.toml`` declares.
+
+
+class Template(NamedTuple):
+    """What a table is for: its `title`, columns and example `rows`; `verb` that takes it.
+
+    `more`, columns that help and may be added; `notes`, what columns alone do not tell; `units`, a
+    second line for names without units (empty: the names hold them).
+    """
+
+    title: str
+    schema: Table
+    columns: tuple[str, ...]
+    more: tuple[str, ...]
+    verb: str
+    rows: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The whole template: comments, the header, and the line of units if there is one."""
+        lines = (f"{COMMENT} {line}".rstrip() for line in _comments(self))
+        header = ",".join(_shown(self, name) for name in self.columns)
+        return "\n".join([*lines, header, *([",".join(self.units)] if self.units else [])]) + "\n"
+
+
+def templates_in(path: Path, *schemas: Table) -> dict[str, Template]:
+    """The templates that a file such as ``templates.toml`` declares, by their kinds."""
+    named = {schema.name: schema for schema in schemas}
+    templates = {}
+    for kind, given in tomllib.loads(path.read_text(encoding="utf-8")).items():
+        columns, more, units = (_names(given.get(key, "")) for key in ("columns", "more", "units"))
+        rows, notes = (tuple(given.get(key, "").splitlines()) for key in ("rows", "notes"))
+        which = named[given["table"]], columns, more
+        templates[kind] = Template(given["title"], *which, given["verb"], rows, notes, units)
+    return templates
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",")) if text else ()
+
+
+TEMPLATES = templates_in(Path(__file__).with_name("templates.toml"), TESTS, POINTS)
+
+
+def template(kind: str) -> str:
+    """The text of a template. Raises `InputError` for an unknown kind."""
+    Choice(tuple(TEMPLATES)).check("--kind", kind)
+    return TEMPLATES[kind].text
+
+
+def _shown(shown: Template, name: str) -> str:
+    return shown.schema.column(name).base if shown.units else name
+
+
+def _comments(given: Template) -> Iterator[str]:
+    yield f"{given.title}. Then"
+    yield "    workbench data check FILE.csv"
+    yield f"    workbench {given.verb}"
+    yield "Lines above the header that begin with # are not read; an empty cell: not reported."
+    for title, names in (("Columns:", given.columns), ("Columns that help:", given.more)):
+        yield ""
+        yield title
+        wide = max(len(_shown(given, name)) for name in names)
+        for name in names:
+            column = given.schema.column(name)
+            rule = column.rule.allowed().removeprefix("must be ")
+            words = "" if isinstance(column.rule, Text) else f"; {rule}"
+            yield f"    {_shown(given, name):{wide}}  {column.meaning}{words}"
+    yield ""
+    yield from given.notes
+    yield ""
+    yield "Example:"
+    yield from (f"    {row}" for row in given.rows)

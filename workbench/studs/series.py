@@ -7,7 +7,7 @@ of damage leaves.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,9 +71,9 @@ def evaluate_series(
     mean, lowest = float(np.mean(p)), float(np.min(p))
     deviation = float(np.max(np.abs(p / mean - 1.0)))
     if deviation > LARGEST_DEVIATION:
-        found = f"{100 * deviation:.0f} % off the mean"
+        off = f"{100 * deviation:.0f} % off the mean"
         advice = "make three more tests of the same kind and evaluate all by EN 1990 D.8"
-        raise InputError("tests", found, "must lie within 10 % of the mean", advice)
+        raise InputError("tests", off, "must lie within 10 % of the mean", advice)
     if curves and len(curves) != len(p):
         raise InputError("curves", len(curves), f"must be {len(p)}, one per test, or none")
     characteristic = REDUCTION * lowest
@@ -125,6 +125,16 @@ class Series(NamedTuple):
     result: AnnexB | None
     refusal: str
 
+    def summary(self) -> dict[str, Any]:
+        """One row of a table; the class of ductility in words."""
+        row: dict[str, Any] = {"series": self.name, "tests": self.tests, "refusal": self.refusal}
+        if self.result is not None:
+            row |= asdict(self.result)
+            del row["slips"], row["count"]
+            words = {True: "ductile", False: "brittle", None: "not known"}
+            row["ductile"] = words[self.result.ductile]
+        return row
+
 
 def evaluate_groups(
     table: pd.DataFrame,
@@ -144,10 +154,10 @@ def evaluate_groups(
     for group in equal_tests(undamaged_headed_studs(table, "any")):
         first = group.iloc[0]
         names = list(zip(group["campaign"], group["specimen"], strict=True))
-        found, why = None, ""
+        evaluated, why = None, ""
         try:
             _check_curves(group, names, curves)
-            found = evaluate_series(
+            evaluated = evaluate_series(
                 1e3 * group["shear_kN"].to_numpy(float),
                 specified_strength=specified_strength,
                 measured_strength=1e6 * float(first["fu_MPa"]),
@@ -156,7 +166,7 @@ def evaluate_groups(
             )
         except InputError as error:
             why = f"{error.allowed}; {error.advice}" if error.advice else error.allowed
-        result.append(Series(title_of(group), len(group), found, why))
+        result.append(Series(title_of(group), len(group), evaluated, why))
     return result
 
 
@@ -178,8 +188,8 @@ def equal_tests(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
             first = first if value <= (1.0 + LIKE_CONCRETE) * first else value
             starts.append(first)
         part = pd.Series(starts, index=strength.index)
-        for _, own in group.groupby(part.reindex(group.index), sort=False, dropna=False):
-            yield own
+        for _, equal in group.groupby(part.reindex(group.index), sort=False, dropna=False):
+            yield equal
 
 
 def _check_curves(group: pd.DataFrame, names: list[Any], curves: dict[Any, Any]) -> None:
@@ -187,16 +197,16 @@ def _check_curves(group: pd.DataFrame, names: list[Any], curves: dict[Any, Any])
     for name, load in zip(names, group["shear_kN"], strict=True):
         top = 1e-3 * float(np.max(curves[name][1])) if name in curves else load
         if abs(top / load - 1.0) > LIKE_LOAD:
-            said = f"of {name[1]} must reach the {load:.4g} kN of the table"
-            raise InputError("curves", f"{top:.4g} kN", f"the curve {said}")
+            reason = f"the curve of {name[1]} must reach the {load:.4g} kN of the table"
+            raise InputError("curves", f"{top:.4g} kN", reason)
 
 
 def _curves(points: pd.DataFrame) -> dict[Any, tuple[Array, Array]]:
     """Slips in m and loads in N of every curve, by campaign and specimen."""
     read = points[points["branch"] != "low-load reading"]
     return {
-        name: (1e-3 * own["slip_mm"].to_numpy(float), 1e3 * own["load_kN"].to_numpy(float))
-        for name, own in read.groupby(["campaign", "specimen"], sort=False)
+        name: (1e-3 * rows["slip_mm"].to_numpy(float), 1e3 * rows["load_kN"].to_numpy(float))
+        for name, rows in read.groupby(["campaign", "specimen"], sort=False)
     }
 
 
@@ -223,10 +233,10 @@ def evaluate_few(table: pd.DataFrame, variation: float) -> list[Few]:
     Arguments: `table` (schema `TESTS`); `variation`, V_r known from earlier tests. Raises
     `InputError` for a table without a test that a fit may use.
     """
-    found = [_few(*each, variation) for each in _groups(table)]
-    if not found:
+    groups = [_few(*each, variation) for each in _groups(table)]
+    if not groups:
         undamaged_headed_studs(table)  # says why none is left
-    return found
+    return groups
 
 
 def _groups(table: pd.DataFrame) -> Iterator[tuple[str, str, Array]]:
@@ -243,8 +253,8 @@ def _groups(table: pd.DataFrame) -> Iterator[tuple[str, str, Array]]:
     for quantity in QUANTITIES:
         for kind in kinds.itertuples(index=False):
             rows = damaged_rows(table, quantity, *kind)
-            for level, own in rows.groupby("level", sort=True):
-                for group in equal_tests(own):
+            for level, equal in rows.groupby("level", sort=True):
+                for group in equal_tests(equal):
                     name = f"{title_of(group)}, {' '.join(kind)} {level:.3g}"
                     yield name, f"{quantity} left", group["ratio"].to_numpy(float)
 

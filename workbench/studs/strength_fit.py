@@ -1,45 +1,37 @@
 """Fit of a given strength formula to tests: bias, trends, scatter within and between campaigns.
 
-The factors of the formula itself are fitted in `factors_fit`.
-
 The logarithm of test over prediction is regressed: ln(P / P_model) = ln b + sum c_k ln(x_k / x_k0)
 + u_campaign + e. So b is the median ratio, c_k an exponent that the formula misses in variable x_k.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError
 from workbench.fields import Choice
+from workbench.responses import finding
 from workbench.studs.damaged import studs_in_words
 from workbench.studs.fit_protocol import (
-    Content,
     Fit,
     Fitted,
     Judgement,
+    Summary,
+    Tables,
+    counted,
     fitted,
     grade_of,
     judge,
     outlier_findings,
-    prior_findings,
 )
 from workbench.studs.formulas import Formula, characteristic_strength, strength_formula
 from workbench.studs.quantities import Array, Specimens, specimens, undamaged_headed_studs
 from workbench.studs.statistics.annex_d import D8, evaluate_d8, sensitivities_of
-from workbench.studs.statistics.intervals import Interval
+from workbench.studs.statistics.intervals import LEAST_CAMPAIGNS, predictive_quantile
 from workbench.studs.statistics.mixed import fit_robust
-from workbench.studs.statistics.mixture import (
-    NOTHING,
-    TAU,
-    Priors,
-    mixture_of,
-    posterior_intervals,
-    predictive_quantile,
-    tells_new_campaigns,
-)
 from workbench.studs.statistics.prediction import (
     LeftOut,
     coverage,
@@ -48,14 +40,12 @@ from workbench.studs.statistics.prediction import (
     without_each,
 )
 from workbench.studs.statistics.problem import Problem, problem
-from workbench.studs.strength_findings import (
-    deck_findings,
-    left_without_value,
+from workbench.studs.suspicion import (
     measurement_of,
-    other_slabs,
+    slab_findings,
     strength_findings,
+    suspicions,
 )
-from workbench.studs.suspicion import suspicions
 from workbench.studs.tables import identity_of
 
 TRENDS = ("diameter", "concrete_strength", "concrete_modulus", "ultimate_strength", "slenderness")
@@ -67,6 +57,7 @@ VARIATIONS = {
     "ultimate_strength": 0.05,
 }
 _SIZES = (*TRENDS[:-1], "height", "embedment", "head_diameter")
+LEFT_OUT = ["campaign", "count", "bias", "rms", "covered"]
 LARGEST_SPECIFIED = 500e6  # Pa, of f_u in the design function, EN 1994-1-1, 6.6.3.1
 
 
@@ -80,8 +71,7 @@ class StrengthFit(Fit):
     `new_campaign_factor`, 5 % fractile of test over the formula for a new test of a new campaign
     (None with fewer than three); `measurement`, relative standard uncertainty of the measured loads
     (None if not reported); `grade` of the evidence, and the studs that it `holds` for, in a `slab`;
-    `posterior` intervals under priors (empty without); `rows`, test, prediction and ratio of every
-    row with its variables.
+    `rows`, test, prediction and ratio of every row with its variables.
     """
 
     model: Formula
@@ -94,7 +84,12 @@ class StrengthFit(Fit):
     grade: str
     holds: str
     slab: str
-    posterior: dict[str, Interval]
+    figures: ClassVar[tuple[str, ...]] = ("stud-scatter", "stud-residuals")
+
+    @property
+    def name(self) -> str:
+        """The name of the formula."""
+        return self.model.name
 
     @property
     def bias(self) -> float:
@@ -130,27 +125,32 @@ class StrengthFit(Fit):
         rows = undamaged_headed_studs(table, self.slab, self.model.load)
         tests = specimens(rows)
         prediction = self.predict(tests) if corrected else self.model.of(tests)
-        found = judge(rows, tests.quantity(self.model.load), prediction, confidence)
+        judged = judge(rows, tests.quantity(self.model.load), prediction, confidence)
         kept, known = _complete(rows, self.model)
         held = _problem(known, self.model, self._trends, self.reference)
         seen = {str(c).strip().casefold() for c in kept["campaign"]} & self.identity.campaigns
         inside = coverage(self.fitted.estimate, held, confidence)
-        return replace(found, covered=inside, known_campaigns=tuple(sorted(seen)))
+        return replace(judged, covered=inside, known_campaigns=tuple(sorted(seen)))
 
-    def to_dict(self) -> Content:
-        """Everything but the rows; loads in N."""
-        scatters = ("new_campaign_factor", "measurement", "model_scatter", "grade", "holds")
+    def summary(self) -> Summary:
+        """The median of test over prediction, its scatters, what they rest on."""
+        names = ("new_campaign_factor", "measurement", "model_scatter", "grade", "holds", "slab")
         return {
-            "model": self.model.name,
-            **{name: getattr(self.model, name) for name in ("title", "source", "load")},
-            **{name: getattr(self.fitted, name) for name in ("parameters", "sigma", "tau")},
-            **{name: getattr(self, name) for name in ("left_out", "d8", "reference", *scatters)},
-            **self.used(),
+            **{"model": self.name, "title": self.model.title, "load": self.model.load},
+            **counted(self.rows),
+            **self.fitted.parameters["bias"].columns("bias"),
+            **self.fitted.scatters,
+            **{name: getattr(self, name) for name in names},
         }
 
-    def parts(self, confidence: float) -> Content:
-        """Its tests."""
-        return {"tests": self.rows, "posterior": self.posterior}
+    def tables(self, confidence: float = 0.9) -> Tables:
+        """Parameters, tests, campaigns left out, EN 1990 D.8 with the stud that it is for."""
+        return {
+            "parameters": self.fitted.table,
+            "tests": self.rows,
+            "left_out": pd.DataFrame(map(asdict, self.left_out), columns=LEFT_OUT),
+            "d8": pd.DataFrame([asdict(self.d8) | self.reference]),
+        }
 
     def influence(self) -> pd.DataFrame:
         """How every test moves the median of test over prediction."""
@@ -169,7 +169,6 @@ def fit_strength(
     variations: Mapping[str, float] = VARIATIONS,
     specified_strength: float | None = None,
     slab: str = "solid",
-    priors: Priors = NOTHING,
 ) -> StrengthFit:
     """Fit a strength formula to the undamaged headed studs of a table (schema `TESTS`).
 
@@ -177,14 +176,12 @@ def fit_strength(
     variables out of `TRENDS` whose missing exponents are fitted; `loss`, ``linear``, ``huber`` or
     ``bisquare``; `confidence` of the intervals; `variations`, see `evaluate_d8` (default
     `VARIATIONS`); `specified_strength` of the stud material in Pa, for
-    gamma_M* (None: the mean of the tests); `slab`, solid or deck; `priors` of ``tau`` and
-    ``bias`` (spread of its logarithm), see `Priors`. Raises `InputError`, `SolverError`.
+    gamma_M* (None: the mean of the tests); `slab`, solid or deck. Raises `InputError`,
+    `SolverError`.
     """
     chosen = strength_formula(model) if isinstance(model, str) else model
     for trend in trends:
         Choice(TRENDS).check("trends", trend)
-    for name in priors:
-        Choice((TAU, "bias", *trends)).check("prior", name)
     usable = undamaged_headed_studs(table, slab, chosen.load)
     kept, tests = _complete(usable, chosen)
     reference = {
@@ -193,14 +190,12 @@ def fit_strength(
     }
     given = _problem(tests, chosen, tuple(trends), reference)
     estimate = fit_robust(given, loss)
-    left_out, new, posterior = tuple(_left_out(given)), None, {}
-    own = {n: (float(np.log(v)) if n == "bias" else v, s) for n, (v, s) in priors.items()}
-    if tells_new_campaigns(estimate, own):
-        lowest = predictive_quantile(estimate, estimate.problem, 0.05, own)
+    left_out, new = tuple(_left_out(given)), None
+    if given.campaigns >= LEAST_CAMPAIGNS:
+        lowest = predictive_quantile(estimate, estimate.problem, 0.05)
         new = float(np.exp(np.mean(lowest)))
-    if own:
-        posterior = posterior_intervals(estimate, mixture_of(estimate, own), confidence)
-        posterior["bias"] = posterior["bias"].exponential()
+    missing = len(usable) - len(kept)
+    unknown: dict[str, Any] = {"count": missing, "tests": len(usable), "title": chosen.title}
     return StrengthFit(
         model=chosen,
         fitted=fitted(estimate, ("bias",), confidence=confidence),
@@ -213,15 +208,12 @@ def fit_strength(
         holds=f"for studs {studs_in_words(kept)}, as tested"
         + ", in profiled decks" * (slab == "deck"),
         slab=slab,
-        posterior=posterior,
         rows=_rows(kept, tests, chosen),
         findings=(
-            *(each for each in suspicions(table) if each.subject != "outlier"),  # told by its own
-            *other_slabs(table, slab, chosen.load),
+            *(each for each in suspicions(table) if each.subject != "outlier"),  # by the fit itself
+            *slab_findings(table, kept, slab, chosen.load),
             *outlier_findings(estimate, kept, lambda ratio: float(np.exp(ratio))),
-            *left_without_value(len(usable) - len(kept), len(usable), chosen),
-            *prior_findings(priors),
-            *deck_findings(kept),
+            *([finding("stud-without-value", **unknown)] if missing else []),
             *strength_findings(kept, tests, chosen, given),
         ),
         identity=identity_of(kept),
@@ -276,8 +268,8 @@ def _d8(
         return reduction * float(formula.of(stud)[0])
 
     steel_known = np.isfinite(reference["ultimate_strength"])
-    own = model.characteristic or not steel_known or model.load == "tension"
-    code = model if own else strength_formula("en1994")
+    itself = model.characteristic or not steel_known or model.load == "tension"
+    code = model if itself else strength_formula("en1994")
     nominal = None
     if steel_known or np.isinf(code.steel_factor):
         specified = float(characteristic_strength(reference["concrete_strength"]))

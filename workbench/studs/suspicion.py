@@ -1,22 +1,31 @@
-"""Tables whose rows are possible one by one and absurd together: units, columns, copies.
+"""What is to be said of tables of tests: rows that are possible one by one and absurd together.
 
-Each suspicion is a finding, named by `workbench data check` and by every fit to such a table.
+Also what a fit of strength says of the tests behind it, and of their measurement. The sentences
+stand in ``findings.toml``; `workbench data check` and every fit to such a table give them.
 """
 
 from collections.abc import Iterator
 from math import sqrt
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from workbench.responses import Finding
+from workbench.responses import Finding, finding
 from workbench.studs.damaged import damage_of, ratios
 from workbench.studs.fit_protocol import outlier_findings
-from workbench.studs.formulas import SHEAR_MODELS
-from workbench.studs.quantities import named, specimens
+from workbench.studs.formulas import SHEAR_MODELS, Formula
+from workbench.studs.quantities import (
+    Specimens,
+    named,
+    profiled,
+    specimens,
+    undamaged_headed_studs,
+)
 from workbench.studs.schema import HEADED, LARGEST_GAIN, NO_PREDAMAGE, QUANTITIES
+from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
 from workbench.studs.statistics.mixed import fit
-from workbench.studs.statistics.problem import location
+from workbench.studs.statistics.problem import Problem, location
 from workbench.studs.tables import same_contents
 
 # median of test over the mean form of EN 1994-1-1 in a campaign: shipped ones have 0.9 and 1.2
@@ -30,20 +39,20 @@ UNITS = {"kip instead of kN": 4.448, "tonnes instead of kN": 9.807}
 METRES, INCHES = 0.1, 0.5  # mm, below which slips of a campaign look like another unit
 HIGHER = 1.05  # median of damaged over undamaged, above which columns look swapped
 LEAST_ROWS, MOST_ROWS = 3, 5000  # that show a pattern; in which single tests are looked at
+FEW_CAMPAIGNS = 5
 
 
 def suspicions(table: pd.DataFrame) -> list[Finding]:
     """What looks wrong in a table of tests (schema `TESTS`), one finding per suspicion."""
-    parts = (_loads(table), _single(table), _slips(table), _columns(table), _rises(table))
-    return [*(Finding("data", text) for part in parts for text in part), *_outliers(table)]
+    checks = (_loads, _single, _slips, _columns, _rises, _outliers)
+    return [each for check in checks for each in check(table)]
 
 
 def suspicions_of_points(points: pd.DataFrame) -> list[Finding]:
     """What looks wrong in a table of load-slip points (schema `POINTS`)."""
     curves = points.groupby(["campaign", "specimen"])["slip_mm"].agg(["max", "count"])
     curves = curves[curves["count"] >= LEAST_ROWS]
-    named = curves["max"].rename("slip_at_max_mm").reset_index()
-    return [Finding("data", text) for text in _slips(named)]
+    return list(_slips(curves["max"].rename("slip_at_max_mm").reset_index()))
 
 
 def _ratios(table: pd.DataFrame) -> pd.Series:
@@ -56,28 +65,26 @@ def _ratios(table: pd.DataFrame) -> pd.Series:
     return pd.Series(tests.shear / SHEAR_MODELS["roik-mean"].of(tests), index=rows.index)
 
 
-def _loads(table: pd.DataFrame) -> Iterator[str]:
+def _loads(table: pd.DataFrame) -> Iterator[Finding]:
     """Campaigns whose loads are another unit, or those of several studs."""
-    for campaign, own in _ratios(table).dropna().groupby(table["campaign"]):
-        middle, (low, high) = float(own.median()), USUAL_RATIO
-        if low <= middle <= high:
+    for campaign, ratio in _ratios(table).dropna().groupby(table["campaign"]).median().items():
+        low, high = USUAL_RATIO
+        if low <= ratio <= high:
             continue
         guess = "loads of two studs, or of the specimen, instead of loads per stud"
-        if middle < low:
-            guess = min(UNITS, key=lambda words: abs(np.log(UNITS[words] * middle)))
-        words = f"loads of {campaign} are {middle:.2g} times those that studs like these bear"
-        yield f"{words}: {guess}?"
+        if ratio < low:
+            guess = min(UNITS, key=lambda words: abs(np.log(UNITS[words] * ratio)))
+        yield finding("stud-unit-of-loads", campaign=campaign, ratio=ratio, guess=guess)
 
 
-def _single(table: pd.DataFrame) -> Iterator[str]:
+def _single(table: pd.DataFrame) -> Iterator[Finding]:
     """Single tests that bear more than their shank can."""
     tests = specimens(table)
     for load, most in TWO_STUDS.items():
         share = tests.quantity(load) / (tests.area * tests.ultimate_strength)
         rows = table[share > most]
         if len(rows):
-            words = f"{load} of {named(rows)} is up to {np.nanmax(share):.3g} times the tensile"
-            yield f"{words} strength of the shank: the load of two studs entered as one?"
+            yield finding("stud-two-studs", load=load, tests=named(rows), share=np.nanmax(share))
 
 
 def _outliers(table: pd.DataFrame) -> Iterator[Finding]:
@@ -86,47 +93,107 @@ def _outliers(table: pd.DataFrame) -> Iterator[Finding]:
     rows, known = table.loc[ratio.index], ratio.notna()
     value = ratio.where(known, rows["shear_kN"].astype(float)).dropna()
     if LEAST_ROWS < len(value) <= MOST_ROWS:
-        own = rows["campaign"] + " " + rows["diameter_mm"].astype(str)
-        rows, alike = rows.loc[value.index], rows["campaign"].where(known, own)[value.index]
+        size = rows["campaign"] + " " + rows["diameter_mm"].astype(str)
+        rows, alike = rows.loc[value.index], rows["campaign"].where(known, size)[value.index]
         estimate = fit(location(np.log(value.to_numpy()), alike.to_numpy(str)))
         yield from outlier_findings(estimate, rows, lambda value: float(np.exp(value)))
 
 
-def _rises(table: pd.DataFrame) -> Iterator[str]:
+def _rises(table: pd.DataFrame) -> Iterator[Finding]:
     """What is left that rises with the damage, as it does with the life that remains (Spearman)."""
     from scipy.special import stdtrit
 
     damage = damage_of(table).assign(predamage=table["predamage"])
     for quantity in QUANTITIES:
-        own = damage.assign(ratio=ratios(table, quantity)).dropna(subset=["level", "ratio"])
-        for (kind, measure), rows in own.groupby(["predamage", "measure"]):
+        left = damage.assign(ratio=ratios(table, quantity)).dropna(subset=["level", "ratio"])
+        for (kind, measure), rows in left.groupby(["predamage", "measure"]):
             rank, nu = float(rows["level"].rank().corr(rows["ratio"].rank())), len(rows) - 2
             if nu < LEAST_ROWS:
                 continue
             if rank * sqrt(nu / max(1.0 - rank**2, 1e-12)) > stdtrit(nu, 1.0 - RISES):
-                told = f"{quantity} left after {kind} rises with the damage ({measure}) in"
-                asked = "is the life that remains given instead of the damage?"
-                yield f"{told} {len(rows)} tests: {asked}"
+                which: dict[str, Any] = {"quantity": quantity, "kind": kind, "measure": measure}
+                yield finding("stud-rises", **which, tests=len(rows))
 
 
-def _slips(table: pd.DataFrame) -> Iterator[str]:
-    for campaign, own in table.groupby("campaign")["slip_at_max_mm"]:
-        slip = float(own.astype(float).median())
+def _slips(table: pd.DataFrame) -> Iterator[Finding]:
+    for campaign, slips in table.groupby("campaign")["slip_at_max_mm"]:
+        slip = float(slips.astype(float).median())
         if slip < INCHES:
             unit = "metres" if slip < METRES else "inches"
-            yield f"slips of {campaign}, {slip:.3g} mm at the most, are short: {unit}?"
+            yield finding("stud-short-slips", campaign=campaign, slip=slip, unit=unit)
 
 
-def _columns(table: pd.DataFrame) -> Iterator[str]:
+def _columns(table: pd.DataFrame) -> Iterator[Finding]:
     """Columns that hold the same, swapped references, and rows that stand twice under two names."""
     damaged = table[(table["predamage"] != NO_PREDAMAGE) & (damage_of(table)["level"] > 0.0)]
     for quantity, (column, reference) in QUANTITIES.items():
         ratio = ratios(table, quantity)[damaged.index].dropna()
         middle, count = float(ratio.median()), len(ratio)
         if count >= LEAST_ROWS and (ratio == 1.0).all():
-            yield f"{column} equals {reference} in all {count} damaged rows: one column copied?"
+            yield finding("stud-copied-column", column=column, reference=reference, count=count)
         elif (count >= LEAST_ROWS and middle > HIGHER) or middle > LARGEST_GAIN:
-            more = f"damaged studs have {middle:.2f} times the {column} of undamaged ones"
-            yield f"{more} (median of {count}): columns swapped, or another unit?"
+            yield finding("stud-swapped-columns", ratio=middle, column=column, count=count)
     for first, second in same_contents(table):
-        yield f"{first} and {second} hold the same numbers: one test under two names?"
+        yield finding("stud-same-test", first=first, second=second)
+
+
+# -- of the tests behind a fit of strength --------------------------------------------------------
+
+
+def measurement_of(kept: pd.DataFrame, load: str) -> float | None:
+    """Root mean square of the relative uncertainty of the loads, if all rows report it."""
+    relative = (kept[f"{load}_uncertainty_kN"] / kept[f"{load}_kN"]).to_numpy(float)
+    return float(np.sqrt(np.mean(relative**2))) if np.all(np.isfinite(relative)) else None
+
+
+def strength_findings(
+    kept: pd.DataFrame, tests: Specimens, model: Formula, given: Problem
+) -> Iterator[Finding]:
+    """What a fit to tests warns of; the `kept` rows are the `tests`."""
+    yield from model.findings(tests)
+    above = int(np.sum(tests.quantity(model.load) > tests.area * tests.ultimate_strength))
+    if above:
+        yield finding("stud-shank", count=above, tests=len(tests))
+    if given.count == given.campaigns > 1:
+        yield finding("stud-single-tests")
+    if given.campaigns < FEW_CAMPAIGNS:
+        key = {1: "stud-one-campaign", 2: "stud-two-campaigns"}.get(
+            given.campaigns, "stud-few-campaigns"
+        )
+        yield finding(key, campaigns=given.campaigns)
+    if given.count < LEAST_FOR_DESIGN:
+        yield finding("stud-no-design-factor", count=given.count, least=LEAST_FOR_DESIGN)
+    if measurement_of(kept, model.load) is None:
+        yield finding("stud-no-measurement")
+    computed = ~tests.modulus_measured
+    if computed.any() and model.powers[-1]:
+        european = 22e9 * (tests.concrete_strength[computed] / 10e6) ** 0.3
+        more = 100.0 * (european / tests.concrete_modulus[computed] - 1.0)
+        low, high = float(np.min(more)), float(np.max(more))
+        words = f"{low:.0f} %" if high - low < 1.0 else f"{low:.0f} to {high:.0f} %"
+        yield finding("stud-computed-modulus", count=int(computed.sum()), more=words)
+
+
+def slab_findings(
+    table: pd.DataFrame, kept: pd.DataFrame, slab: str, load: str
+) -> Iterator[Finding]:
+    """Tests in the other kind of slab that are left out; what is assumed of the decks of others."""
+    every = undamaged_headed_studs(table, "any", load)
+    others = every[profiled(every) == (slab == "solid")]
+    if slab != "any" and len(others):
+        kind, other = ("profiled decks", "deck") if slab == "solid" else ("solid slabs", "solid")
+        which: dict[str, Any] = {"count": len(others), "tests": len(every), "kind": kind}
+        yield finding(
+            "stud-other-slabs", float(len(others)), other=other, names=named(others), **which
+        )
+    in_deck = kept[profiled(kept)]
+    usual = {
+        "deck_thickness_mm": "a sheet of up to 1 mm",
+        "studs_per_rib": "one stud",
+        "deck_fixing": "welded through",
+        "deck_stud_position_mm": "weak (AISC R_p 0.6)",
+    }
+    counts = {name: int((in_deck[name].isna() | (in_deck[name] == "")).sum()) for name in usual}
+    assumed = [f"{name} of {n} tests: {usual[name]}" for name, n in counts.items() if n]
+    if assumed:
+        yield finding("stud-assumed-of-decks", assumed="; ".join(assumed))

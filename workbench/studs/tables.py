@@ -46,8 +46,8 @@ def check_tables() -> list[str]:
     problems: list[str] = []
     for name, table in SHIPPED.items():
         try:
-            found = examine(dataset(name).path, table).problems
-            problems += [f"dataset {name}: {problem.error()}" for problem in found]
+            wrong = examine(dataset(name).path, table).problems
+            problems += [f"dataset {name}: {problem.error()}" for problem in wrong]
         except InputError as error:
             problems.append(f"dataset {name}: {error}")
     return problems
@@ -128,6 +128,15 @@ def first_loading(points: pd.DataFrame, *, falling: bool) -> pd.DataFrame:
     return rows[["campaign", "specimen"]].assign(slip=slip, load=load)
 
 
+def points_of(fitted: pd.DataFrame, unseen: pd.DataFrame) -> pd.DataFrame:
+    """First loading of fitted and `unseen` curves (schema `POINTS`) to their ends, in SI."""
+    parts = ((fitted, False), (unseen, True))
+    known = [
+        first_loading(each, falling=True).assign(unseen=new) for each, new in parts if len(each)
+    ]
+    return pd.concat(known, ignore_index=True)
+
+
 def curves_of(
     points: pd.DataFrame, *, falling: bool
 ) -> Iterator[tuple[dict[str, str], Array, Array]]:
@@ -178,8 +187,8 @@ def same_contents(table: pd.DataFrame) -> list[tuple[str, str]]:
     """Names of rows that hold the same load and other numbers, enough of them to be one test."""
     names = table[["campaign", "specimen"]].to_numpy(str)
     return copies(
-        (" ".join(told), content)
-        for (_, content), told in zip(_rows(table), names, strict=True)
+        (" ".join(name), content)
+        for (_, content), name in zip(_rows(table), names, strict=True)
         if sum(value != _MISSING for value in content) >= _ENOUGH
     )
 
@@ -187,8 +196,8 @@ def same_contents(table: pd.DataFrame) -> list[tuple[str, str]]:
 def copies(named: Iterable[tuple[str, tuple[float, ...]]]) -> list[tuple[str, str]]:
     """Names of equal contents, each with the first name of its content."""
     seen: dict[tuple[float, ...], str] = {}
-    pairs = ((seen.setdefault(content, own), own) for own, content in named)
-    return [(first, own) for first, own in pairs if first != own]
+    pairs = ((seen.setdefault(content, name), name) for name, content in named)
+    return [(first, name) for first, name in pairs if first != name]
 
 
 def identity_of(table: pd.DataFrame) -> RowIdentity:

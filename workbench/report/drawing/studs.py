@@ -1,6 +1,6 @@
-"""What the figures of studs share: contents of stored answers, tests as tables and as markers."""
+"""What the figures of studs share: tables of stored answers, tests as tables and as markers."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,54 +10,37 @@ from matplotlib.patches import Patch
 
 from workbench.report.drawing.sheet import Request
 from workbench.report.drawing.style import INK, MUTED, Look, Style, entry, numbered
-from workbench.studs.answers.common import content_of
+from workbench.studs.fit_protocol import Tables
+from workbench.studs.model import tables_of
 from workbench.study.definition import Case
 
 KILO, MILLI = 1e-3, 1e3  # N to kN, m to mm
-Content = dict[str, Any]
-_KINDS = {"model": "prediction", "test": "test", "ratio": "ratio"}
 _SIZE = 4.2  # of a test's marker
 _EQUAL: Style = {"color": INK, "linewidth": 0.9}
 _BOUND: Style = {"color": MUTED, "linewidth": 0.7, "linestyle": ":"}
 
 
-def contents(request: Request, key: str = "") -> Iterator[tuple[Case, str, Content]]:
-    """Every answer of the figure's cases and labels with its content.
-
-    Arguments: `key`, an entry that the content must have (empty: any).
-    """
+def answered(request: Request, key: str, column: str) -> Iterator[tuple[Case, str, Tables]]:
+    """Every answer of the figure's cases and labels with a column in its table `key`."""
     for case in request.cases:
         for label in request.shown(case):
             response = request.stored.response(case.name, label)
-            content = {} if response is None else content_of(response)
-            if content and (not key or content.get(key) is not None):
-                yield case, label, content
+            tables = {} if response is None else tables_of(response)
+            if column in tables.get(key, ()):
+                yield case, label, tables
 
 
-def table_of(rows: Sequence[Content] | Content | None) -> pd.DataFrame:
-    """Rows, or columns, of a content as a table: NaN where a number is absent."""
-    table = pd.DataFrame(rows or ())
-    empty = table.columns[table.isna().all()]
-    return table.astype(dict.fromkeys(empty, float))
-
-
-def judged_tests(label: str, content: Content) -> pd.DataFrame:
-    """Fitted tests and, of a model that is judged where it is calibrated elsewhere, `unseen` ones.
+def judged_tests(label: str, tables: Tables) -> pd.DataFrame:
+    """Fitted tests and those that the fit has not used, `unseen`.
 
     Columns: `label`, campaign, specimen, unseen, `prediction` and `test` (N) and their `ratio`.
     """
-    names = {f"strength_{old}": new for old, new in _KINDS.items()}
-    tests = table_of(content["tests"]).rename(columns=names).assign(unseen=False)
-    if "basis" in content:
-        tests = pd.concat([tests, table_of(content["judged"]).assign(unseen=True)])
-    columns = ["label", "campaign", "specimen", "unseen", *_KINDS.values()]
+    names = {"strength_model": "prediction", "strength_test": "test", "strength_ratio": "ratio"}
+    tests = tables["tests"].rename(columns=names).assign(unseen=False)
+    if "judged" in tables:
+        tests = pd.concat([tests, tables["judged"].assign(unseen=True)])
+    columns = ["label", "campaign", "specimen", "unseen", *names.values()]
     return tests.assign(label=label)[columns]
-
-
-def measured(request: Request, case: Case, part: str) -> pd.DataFrame:
-    """Rows of the tests themselves in a case: part ``calibration`` or ``validation``."""
-    response = request.stored.response(case.name, request.study.reference)
-    return table_of(None if response is None else content_of(response).get(part))
 
 
 def campaign_looks(names: Iterable[str], *, filled: bool = False) -> dict[str, Look]:
@@ -74,9 +57,9 @@ def draw_tests(panel: Axes, tests: pd.DataFrame, x: str, y: str, looks: Mapping[
     if tests.empty:
         return
     unseen = tests["unseen"] if "unseen" in tests else tests["campaign"].eq("")
-    for (campaign, new), own in tests.groupby(["campaign", unseen], sort=False):
+    for (campaign, new), rows in tests.groupby(["campaign", unseen], sort=False):
         look = looks[str(campaign)]._replace(filled=True) if new else looks[str(campaign)]
-        panel.plot(own[x], own[y], **look.points())
+        panel.plot(rows[x], rows[y], **look.points())
 
 
 def test_entries(looks: Mapping[str, Look], what: str) -> list[Any]:

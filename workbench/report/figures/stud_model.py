@@ -1,13 +1,12 @@
 """The mechanical stud as a picture, to scale, with its parameters and which were calibrated."""
 
-from typing import Any
-
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
 from workbench.content.formatting import number
 from workbench.report.drawing.sheet import Drawing, Request, Sheet, nothing
-from workbench.report.drawing.studs import contents
+from workbench.report.drawing.studs import answered
 from workbench.report.drawing.style import INK, MUTED, PALETTE, Style, new_figure
 from workbench.report.drawing.symbols import LIGHT, arrow, spring
 
@@ -42,20 +41,18 @@ _NOTES = (
 
 def draw(request: Request) -> Drawing:
     """The stud in its slab on the left, the parameters on the right."""
-    found = next(contents(request, "basis"), None)
-    if found is None:
+    answer = next(answered(request, "fit", "basis"), None)
+    if answer is None:
         return nothing("No mechanical stud has answered these cases.")
-    _, label, content = found
-    canvas, fit = new_figure(3.3), content["fit"]
+    _, label, tables = answer
+    canvas, parameters = new_figure(3.3), tables["parameters"]
     sheet = Sheet(canvas, canvas.subplots(1, 2, width_ratios=[1.0, 1.1]))
     for panel in sheet.panels:
         panel.axis("off")
     _picture(sheet.panels[0])
-    _parameters(sheet.panels[1], fit)
-    for name, value in fit["parameters"].items():
-        error = {"standard_error_of_logarithm": fit["standard_errors"].get(name)}
-        sheet.record(parameter=name, value=value, calibrated=name in fit["free"], **error)
-    sheet.notes.append(f"{label}: {content['basis']}.")
+    _parameters(sheet.panels[1], parameters)
+    sheet.record(parameters.rename(columns={"standard_error": "standard_error_of_logarithm"}))
+    sheet.notes.append(f"{label}: {tables['fit']['basis'].iloc[0]}.")
     alt = "a headed stud on a flange in a slab, with bearing springs, cone and shear slide"
     return sheet.finish(alt)
 
@@ -83,19 +80,19 @@ def _picture(panel: Axes) -> None:
     panel.set(xlim=(-_WIDE - 0.1, _WIDE + 0.1), ylim=(-1.8, _SLAB + 0.1))
 
 
-def _parameters(panel: Axes, fit: dict[str, Any]) -> None:
+def _parameters(panel: Axes, parameters: pd.DataFrame) -> None:
     panel.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
     step, y = 0.082, 0.97
     for calibrated, title in ((True, "calibrated on push-outs"), (False, "assumed")):
         panel.text(0.0, y, title, fontsize=8.0, fontweight="bold", va="center")
         y -= step
-        for name, words in _PARAMETERS.items():
-            if (name in fit["free"]) is not calibrated:
-                continue
-            error = fit["standard_errors"].get(name)
-            spread = "" if error is None else f" ± {100.0 * error:.0f} %"
-            value = f"{number(fit['parameters'][name], 3)}{spread}"
-            for x, text, side in ((0.02, words, "left"), (0.98, value, "right")):
+        for _, row in parameters[parameters["calibrated"] == calibrated].iterrows():
+            spread = f" ± {100.0 * row['standard_error']:.0f} %" if calibrated else ""
+            value = f"{number(row['value'], 3)}{spread}"
+            for x, text, side in (
+                (0.02, _PARAMETERS[row["parameter"]], "left"),
+                (0.98, value, "right"),
+            ):
                 panel.text(x, y, text, fontsize=7.2, va="center", ha=side)
             y -= step * 0.9
         y -= 0.02

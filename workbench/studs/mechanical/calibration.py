@@ -1,90 +1,50 @@
-"""Calibration of the mechanical model on push-out tests, and its check on other campaigns."""
+"""Calibration of the mechanical model on push-out tests, and what it then predicts.
+
+What is left of a stud after a pull-out has a band: it runs over the parameters that no test at hand
+tells, all of them at once: what a cone takes from the bearing strength, where it ends, the friction
+of the flange, the strain at rupture. Ratios are those of the mechanism itself, without the limits
+of `Stud.largest_shear`: under a limit a loss would not show.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import partial
-from typing import Any, NamedTuple
+from functools import lru_cache, partial
+from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from workbench.errors import InputError, SolverError
-from workbench.studs.mechanical.driving import ShearCurve, push_out
-from workbench.studs.mechanical.parameters import LEAST_SLENDERNESS, Stud, Surroundings
+from workbench.fields import Choice
+from workbench.studs.fit_protocol import Tables, counted
+from workbench.studs.mechanical.driving import (
+    PullCurve,
+    ShearCurve,
+    pull_out,
+    pull_then_push,
+    push_out,
+)
+from workbench.studs.mechanical.parameters import (
+    LEAST_SLENDERNESS,
+    NEEDED,
+    Stud,
+    Surroundings,
+    stud_of,
+)
 from workbench.studs.quantities import Array, specimens, undamaged_headed_studs
-from workbench.studs.schema import HEADED
+from workbench.studs.relations import MEASURES, MechanicalCurve
+from workbench.studs.schema import QUANTITIES
 from workbench.studs.tables import RowIdentity, identity_of
 
 FREE = ("bearing_factor", "foundation_factor", "slide_capacity")
-NEEDED = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
 OBSERVED = ("strength", "stiffness", "slip")
 STIFFNESS_LEVEL = 0.4
 LEAST_SCATTER = 0.05  # of logarithms: tests never repeat better, whatever few replicates say
 STEPS = 120
+DRAWN = 60  # steps of the curves that are kept
+_DIFFERENT = ["campaign", "diameter_mm", "height_mm", "fcm_MPa", "fu_MPa"]
 DIFFERENCE = 0.05  # of the logarithm of a parameter: wide against the steps of the curves
-
-
-def stud_of(row: pd.Series) -> Stud:
-    """The stud of a row of a table of tests. Raises `InputError` for missing values."""
-    test = specimens(pd.DataFrame([row]))
-    values = {name: float(getattr(test, name)[0]) for name in NEEDED}
-    for name, value in values.items():
-        if not np.isfinite(value):
-            where = f"{row['campaign']} {row['specimen']}"
-            raise InputError(f"{where}: {name}", None, "must be known for the mechanical model")
-    sizes = ("head_diameter", "collar_diameter", "collar_height")
-    optional = {"yield_stress": 1e6 * row["fy_MPa"], **{n: 1e-3 * row[f"{n}_mm"] for n in sizes}}
-    return Stud(**values, **{n: float(v) for n, v in optional.items() if np.isfinite(v)})
-
-
-# a usual stud, for what neither a table nor the question tells, and by how much (a share) the studs
-# of a table may differ and still are one
-USUAL = {"diameter_mm": 19.0, "height_mm": 100.0, "fcm_MPa": 30.0, "fu_MPa": 450.0}
-ALIKE = np.array([0.02, 0.02, 0.1, 0.1])
-
-
-class TableStud(NamedTuple):
-    """A `stud` of a table, in how many `tests`, and what is `assumed` of it (words)."""
-
-    stud: Stud
-    tests: int
-    assumed: str
-
-
-def studs_of(
-    table: pd.DataFrame, given: Mapping[str, float | None]
-) -> tuple[list[TableStud], list[str]]:
-    """The different headed studs of a table with their mean values, that of most tests first.
-
-    And why the model refuses others. Raises `InputError` where it refuses all.
-    Arguments: `given`, values by column (those of `USUAL`, None: not given) that count instead of
-    those of the table. What neither tells is taken from `USUAL`, and said to be assumed.
-    """
-    own = {name: value for name, value in given.items() if value is not None}
-    rows = table[table["connector"] == HEADED].reindex(columns=list(USUAL)).astype(float)
-    rows = (rows if len(rows) else pd.DataFrame([dict.fromkeys(USUAL, np.nan)])).assign(**own)
-    known = rows.dropna(subset=[name for name in USUAL if rows[name].notna().any()])
-    known = rows if known.empty else known
-    assumed = [f"{name} {USUAL[name]:g}" for name in USUAL if known[name].isna().any()]
-    groups: list[list[Array]] = []
-    for values in known.fillna(USUAL).to_numpy(float):
-        same = (g for g in groups if np.all(np.abs(values / g[0] - 1.0) <= ALIKE))
-        if (group := next(same, None)) is None:
-            groups.append(group := [])
-        group.append(values)
-    groups.sort(key=len, reverse=True)
-    means = [np.mean(group, axis=0) * (1e-3, 1e-3, 1e6, 1e6) for group in groups]
-    studs, refused = [], []
-    for mean, group in zip(means, groups, strict=True):
-        try:
-            stud = Stud.of_concrete(*mean.tolist())
-        except InputError as error:
-            refused.append(error)
-        else:
-            studs.append(TableStud(stud, len(group) if len(table) else 0, ", ".join(assumed)))
-    if not studs:
-        raise refused[0]
-    return studs, [str(error) for error in refused]
 
 
 def complete_rows(table: pd.DataFrame) -> pd.DataFrame:
@@ -170,17 +130,19 @@ class MechanicalFit:
         self.identity.refuse_overlap(rows)
         return _compare(rows, _predictions(rows, self.around))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything but the rows, ready for JSON (SI)."""
-        return {
-            "parameters": asdict(self.around),
-            "free": list(self.standard_errors),
-            "standard_errors": self.standard_errors,
-            "scatter": self.scatter,
-            "tests": len(self.rows),
-            "studs": self.studs,
-            "campaigns": sorted(self.identity.campaigns),
-        }
+    def summary(self) -> dict[str, Any]:
+        """What it was calibrated on, and the scatter there: one row of a table."""
+        scatter = {f"scatter_of_{name}": value for name, value in self.scatter.items()}
+        return {**counted(self.rows), "studs": self.studs, "basis": self.basis, **scatter}
+
+    def tables(self) -> Tables:
+        """Parameters (SI), calibrated or assumed, and the tests of the calibration."""
+        values = asdict(self.around)
+        errors = pd.Series(self.standard_errors, dtype=float).reindex(list(values))
+        parameters = {"parameter": list(values), "value": list(values.values())}
+        table = pd.DataFrame({**parameters, "standard_error": errors.to_numpy()})
+        table["calibrated"] = table["standard_error"].notna()
+        return {"parameters": table, "tests": self.rows}
 
 
 def calibrate(table: pd.DataFrame) -> MechanicalFit:
@@ -211,17 +173,17 @@ def calibrate(table: pd.DataFrame) -> MechanicalFit:
         return np.asarray(error[known])
 
     theta = np.log([float(getattr(begin, name)) for name in FREE])
-    found = least_squares(
+    solved = least_squares(
         residual, theta, diff_step=DIFFERENCE, x_scale=1.0, xtol=2e-3, ftol=1e-4, max_nfev=20
     )
-    if not found.success:
-        raise SolverError("calibration of the stud", float(found.cost), "20 evaluations")
-    best = around(found.x)
+    if not solved.success:
+        raise SolverError("calibration of the stud", float(solved.cost), "20 evaluations")
+    best = around(solved.x)
     strength = _predictions(rows, best, mechanism)[:, 0]
     compared = _compare(rows, _predictions(rows, best))
     compared["mechanism_ratio"] = compared["strength_test"] / strength
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    covariance *= 2.0 * found.cost / max(int(known.sum()) - len(FREE), 1)
+    covariance = np.linalg.pinv(solved.jac.T @ solved.jac)
+    covariance *= 2.0 * solved.cost / max(int(known.sum()) - len(FREE), 1)
     errors = dict(zip(FREE, np.sqrt(np.diag(covariance)).tolist(), strict=True))
     ratios = {name: np.log(compared[f"{name}_ratio"].dropna().to_numpy()) for name in OBSERVED}
     spread = {n: float(np.std(r, ddof=1)) if len(r) > 1 else np.nan for n, r in ratios.items()}
@@ -238,3 +200,137 @@ def _replicate_scatter(rows: pd.DataFrame, observed: Array) -> Array:
     freedom = values.notna().sum() - groups.mean().notna().sum()
     pooled = np.sqrt(squares / freedom.where(freedom > 0))
     return np.asarray(pooled.fillna(0.0).clip(lower=LEAST_SCATTER))
+
+
+def predicted_curves(rows: pd.DataFrame, around: Surroundings) -> pd.DataFrame:
+    """Predicted push-outs of the different studs of rows: campaign, specimen, and points in SI."""
+    names, parts = ["campaign", "specimen"], ("slip", "load", "collar", "friction")
+    curves = []
+    for _, row in rows.drop_duplicates(_DIFFERENT).iterrows():
+        curve = predicted(stud_of(row), around, DRAWN)
+        points = pd.DataFrame({part: getattr(curve, part) for part in parts})
+        curves.append(points.assign(**row[names]))
+    return pd.concat(curves, ignore_index=True)[[*names, *parts]]
+
+
+# -- what is left after a pull-out, and shear under tension ----------------------------------------
+
+LEVELS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+LOST = 0.2  # of the peak: a pull-out that has fallen to it has failed
+TRIED = (40, STEPS, 2 * STEPS)  # steps at the corners of the band: 40 are within 0.01 of 120
+# ends of the unknown parameters, whose corners span the band
+UNKNOWN = {
+    "cone_loss": (0.0, 1.0),
+    "cone_end": (0.03, 0.12),
+    "friction": (0.0, 0.6),
+    "rupture_strain": (0.06, 0.20),
+}
+
+
+def uplift_at(pulled: PullCurve, level: float, measure: str) -> float:
+    """Uplift (m) of a level of damage, 0 to 1, of a pull-out.
+
+    ``displacement ratio``: share of the uplift where the load has fallen to 20 % of its peak, or
+    the shank tears; ``load ratio``: share of the peak before it. Raises `InputError` for others.
+    """
+    if not 0.0 <= level <= 1.0:
+        raise InputError("level", level, "damage lies from 0 to 1")
+    Choice(MEASURES).check("measure", measure)
+    peak = int(np.argmax(pulled.load))
+    if measure == "load ratio":
+        rising = np.maximum.accumulate(pulled.load[: peak + 1])
+        return float(np.interp(level * pulled.strength, rising, pulled.uplift[: peak + 1]))
+    fallen = np.flatnonzero(pulled.load[peak:] <= LOST * pulled.strength)
+    if len(fallen) == 0:
+        return level * float(pulled.uplift[-1])
+    i = peak + int(fallen[0])
+    ends = slice(i, i - 2, -1)  # falling load: rising order for the interpolation
+    return level * float(np.interp(LOST * pulled.strength, pulled.load[ends], pulled.uplift[ends]))
+
+
+@lru_cache(maxsize=128)  # strength and stiffness, and all frictions, come from the same runs
+def _runs(
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str, steps: int
+) -> tuple[ShearCurve, tuple[ShearCurve | None, ...]]:
+    """The push-out of the undamaged stud and those after each level (None: torn)."""
+    whole, pulled = push_out(stud, around, steps=steps), pull_out(stud, around, steps=steps)
+    after = [
+        pull_then_push(stud, around, uplift_at(pulled, float(level), measure), steps=steps)[1]
+        if level > 0.0
+        else whole
+        for level in levels
+    ]
+    return whole, tuple(after)
+
+
+def residual_ratios(
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str, steps: int = STEPS
+) -> tuple[Array, Array]:
+    """Strength and stiffness (10 to 40 %) over those of the undamaged stud (levels,) each.
+
+    Strength counts up to the slip at which the undamaged stud tears. A stud torn in the pull-out
+    has nothing left.
+    """
+    whole, after = _runs(stud, replace(around, friction=1.0), levels, measure, steps)
+    whole = whole.rubbing(around.friction)
+    curves = [None if each is None else each.rubbing(around.friction) for each in after]
+    end, strength, chord = float(whole.slip[-1]), whole.strength, whole.chord()
+    left = [
+        (0.0, 0.0) if c is None else (c.strength_within(end) / strength, c.chord() / chord)
+        for c in curves
+    ]
+    return np.array(left).T[0], np.array(left).T[1]
+
+
+def _at_corner(
+    stud: Stud, around: Surroundings, levels: tuple[float, ...], measure: str
+) -> tuple[Array, Array]:
+    """Ratios as in `residual_ratios`, with as few steps as find an equilibrium."""
+    for steps in TRIED[:-1]:
+        try:
+            return residual_ratios(stud, around, levels, measure, steps)
+        except SolverError:
+            continue
+    return residual_ratios(stud, around, levels, measure, TRIED[-1])
+
+
+def residual_curve(
+    stud: Stud,
+    around: Surroundings,
+    quantity: str = "strength",
+    *,
+    measure: str = "displacement ratio",
+    levels: tuple[float, ...] = LEVELS,
+    spread: Mapping[str, tuple[float, ...]] = UNKNOWN,
+    basis: str = "mechanical model, not calibrated",
+) -> MechanicalCurve:
+    """Predict what is left after a pull-out to several levels, with a band.
+
+    Arguments: `quantity` ``strength`` or ``stiffness``; `measure` of the level (see `uplift_at`);
+    rising `levels` from 0; `spread`, ends of the unknown parameters; `basis`, what the parameters
+    rest on (`MechanicalFit.basis`). Raises `InputError`, `SolverError`.
+    """
+    Choice(tuple(QUANTITIES)).check("quantity", quantity)
+    which, at = list(QUANTITIES).index(quantity), np.array(levels, float)
+    middle = residual_ratios(stud, around, levels, measure)[which]
+    corners = (dict(zip(spread, ends, strict=True)) for ends in product(*spread.values()))
+    every = [middle] + [
+        _at_corner(stud, replace(around, **corner), levels, measure)[which] for corner in corners
+    ]
+    bounds, kind = (np.min(every, axis=0), np.max(every, axis=0)), ("pull-out", measure, quantity)
+    return MechanicalCurve(at, middle, *bounds, *kind, basis, stud.title)
+
+
+def interaction_points(
+    stud: Stud, around: Surroundings, shares: tuple[float, ...] = (0.0, 0.25, 0.5, 0.75, 0.9)
+) -> tuple[Array, Array]:
+    """Tension over the pull-out strength, and the shear that is left over the shear strength.
+
+    The tension is held while the stud is pushed out, up to the slip at which it tears without
+    tension. Result: both ratios (n + 1,), the last point being the pull-out itself.
+    """
+    whole = push_out(stud, around, steps=STEPS)
+    end, strength = float(whole.slip[-1]), pull_out(stud, around, steps=STEPS).strength
+    held = (push_out(stud, around, tension=share * strength, steps=STEPS) for share in shares)
+    shear = [each.strength_within(end) / whole.strength for each in held]
+    return np.array([*shares, 1.0]), np.array([*shear, 0.0])

@@ -1,13 +1,26 @@
-"""A stud and the parameters of the concrete around it, for the mechanical model."""
+"""A stud and the concrete around it, for the mechanical model; the studs of a table of tests."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
+from typing import NamedTuple
 
+import numpy as np
+import pandas as pd
+
+from workbench.errors import InputError
 from workbench.fields import Declared, Number, checked
 from workbench.studs.formulas import SHEAR_MODELS
-from workbench.studs.quantities import HEAD_DIAMETER, HEAD_HEIGHT, concrete_modulus
+from workbench.studs.quantities import (
+    HEAD_DIAMETER,
+    HEAD_HEIGHT,
+    Array,
+    concrete_modulus,
+    specimens,
+)
+from workbench.studs.schema import HEADED, USUAL
 
 LENGTH = Number(1e-3, 1.0, "m", advice="lengths are in metres")
 STRESS = Number(1e6, 3e9, "Pa", advice="stresses are in Pa: 30 MPa is 30e6")
@@ -135,3 +148,67 @@ class Surroundings(Declared, table="surroundings"):
         """Refuse what the fields cannot be together."""
         if self.cone_end <= self.cone_peak:
             raise self.refusal("cone_end", "must exceed cone_peak")
+
+
+NEEDED = ("diameter", "height", "concrete_strength", "concrete_modulus", "ultimate_strength")
+
+
+def stud_of(row: pd.Series) -> Stud:
+    """The stud of a row of a table of tests. Raises `InputError` for missing values."""
+    test = specimens(pd.DataFrame([row]))
+    values = {name: float(getattr(test, name)[0]) for name in NEEDED}
+    for name, value in values.items():
+        if not np.isfinite(value):
+            where = f"{row['campaign']} {row['specimen']}"
+            raise InputError(f"{where}: {name}", None, "must be known for the mechanical model")
+    sizes = ("head_diameter", "collar_diameter", "collar_height")
+    optional = {"yield_stress": 1e6 * row["fy_MPa"], **{n: 1e-3 * row[f"{n}_mm"] for n in sizes}}
+    return Stud(**values, **{n: float(v) for n, v in optional.items() if np.isfinite(v)})
+
+
+# by how much (a share) the studs of a table may differ in the columns of `USUAL` and still are one
+ALIKE = np.array([0.02, 0.02, 0.1, 0.1])
+
+
+class TableStud(NamedTuple):
+    """A `stud` of a table, in how many `tests`, and what is `assumed` of it (words)."""
+
+    stud: Stud
+    tests: int
+    assumed: str
+
+
+def studs_of(
+    table: pd.DataFrame, given: Mapping[str, float | None]
+) -> tuple[list[TableStud], list[str]]:
+    """The different headed studs of a table with their mean values, that of most tests first.
+
+    And why the model refuses others. Raises `InputError` where it refuses all.
+    Arguments: `given`, values by column (those of `USUAL`, None: not given) that count instead of
+    those of the table. What neither tells is taken from `USUAL`, and said to be assumed.
+    """
+    stated = {name: value for name, value in given.items() if value is not None}
+    rows = table[table["connector"] == HEADED].reindex(columns=list(USUAL)).astype(float)
+    rows = (rows if len(rows) else pd.DataFrame([dict.fromkeys(USUAL, np.nan)])).assign(**stated)
+    known = rows.dropna(subset=[name for name in USUAL if rows[name].notna().any()])
+    known = rows if known.empty else known
+    assumed = [f"{name} {USUAL[name]:g}" for name in USUAL if known[name].isna().any()]
+    groups: list[list[Array]] = []
+    for values in known.fillna(USUAL).to_numpy(float):
+        same = (g for g in groups if np.all(np.abs(values / g[0] - 1.0) <= ALIKE))
+        if (group := next(same, None)) is None:
+            groups.append(group := [])
+        group.append(values)
+    groups.sort(key=len, reverse=True)
+    means = [np.mean(group, axis=0) * (1e-3, 1e-3, 1e6, 1e6) for group in groups]
+    studs, refused = [], []
+    for mean, group in zip(means, groups, strict=True):
+        try:
+            stud = Stud.of_concrete(*mean.tolist())
+        except InputError as error:
+            refused.append(error)
+        else:
+            studs.append(TableStud(stud, len(group) if len(table) else 0, ", ".join(assumed)))
+    if not studs:
+        raise refused[0]
+    return studs, [str(error) for error in refused]

@@ -124,8 +124,8 @@ def evaluate_d8(
 
     r_k, r_d = value(K_INFINITE, k_n), value(KD_INFINITE, k_dn)
     if not r_d > LEAST_DESIGN * r_m:
-        found = f"{n} tests whose logarithms scatter by {s_delta:.3g}"
-        raise InputError("table", found, "leave no design value by EN 1990 D.8")
+        scattered = f"{n} tests whose logarithms scatter by {s_delta:.3g}"
+        raise InputError("table", scattered, "leave no design value by EN 1990 D.8")
     scatters = (s_delta, v_delta, v_rt, v_r, q, q_rt, q_delta, alpha_rt, alpha_delta)
     star = None if nominal is None else nominal / r_d
     return D8(n, b, *scatters, k_n, k_dn, r_m, r_k, r_d, r_k / r_d, nominal, star)

@@ -66,7 +66,7 @@ class Estimate:
 class Solved:
     """Best free parameters for a lambda.
 
-    `theta` (p,); whitened sum of squares `size`; normal matrix `normal` (own, own) of the free
+    `theta` (p,); whitened sum of squares `size`; normal matrix `normal` (inner, inner) of the free
     parameters off their bounds; `stuck` (free,) on them.
     """
 
@@ -136,25 +136,25 @@ def _solve_bounded(given: Problem, ratio: float, start: Array, free: Indices) ->
     if not len(free):
         rest = residual(x)
         return Solved(start.copy(), float(rest @ rest), np.zeros((0, 0)), np.zeros(0, bool))
-    found = least_squares(
+    result = least_squares(
         residual, x, slopes, (low, high), "dogbox", **TOLERANCES, max_nfev=EVALUATIONS
     )
-    x, rest, j = np.asarray(found.x), found.fun, found.jac
-    if found.status <= 0:  # steps zigzag where two terms of a formula are equal: without slopes
+    x, rest, j = np.asarray(result.x), result.fun, result.jac
+    if result.status <= 0:  # steps zigzag where two terms of a formula are equal: without slopes
         sides, enough = list(zip(low, high, strict=True)), SIMPLEX * len(free)
-        options = {"xatol": 1e-9, "fatol": 2e-12 * float(found.cost), "maxfev": enough}
-        found = minimize(
+        options = {"xatol": 1e-9, "fatol": 2e-12 * float(result.cost), "maxfev": enough}
+        result = minimize(
             lambda v: float(np.sum(residual(v) ** 2)), x, method="Nelder-Mead",
             bounds=sides, options=options,
         )  # fmt: skip
-        if not found.success:
-            raise SolverError("the regression", float(found.fun), f"{enough} simplex evaluations")
-        x = np.asarray(found.x)
+        if not result.success:
+            raise SolverError("the regression", float(result.fun), f"{enough} simplex evaluations")
+        x = np.asarray(result.x)
         rest, j = residual(x), slopes(x)
     downhill = -(j.T @ rest)
     stuck = ((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0))
-    own = np.flatnonzero(~stuck)
-    return Solved(at(x), float(rest @ rest), j[:, own].T @ j[:, own], stuck)
+    inner = np.flatnonzero(~stuck)
+    return Solved(at(x), float(rest @ rest), j[:, inner].T @ j[:, inner], stuck)
 
 
 def criterion_at(
@@ -193,19 +193,19 @@ def criteria_at(given: Problem, ratios: Array, start: Array, free: Indices) -> t
     if np.any(sign <= 0.0):  # singular to round-off
         return _one_by_one(given, ratios, start, free)
     rest = combination @ matrices @ combination
-    own = np.linalg.solve(normal, right[..., None])[..., 0]
+    best = np.linalg.solve(normal, right[..., None])[..., 0]
     m = given.count - len(free)
-    variance = np.maximum((rest - np.sum(own * right, axis=1)) / m, np.finfo(float).tiny)
+    variance = np.maximum((rest - np.sum(best * right, axis=1)) / m, np.finfo(float).tiny)
     determinant = np.log1p(ratios[:, None] * totals).sum(axis=1)
     return m * np.log(variance) + information + determinant + m, variance
 
 
 def _one_by_one(given: Problem, ratios: Array, start: Array, free: Indices) -> tuple[Array, Array]:
-    found = np.empty((len(ratios), 2))
+    values = np.empty((len(ratios), 2))
     for i, each in enumerate(ratios):
-        found[i, 0], found[i, 1], solved = criterion_at(given, float(each), start, free)
+        values[i, 0], values[i, 1], solved = criterion_at(given, float(each), start, free)
         start = solved.theta
-    return found[:, 0], found[:, 1]
+    return values[:, 0], values[:, 1]
 
 
 def best_ratio(
@@ -247,15 +247,15 @@ def best_ratio(
         if hint is not None and k == 2 and values[2] < min(values[1], values[3]):
             # three points are known: a criterion with kinks need not repeat to the last digit
             few, seen = {"maxiter": STEPS}, dict(zip(np.log(grid[1:]), values[1:], strict=True))
-            found = minimize_scalar(
+            result = minimize_scalar(
                 lambda x: seen[x] if x in seen else at(float(np.exp(x))), tuple(seen), options=few
             )
-            ratio = float(np.exp(found.x))
+            ratio = float(np.exp(result.x))
         else:
             wide, enough = np.log1p([low, high]), {"xatol": 1e-4 if hint is None else 2e-2}
-            found = minimize_scalar(lambda x: at(float(np.expm1(x))), bounds=wide, options=enough)
-            ratio = float(np.expm1(found.x))
-        value = float(found.fun)
+            result = minimize_scalar(lambda x: at(float(np.expm1(x))), bounds=wide, options=enough)
+            ratio = float(np.expm1(result.x))
+        value = float(result.fun)
     if values[k] <= value:
         ratio, value = grid[k], float(values[k])
     if ratio not in tried:
@@ -309,14 +309,14 @@ def fit(given: Problem, *, start: Array | None = None) -> Estimate:
         theta, stuck = solved.theta, solved.stuck
         if given.moments is not None or np.array_equal(stuck, stuck_before):
             break
-    own = np.flatnonzero(~solved.stuck)
-    _check_influence(given, np.diag(solved.normal), own, theta)
-    if np.linalg.matrix_rank(solved.normal, hermitian=True) < len(own):
-        names = ", ".join(given.names[k] for k in own)
+    inner = np.flatnonzero(~solved.stuck)
+    _check_influence(given, np.diag(solved.normal), inner, theta)
+    if np.linalg.matrix_rank(solved.normal, hermitian=True) < len(inner):
+        names = ", ".join(given.names[k] for k in inner)
         advice = "hold one of them fixed, or bring tests that differ in it"
         raise InputError("parameters", names, "cannot be told apart by these observations", advice)
     covariance = np.full((len(free), len(free)), np.nan)
-    covariance[np.ix_(own, own)] = variance * np.linalg.pinv(solved.normal)
+    covariance[np.ix_(inner, inner)] = variance * np.linalg.pinv(solved.normal)
     residual = given.y - given.predict(theta)
     sums = np.bincount(given.groups, given.weights * residual, minlength=given.campaigns)
     effects = ratio * sums / (1.0 + ratio * given.totals)

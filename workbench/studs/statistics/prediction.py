@@ -1,11 +1,12 @@
 """What is left out, predicted from the others: campaigns, and single tests.
 
-Relations are weighed by it, outliers found, and the influence of every test on the answer.
+Relations are weighed by it, outliers found, and the influence of every test on the answer. Also
+which formulas the scatter of tests tells apart.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -13,9 +14,12 @@ import pandas as pd
 from workbench.arrays import Flags
 from workbench.errors import InputError, SolverError
 from workbench.studs.quantities import Array
-from workbench.studs.statistics.intervals import tails_of
+from workbench.studs.statistics.intervals import (
+    LEAST_CAMPAIGNS,
+    predictive_quantile,
+    tails_of,
+)
 from workbench.studs.statistics.mixed import ROUND_OFF, Estimate, fit, solve_theta
-from workbench.studs.statistics.mixture import LEAST_CAMPAIGNS, predictive_quantile
 from workbench.studs.statistics.problem import Problem, jacobian, subset, whiten
 
 DRAWS = 2000  # of the weights of the left-out parts
@@ -101,10 +105,10 @@ def _log_density(estimate: Estimate, held: Problem, others: Problem) -> tuple[fl
         solved = solve_theta(others, ratio, estimate.theta, free)
     except (InputError, SolverError):
         return -np.inf, np.inf
-    own, nu, n = free[~solved.stuck], others.count - len(solved.normal), held.count
+    inner, nu, n = free[~solved.stuck], others.count - len(solved.normal), held.count
     if nu < 1:
         return -np.inf, np.inf
-    x, error = jacobian(held, solved.theta, own), held.y - held.predict(solved.theta)
+    x, error = jacobian(held, solved.theta, inner), held.y - held.predict(solved.theta)
     floor = (ROUND_OFF * max(1.0, float(np.max(np.abs(others.y))))) ** 2
     spread = np.diag(1.0 / held.weights) + ratio * (held.groups[:, None] == held.groups)
     spread = max(solved.size / nu, floor) * (spread + x @ np.linalg.pinv(solved.normal) @ x.T)
@@ -127,13 +131,13 @@ def score_relations(estimates: Mapping[str, Estimate]) -> list[Score]:
     rest = given.count - int(np.max(np.bincount(given.groups)))
     by_campaign = given.campaigns > 1 and rest > most + 1
     parts = given.groups if by_campaign else np.arange(given.count)
-    found = {
+    parted = {
         name: np.array(
             [_log_density(each, *_parted(each.problem, parts == k)) for k in np.unique(parts)]
         )
         for name, each in estimates.items()
     }
-    known = {name: each for name, each in found.items() if np.all(np.isfinite(each))}
+    known = {name: each for name, each in parted.items() if np.all(np.isfinite(each))}
     if not known:
         raise InputError("candidates", ", ".join(estimates), "cannot be cross-validated here")
     densities = np.array([each[:, 0] for each in known.values()])
@@ -180,11 +184,11 @@ def deleted_residuals(estimate: Estimate) -> Array:
     z = whiten(given, given.y - given.predict(estimate.theta), estimate.ratio)
     j = whiten(given, jacobian(given, estimate.theta, free), estimate.ratio)
     open_ = 1.0 - np.einsum("ni,ij,nj->n", j, np.linalg.pinv(j.T @ j), j)
-    told = open_ > 1e-9  # others say something of it
-    own = np.where(told, z**2 / np.where(told, open_, 1.0), 0.0)
+    known = open_ > 1e-9  # others say something of it
+    square = np.where(known, z**2 / np.where(known, open_, 1.0), 0.0)
     floor = (ROUND_OFF * max(1.0, float(np.max(np.abs(given.y))))) ** 2
-    others = np.maximum((z @ z - own) / nu, floor)
-    return np.asarray(np.sign(z) * np.sqrt(own / others))
+    others = np.maximum((z @ z - square) / nu, floor)
+    return np.asarray(np.sign(z) * np.sqrt(square / others))
 
 
 def usual_distance(estimate: Estimate) -> float:
@@ -199,7 +203,7 @@ def usual_distance(estimate: Estimate) -> float:
 def outliers(estimate: Estimate) -> list[Outlier]:
     """Tests farther off than chance lets any be (`usual_distance`), farthest first."""
     given, distance = estimate.problem, deleted_residuals(estimate)
-    limit, found = usual_distance(estimate), []
+    limit, far = usual_distance(estimate), []
     for k in np.argsort(-np.abs(distance)):
         if abs(distance[k]) <= limit:
             break
@@ -207,8 +211,8 @@ def outliers(estimate: Estimate) -> list[Outlier]:
             theta = fit(subset(given, np.flatnonzero(np.arange(given.count) != k))).theta
         except (InputError, SolverError):
             theta = estimate.theta
-        found.append(Outlier(int(k), float(distance[k]), float(given.predict(theta)[k])))
-    return found
+        far.append(Outlier(int(k), float(distance[k]), float(given.predict(theta)[k])))
+    return far
 
 
 def without_each(estimate: Estimate) -> Array:
@@ -217,14 +221,14 @@ def without_each(estimate: Estimate) -> Array:
     The ratio of variances stays that of the fit; NaN where the others do not tell them.
     """
     given, every = estimate.problem, np.arange(estimate.problem.count)
-    free, found = np.arange(len(given.names)), np.full((given.count, len(given.names)), np.nan)
+    free, left = np.arange(len(given.names)), np.full((given.count, len(given.names)), np.nan)
     for k in every if given.count > len(free) + 1 else ():
         try:
             others = subset(given, np.flatnonzero(every != k))
-            found[k] = solve_theta(others, estimate.ratio, estimate.theta, free).theta
+            left[k] = solve_theta(others, estimate.ratio, estimate.theta, free).theta
         except (InputError, SolverError):
             continue
-    return found
+    return left
 
 
 def influence_of(
@@ -238,5 +242,42 @@ def influence_of(
     """
     distance = deleted_residuals(estimate)
     far = np.abs(distance) > usual_distance(estimate)
-    told = rows[["campaign", "specimen"]].assign(answer=answer, value=value, without=without)
-    return told.assign(distance=distance, outlier=far)
+    table = rows[["campaign", "specimen"]].assign(answer=answer, value=value, without=without)
+    return table.assign(distance=distance, outlier=far)
+
+
+LIKE = 1.01  # ratio of scatters that is no difference: an interval must lie above it
+_EQUAL = 1e-12  # of squares of logarithms
+
+
+def rank_scatters(tests: pd.DataFrame, confidence: float) -> pd.DataFrame:
+    """Formulas by their scatter within campaigns, the least first, among equals the first.
+
+    Arguments: `tests`, rows with `of` (the formula), campaign, specimen and ratio, test over
+    prediction; those count that every formula has a value for. Columns of the result: `of`, `ratio`
+    of the scatter to the least one with its interval `low`, `high` (NaN with too few tests), and
+    `apart`, whether that lies above `LIKE`. Source: Pitman 1939, standard deviations of correlated
+    normal variables.
+    """
+    from scipy.special import stdtrit
+
+    names = list(dict.fromkeys(tests["of"]))
+    ratios = tests.pivot_table("ratio", ["campaign", "specimen"], "of")[names]
+    logs = ratios.dropna().apply(np.log)
+    campaigns = logs.groupby(level="campaign")
+    left, nu = logs - campaigns.transform("mean"), len(logs) - campaigns.ngroups - 1
+    products = left.T.to_numpy() @ left.to_numpy()
+    squares = np.diag(products)
+    best = int(np.flatnonzero(squares <= squares.min() + _EQUAL)[0])
+    rows: list[dict[str, Any]] = [{"of": names.pop(best), "ratio": 1.0, "apart": False}]
+    for k in (k for k in range(len(squares)) if k != best):
+        row = {"of": str(left.columns[k]), "apart": False}
+        if nu > 0 and squares[best] > _EQUAL:
+            ratio = float(np.sqrt(squares[k] / squares[best]))
+            open_ = max(1.0 - products[k, best] ** 2 / (squares[k] * squares[best]), 0.0)
+            wide = 1.0 + 2.0 * open_ * float(stdtrit(nu, 0.5 + 0.5 * confidence)) ** 2 / nu
+            factor = float(np.sqrt(wide + np.sqrt(wide**2 - 1.0)))
+            ends = {"low": ratio / factor, "high": ratio * factor}
+            row |= {"ratio": ratio, **ends, "apart": ratio / factor > LIKE}
+        rows.append(row)
+    return pd.DataFrame(rows, columns=["of", "ratio", "low", "high", "apart"])

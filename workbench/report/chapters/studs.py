@@ -1,0 +1,225 @@
+"""Pages on studs: the template ``studs.jinja`` over the tables of fits and of stored answers.
+
+The words and the columns of the tables stand in the template; what is left to code is the shape of
+the tables.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from textwrap import wrap
+from typing import Any
+
+import pandas as pd
+
+from workbench.content import formatting
+from workbench.content.bibliography import cited
+from workbench.content.page import Page
+from workbench.content.tree import Block, Cell, Column, Table
+from workbench.responses import Finding
+from workbench.studs.fit_protocol import Tables, ranked
+from workbench.studs.formulas import FORMULAS
+from workbench.studs.load_slip import LAWS
+from workbench.studs.relations import ANCHORED, RELATIONS
+from workbench.studs.statistics.annex_d import LEAST_FOR_DESIGN
+
+Head = Mapping[str, Any]  # what was asked of a fit
+LEVELS = (0.25, 0.5, 0.75, 1.0)  # of damage
+_GRADE_WIDTH = 30  # characters of a line
+
+
+class Row(dict[str, Any]):
+    """A row of a table; None for a column that it does not have."""
+
+    def __missing__(self, key: str) -> None:
+        return None
+
+
+class Rows(dict[str, list[Row]]):
+    """Rows of tables by name; no rows of a table that is not there."""
+
+    def __missing__(self, key: str) -> list[Row]:
+        return []
+
+    @classmethod
+    def of(cls, tables: Tables) -> "Rows":
+        """The rows of data frames."""
+        return cls({key: records(table) for key, table in tables.items()})
+
+
+def records(table: pd.DataFrame) -> list[Row]:
+    """The rows of a data frame; None where nothing is known."""
+    frame = table.astype(object)
+    rows: list[dict[Any, Any]] = frame.where(frame.notna(), None).to_dict("records")
+    return [Row(row) for row in rows]
+
+
+def page(part: str, tables: Tables, **values: Any) -> tuple[Block, ...]:
+    """The blocks that a macro of ``studs.jinja`` makes of tables.
+
+    `values`: names that the macros know, besides the rows `t` and what makes blocks of them.
+    """
+
+    def table(
+        key: str, caption: str, rows: list[Row], *columns: Any, printed: int | None = None,
+        always: bool = False,
+    ) -> Table | None:  # fmt: skip
+        made = Table.of(key, caption, [_column(*each) for each in columns], rows, printed)
+        return made if rows or always else None
+
+    words: Page = Page(
+        __file__,
+        t=Rows.of(_shown(tables)),
+        of=lambda rows, name: [row for row in rows if row["of"] == name],
+        part=lambda macro, /, **more: words.blocks(macro, **more),
+        table=table,
+        left_table=lambda: tuple(_left_table(tables)),
+        formulas=_sourced(FORMULAS),
+        load_slip_laws=_sourced(LAWS),
+        relations_of_damage=lambda: [(n, e.formula) for n, e in (RELATIONS | ANCHORED).items()],
+        **values,
+    )
+    return words.blocks(part)
+
+
+def _sourced(known: Mapping[str, Any]) -> Callable[[Iterable[str]], list[tuple[str, str]]]:
+    """Formulas or laws by their keys: how they are called, and the formula with its sources."""
+    return lambda keys: [
+        (getattr(e, "label", e.name), f"{e.formula} {' '.join(map(cited, e.keys))}")
+        for e in (known[key] for key in keys)
+    ]
+
+
+def _span(row: Row, source: str) -> Cell:
+    low, high = row[f"{source}low"], row[f"{source}high"]
+    if low is None and high is None:
+        return Cell("not known", tone="doubt")
+    ends = ("open" if end is None else formatting.number(end, 3) for end in (low, high))
+    return Cell(" to ".join(ends))
+
+
+_FORMS: dict[Any, Callable[[Any], Cell | str | int | None]] = {
+    "": lambda value: value,
+    "count": lambda value: None if value is None else int(value),
+    "share": formatting.share,
+    "percent": lambda value: formatting.valued(value, formatting.percent),
+    "kN": lambda value: formatting.valued(value, 4, factor=1e-3),
+    "mm": lambda value: formatting.valued(value, 3, factor=1e3),
+    "covered": lambda value: (
+        Cell("too few to tell", tone="doubt") if value is None else formatting.share(value)
+    ),
+}
+
+
+def _column(title: str, source: Any, form: Any = "", width: float = 1.0) -> Column:
+    """A column of the template: the column of the rows that it shows, the form of its numbers."""
+
+    def cell(row: Row) -> Cell | str | int | None:
+        if form == "words":
+            return str(source)
+        if form == "span":
+            return _span(row, source)
+        if isinstance(form, int):
+            return formatting.valued(row[source], form)
+        names = [source] if isinstance(source, str) else source
+        return _FORMS[form](next((row[name] for name in names if row[name] is not None), None))
+
+    return Column(title, form not in ("", "words"), width, cell)
+
+
+def _shown(tables: Tables) -> Tables:
+    """Tables as they are read: units of the trade, no design value where EN 1990 has no factor."""
+    shown, fit = dict(tables), tables.get("fit", pd.DataFrame())
+    if "d8" in shown:
+        few = shown["d8"]["count"] < LEAST_FOR_DESIGN
+        values = ["r_d", "gamma_m", "gamma_m_star"]
+        shown["d8"] = shown["d8"].assign(**shown["d8"][values].astype(float).mask(few))
+        if "model" in fit:
+            shown["d8"] = shown["d8"].merge(fit[["of", "model"]].drop_duplicates("of"), on="of")
+            shown["trends"] = shown["parameters"].query("parameter != 'bias'")
+    if "factor" in shown.get("parameters", ()):
+        free = shown["parameters"].query("sigma == sigma")
+        scaled = free[["value", "low", "high"]].astype(float).div(free["factor"], axis=0)
+        unit = free["unit"].map(lambda unit: f" ({unit})" if unit else "")
+        words = free["parameter"].str.replace("_", " ") + unit
+        free = free.assign(**scaled, words=words)
+        shown["laws"] = free.merge(fit[["of", "median_rms"]].drop_duplicates("of"), on="of")
+    if "design" in shown:
+        shown["design"] = shown["design"].assign(last=~shown["design"]["of"].duplicated("last"))
+    if "groups" in shown:
+        shear = shown["groups"]["kind"] == "shear"
+        loads = shown["groups"][["mean", "characteristic"]].astype(float)
+        loads = loads.mul(shear.map({True: 1e-3, False: 1.0}), axis=0)
+        kind = shown["groups"]["kind"].mask(shear, "shear (kN)")
+        shown["groups"] = shown["groups"].assign(**loads, kind=kind)
+    return shown
+
+
+def _left_table(tables: Tables) -> Iterable[Block]:
+    """What is left after damage at some levels, with the grade of the evidence."""
+    if "curve" not in tables or "left" not in tables["curve"]:
+        return
+    curves, fits = tables["curve"].groupby("of", sort=False), records(tables["fit"])
+    fits = [fit for fit in fits if fit["measure"]]
+    top = max(float(curve["level"].max()) for _, curve in curves)
+    levels = (*LEVELS, top) if top > LEVELS[-1] else LEVELS
+
+    def left(level: float) -> Callable[[Row], Cell]:
+        def cell(fit: Row) -> Cell:
+            curve = curves.get_group(fit["of"])
+            (at,) = records(curve.loc[[(curve["level"] - level).abs().idxmin()]])
+            text = formatting.number(at["left"], 3)
+            if at["extrapolated"]:
+                return Cell(f"{text}\nextrapolated", at["left"], tone="bad")
+            if None not in (at["left"], at["low"]):
+                ends = (formatting.number(at[name], 2) for name in ("low", "high"))
+                text += f"\n({' to '.join(ends)})"
+            return Cell(text, at["left"])
+
+        return cell
+
+    def damage(fit: Row) -> str:
+        kind = ", ".join(fit[key] for key in ("quantity", "predamage", "measure"))
+        return f"{kind}\n{fit['stud']}" if fit["stud"] else kind
+
+    def grade(fit: Row) -> Cell:
+        lines = wrap(f"{fit['grade']}; {fit['holds']}", _GRADE_WIDTH, break_on_hyphens=False)
+        return Cell("\n".join(lines), tone="" if fit["validated"] else "bad")
+
+    columns = (
+        Column("what is left", width=2.4, of=damage),
+        *(Column(f"level {level:g}", True, 1.1, left(level)) for level in levels),
+        Column("relation", width=1.1, of="relation"),
+        Column("grade", width=2.6, of=grade),
+    )
+    caption = (
+        "Share that is left after damage, with its range: the band of a new test, or, for the "
+        "mechanical model, what its assumed parameters leave open. Level 1: what an undamaged stud "
+        "bears. Beyond the tested damage no test tells which relation goes on: no band is given."
+    )
+    yield Table.of("design-residual", caption, columns, fits)
+
+
+# -- the pages of a fit --------------------------------------------------------------------------
+
+
+def warnings_of(tables: Tables) -> list[str]:
+    """Every warning once, the decisive ones first; those of some alone are said to be theirs."""
+    if "findings" not in tables:
+        return []
+    owners: dict[Finding, list[str]] = {}
+    for row in records(tables["findings"]):
+        owners.setdefault(Finding.from_dict(row), []).append(row["of"])
+    count = tables["fit"]["of"].nunique()
+    common = ranked(each for each, names in owners.items() if len(set(names)) == count)
+    single = ranked(each for each in owners if each not in common)
+    names = ("; ".join(dict.fromkeys(owners[each])) for each in single)
+    return [
+        *map(str, common),
+        *(f"{name}: {each}" for name, each in zip(names, single, strict=True)),
+    ]
+
+
+def of_fit(part: str, head: Head, tables: Tables) -> tuple[Block, ...]:
+    """A part of the pages of a fit: ``shown`` on a terminal, ``answer`` and others of a report."""
+    inputs = ("shipped tables" if name == "shipped" else name for name in head["tables"])
+    values = {"sources": " and ".join(inputs), "warnings": warnings_of(tables)}
+    return page(part, tables, head=head, confidence=head["confidence"], **values)

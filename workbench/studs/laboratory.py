@@ -1,0 +1,207 @@
+"""What a laboratory asks of its tables: fits with all that is known of them, as stacked tables.
+
+`workbench fit` prints them, its report draws them. Every function takes the rows to fit and those
+`held` out to judge the fit.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
+from workbench.errors import InputError
+from workbench.responses import Finding, finding
+from workbench.studs.damaged import damaged_rows, predicted_references
+from workbench.studs.fit_protocol import (
+    Fit,
+    Tables,
+    answer_tables,
+    ranked,
+    stacked,
+)
+from workbench.studs.formulas import SHEAR_MODELS, Formula, fit_factors, strength_formula
+from workbench.studs.interaction import fit_interaction
+from workbench.studs.load_slip import LAWS
+from workbench.studs.load_slip_fit import fit_load_slip
+from workbench.studs.relations import MEASURES, MechanicalCurve
+from workbench.studs.residual_fit import ResidualFit, fit_residual
+from workbench.studs.schema import QUANTITIES
+from workbench.studs.series import evaluate_groups
+from workbench.studs.statistics.prediction import rank_scatters
+from workbench.studs.strength_fit import fit_strength
+from workbench.studs.tables import own_rows, points_of
+
+Rows = pd.DataFrame
+
+
+def known_of(fit: Fit, held: Rows, confidence: float, how: str = "as fitted") -> Tables:
+    """Everything that is known of a fit, and how it meets what was held out."""
+    judged = None if held.empty else fit.judge(held, confidence)
+    tables = answer_tables(fit.summary(), fit.tables(confidence), judged, how)
+    findings = pd.DataFrame([each.as_dict() for each in ranked(fit.findings)])
+    figures = pd.DataFrame({"kind": fit.figures})
+    return {**tables, "findings": findings, "influence": fit.influence(), "figures": figures}
+
+
+def _reasons(refusals: Mapping[str, InputError]) -> Rows:
+    return pd.DataFrame([{"of": name, "why": str(why)} for name, why in refusals.items()])
+
+
+def strength(
+    fitted: Rows,
+    held: Rows,
+    models: Sequence[str] | None = None,
+    *,
+    points: Rows | None = None,
+    specified: float = 450e6,
+    factors: Sequence[str] | None = None,
+    **how: Any,
+) -> Tables:
+    """Formulas (None: all of shear), as they are and as fitted; Annex B; which scatters least.
+
+    Arguments: `points` of curves and `specified` stud strength (Pa) for Annex B; `factors` to fit
+    (see `fit_factors`); the rest as in `fit_strength`. Raises `InputError`.
+    """
+    formulas = [strength_formula(name) for name in models or SHEAR_MODELS]
+    if len({formula.load for formula in formulas}) > 1:
+        names = ", ".join(formula.name for formula in formulas)
+        raise InputError("--model", names, "must all be of shear, or all of tension")
+    answers, refusals = [], {}
+    for formula in formulas:
+        try:
+            answers.append((formula.label, _formula(fitted, held, formula, factors, how)))
+        except InputError as error:
+            if models or error.field != "table":
+                raise
+            refusals[formula.name] = error  # the others may need less of the table
+    if not answers:
+        raise next(iter(refusals.values()))
+    tables = {**stacked(answers), "not_fitted": _reasons(refusals)}
+    tables["ranking"] = rank_scatters(tables["tests"], how.get("confidence", 0.9))
+    if formulas[0].load == "shear":
+        series = evaluate_groups(fitted, points, specified_strength=specified)
+        tables["series"] = pd.DataFrame([each.summary() for each in series])
+    return tables
+
+
+def _formula(
+    fitted: Rows, held: Rows, formula: Formula, factors: Sequence[str] | None, how: dict[str, Any]
+) -> Tables:
+    """A formula fitted and judged, as it is and corrected, and its own factors if wanted."""
+    fit, confidence = fit_strength(fitted, formula, **how), how.get("confidence", 0.9)
+    tables = known_of(fit, held, confidence, "as it is")
+    if not held.empty:
+        corrected = fit.judge(held, confidence, corrected=True).summary()
+        row = pd.DataFrame([{"prediction": "as fitted", **corrected}])
+        tables["judgement"] = pd.concat([tables["judgement"], row], ignore_index=True)
+    if factors:
+        given = {name: how[name] for name in ("loss", "confidence", "slab") if name in how}
+        tables["factors"] = fit_factors(fitted, formula, factors, **given).fitted.table
+    return tables
+
+
+def load_slip(fitted: Rows, held: Rows, laws: Sequence[str] | None = None, **how: Any) -> Tables:
+    """Load-slip laws (None: all), and the points that they are drawn over; see `fit_load_slip`."""
+    fits = (fit_load_slip(fitted, name, **how) for name in laws or LAWS)
+    tables = stacked((fit.name, known_of(fit, held, how.get("confidence", 0.9))) for fit in fits)
+    return {**tables, "points": points_of(fitted, held)}
+
+
+def residual(
+    fitted: Rows,
+    held: Rows,
+    quantities: Sequence[str] = tuple(QUANTITIES),
+    *,
+    given: Mapping[str, float | None],
+    model: Callable[[], Any] | None,
+    predicted_reference: bool = False,
+    judged: bool = False,
+    **how: Any,
+) -> Tables:
+    """What is left of `quantities`; without tests one answer for every stud.
+
+    Arguments: `predicted_reference`, see `predicted_references`; `judged`, by all rows that are
+    `held`, whether they tell or not; the rest as in `answer_residual`. Raises `InputError`.
+    """
+    if predicted_reference:
+        fitted = predicted_references(fitted)
+    fits: list[tuple[ResidualFit, Rows]] = []
+    refusals = {}
+    for name in quantities:
+        try:
+            answers = answer_residual(fitted, name, given, model, **how)
+        except InputError as error:
+            if error.field != "table":
+                raise
+            refusals[name] = error  # tests may tell of the other quantity alone
+            continue
+        relevant = damaged_rows(held, name, answers[0].predamage, answers[0].measure)
+        wanted = judged or not relevant.empty  # asked for by name, or there by their role
+        fits += [(fit, held if wanted else relevant) for fit in answers]
+    if not fits:
+        raise next(iter(refusals.values()))
+    single = len({fit.stud for fit, _ in fits}) == 1
+    confidence = how.get("confidence", 0.9)
+    tables = stacked(
+        (fit.name if single else f"{fit.name}, {fit.stud}", known_of(fit, judging, confidence))
+        for fit, judging in fits
+    )
+    return {**tables, "not_fitted": _reasons(refusals)}
+
+
+def interaction(fitted: Rows, held: Rows, **how: Any) -> Tables:
+    """The exponent of tension with shear, and the laws of the codes; see `fit_interaction`."""
+    fit = fit_interaction(fitted, **how)
+    return stacked([(fit.name, known_of(fit, held, how.get("confidence", 0.9)))])
+
+
+MOST_STUDS = 4  # of a table, that the mechanical model computes one by one
+
+
+def answer_residual(
+    table: pd.DataFrame,
+    quantity: str,
+    given: Mapping[str, float | None],
+    model: Callable[[], Any] | None,
+    *,
+    predamage: str | None = None,
+    measure: str | None = None,
+    **how: Any,
+) -> list[ResidualFit]:
+    """Fit what is left to the tests after pre-damage, or predict it if the table has none.
+
+    One answer from tests; without them one prediction for each stud of one's own tables, that of
+    most tests first. Arguments: `table` (schema `TESTS`); `quantity` ``strength`` or ``stiffness``;
+    `given`, the stud if the question tells it (see `studs_of`); the mechanical `model`, called
+    where it is needed: without tests, or as a candidate for tests that a pull-out damaged, if it
+    can be calibrated (None: never); the rest as in `fit_residual`. Raises `InputError`,
+    `SolverError`.
+    """
+    rows = damaged_rows(table, quantity, predamage, measure)
+    kind = predamage if rows.empty else str(rows["predamage"].iloc[0])
+    level = measure if rows.empty else str(rows["predamage_measure"].iloc[0])
+    findings: list[Finding] = []
+    curves: list[MechanicalCurve | None] = [None]
+    if model is not None and kind in (None, "pull-out") and level in (None, *MEASURES):
+        from workbench.studs.mechanical import residual_curve, studs_of
+
+        try:
+            studs, refused = studs_of(rows if len(rows) else own_rows(table), given)
+            chosen, others = studs[: 1 if len(rows) else MOST_STUDS], studs[MOST_STUDS:]
+            fit = model()
+            findings += [finding("stud-refused-stud", why=text) for text in refused]
+            if studs[0].assumed:
+                findings.append(finding("stud-assumed-of-studs", assumed=studs[0].assumed))
+            if others and rows.empty:
+                titles = "; ".join(each.stud.title for each in others)
+                findings.append(finding("stud-further-studs", count=len(others), titles=titles))
+            which: dict[str, Any] = {"measure": level or MEASURES[0], "basis": fit.basis}
+            curves = [residual_curve(e.stud, fit.around, quantity, **which) for e in chosen]
+        except InputError as error:
+            if rows.empty:
+                raise
+            findings.append(finding("stud-no-candidate", error=error))
+    how |= {"predamage": predamage, "measure": measure}
+    fits = (fit_residual(table, quantity, mechanical=curve, **how) for curve in curves)
+    return [replace(each, findings=(*findings, *each.findings)) for each in fits]
