@@ -83,6 +83,7 @@ from workbench.report.build import build_report
 from workbench.report.stored import Stored
 from workbench.scenarios import load_scenario
 from workbench.study import Case, Figure, Gate, Study, assess, run_study
+from workbench.study.tables import rows_of
 
 study = Study(
     "added", "Added", "What does an addition cost?",
@@ -97,8 +98,8 @@ run_study(study, Path("reports"), jobs=0)
 found = assess(study, Path("reports"))
 html = build_report(Stored(found.directory, study), formats=("html",))["html"].read_text("utf-8")
 print(json.dumps({
-    "outcomes": [row["outcome"] for row in found.tables["cells"]],
-    "velocities": [row.get("largest_velocity") for row in found.tables["cells"]],
+    "outcomes": list(found.tables["cells"]["outcome"]),
+    "velocities": [row["largest_velocity"] for row in rows_of(found.tables["cells"])],
     "squared": found.verdicts[0].cases[0].value,
     "drawn": "Bars of largest_velocity." in html,
 }))

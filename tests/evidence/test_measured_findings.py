@@ -37,9 +37,8 @@ def test_regions_of_a_model_tile_and_their_counts_add_up(table, thesis_impact) -
             )
             assert held == 1
     assert (table["low"] + table["high"] <= table["count"]).all()
-    assert (table["falls"] <= table["high"]).all()
-    assert (table["stands"] <= table["low"]).all()
-    assert (table["better_off"].fillna(0) <= table["low"] + table["high"]).all()
+    assert (table["false_alarm"] <= table["high"]).all()
+    assert (table["false_safe"] <= table["low"]).all()
 
 
 def test_a_model_without_shear_is_warned_of_where_webs_yield(thesis_impact: ColumnImpact) -> None:

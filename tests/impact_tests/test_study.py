@@ -23,6 +23,7 @@ from workbench.report.chapters.measured import footnote
 from workbench.report.stored import Stored
 from workbench.study import Study, load_study, run_study
 from workbench.study.assess import Assessment, assess
+from workbench.study.tables import rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / "studies" / "impact_tests.py"
@@ -92,8 +93,8 @@ def test_synthetic_rows_judge_nothing_and_are_named_everywhere(
     # a bound that every number breaks fails no model either
     strict = replace(study, gates=tuple(replace(gate, bound=1e-9) for gate in study.gates))
     assert {v.verdict.value for v in assess(strict, empty).verdicts} == {"inconclusive"}
-    assert all(row["synthetic"] for row in found.tables["validation"])
-    assert all(row["synthetic"] == 2 for row in found.tables["matrix"])
+    assert all(row["synthetic"] for row in rows_of(found.tables["validation"]))
+    assert all(row["synthetic"] == 2 for row in rows_of(found.tables["matrix"]))
     build_report(Stored(found.directory, study), formats=("html",))
     page = (found.directory / "report" / "report.html").read_text(encoding="utf-8")
     assert f"<h1>{MARK}Impacts" in page
@@ -131,12 +132,13 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     found = ran(study, Path("reports"))
     rows = {
         (row["model"], row["quantity"]): row
-        for row in found.tables["validation"]
+        for row in rows_of(found.tables["validation"])
         if not row["synthetic"]
     }
     row = rows["energy estimate", "peak_displacement"]
     cells = {
-        (cell["case"], cell["label"]): cell["peak_displacement"] for cell in found.tables["cells"]
+        (cell["case"], cell["label"]): cell["peak_displacement"]
+        for cell in rows_of(found.tables["cells"])
     }
     ratios = np.array([peak / cells[n, "energy estimate"] for n, peak in tested.items()])
     lines = csv.DictReader(dataset("lab").path.read_text(encoding="utf-8").splitlines())
@@ -158,8 +160,8 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     verdicts = {verdict.verdict.value for verdict in found.verdicts}
     assert verdicts <= {"pass", "fail", "inconclusive"}
     assert not any(case.doubt for verdict in found.verdicts for case in verdict.cases)
-    assert {row["against"] for row in found.tables["cost"]} <= {"4-DOF", "energy estimate"}
-    assert "tests" not in {row["label"] for row in found.tables["cost"]}
+    assert {row["against"] for row in rows_of(found.tables["cost"])} <= {"4-DOF", "energy estimate"}
+    assert "tests" not in {row["label"] for row in rows_of(found.tables["cost"])}
     page = render_markdown(document(study, Stored(found.directory, study), []))
     assert "SYNTHETIC" not in page
     assert "No tests here: no measured impact" not in page
@@ -169,7 +171,7 @@ def test_measured_rows_give_bias_scatter_and_coverage(tested: dict[str, float]) 
     fewer = study_here(4)
     (row,) = (
         row
-        for row in assess(fewer, Path("reports")).tables["validation"]
+        for row in rows_of(assess(fewer, Path("reports")).tables["validation"])
         if (row["model"], row["quantity"]) == ("energy estimate", "peak_displacement")
     )
     logs = np.log(ratios[:4])

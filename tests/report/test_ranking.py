@@ -10,7 +10,7 @@ from workbench.report.chapters import choice
 
 FIRST = {
     **{"group": "slow", "label": "panels", "asked": 64, "judged": 60, "within": 50},
-    **{"low": 8, "high": 2, "falls": 0, "stands": 1, "refused": 4, "median": 0.98},
+    **{"low": 8, "high": 2, "false_alarm": 0, "false_safe": 1, "refused": 4, "median": 0.98},
     **{"least": 0.85, "most": 1.05, "against": "panels", "pairs": 0, "wins": 0, "chance": None},
 }
 WORSE = {**FIRST, "label": "bars", "against": "panels", "pairs": 58, "wins": 50, "chance": 1e-8}

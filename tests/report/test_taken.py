@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 
 from workbench.assessment.budget import PEAK, RESIDUAL
@@ -49,7 +50,7 @@ def test_the_nearest_model_is_named_where_none_is_surely_within() -> None:
 
 def test_a_group_of_collapses_is_told_by_who_sees_them() -> None:
     beam = row("beam", collapsed=2)
-    sees, blind = row("sees", collapsed=2), row("blind", stands=2)
+    sees, blind = row("sees", collapsed=2), row("blind", false_safe=2)
     assert said(beam, sees) == "all: the reference collapses, and so do all that answer."
     assert said(beam, sees, blind) == "all: the reference collapses; false safe: blind."
 
@@ -58,8 +59,9 @@ def test_two_cases_give_their_ends_and_no_interval() -> None:
     rows = [
         {"value": value, "against_value": 1.0, "uncertainty": 0.01} for value in (0.9, 1.02, 1.1)
     ]
-    assert pooled(rows)["low"] is not None
-    two = pooled(rows[:2])
+    pairs = pd.DataFrame(rows)
+    assert pooled(pairs)["low"] is not None
+    two = pooled(pairs[:2])
     assert (two["low"], two["high"]) == (None, None)
     assert (two["least"], two["most"]) == (pytest.approx(0.9), pytest.approx(1.02))
 

@@ -19,7 +19,17 @@ from workbench.models.single_dof import SingleDof
 from workbench.responses import Finding, Response, build_response
 from workbench.scenarios import ColumnImpact, ColumnPushover, Scenario
 from workbench.study import Case, Gate, Store, Study, assess, cells_of, run_study, survey
-from workbench.study.store import csv_bytes
+from workbench.study.tables import (
+    counts,
+    csv_bytes,
+    lists,
+    numbers,
+    read_table,
+    rows_of,
+    table,
+    texts,
+    write_table,
+)
 
 V15_PEAK = 15.0 / (5e6 / 1500.0) ** 0.5  # of the exact spring, v0 / omega
 
@@ -351,7 +361,7 @@ def test_an_assessment_reads_the_store_only(
         "ranking.csv",
         "advice.csv",
     }
-    outcomes = [row["outcome"] for row in result.tables["cells"]]
+    outcomes = list(result.tables["cells"]["outcome"])
     assert outcomes == ["ok"] * 8 + ["not run"] * 4
     assess(toy_study, tmp_path)
     assert {path.name: path.read_bytes() for path in tables.iterdir()} == first
@@ -405,10 +415,27 @@ def test_the_rules_are_derivatives(metric: str) -> None:
 
 
 def test_csv_keeps_all_digits_and_quotes_texts() -> None:
-    rows = [{"a": np.float64(0.1) + 0.2, "b": 'x, "y"', "c": None, "d": True}]
-    assert csv_bytes(rows, ("a", "b", "c", "d")) == (
-        b'a,b,c,d\n0.30000000000000004,"x, ""y""",,true\n'
+    row = {"a": np.float64(0.1) + 0.2, "b": 'x, "y"', "c": None, "d": True, "e": ["é", 'z"']}
+    typed = table([row], texts("b") | numbers("a", "c") | counts("d") | lists("e"))
+    assert csv_bytes(typed) == (
+        'b,a,c,d,e\n"x, ""y""",0.30000000000000004,,1,"[""é"", ""z\\""""]"\n'.encode()
     )
+
+
+def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
+    columns = texts("case", "V/Vpl of the mechanism") | numbers("a", "b") | counts("n")
+    columns |= lists("reasons")
+    rows = [
+        {"case": "NA", "a": 1.0 / 3.0, "n": 2, "reasons": ["ä, b", ""]},
+        {"case": "", "V/Vpl of the mechanism": "slow", "b": np.inf},
+    ]
+    for typed in (table(rows, columns), table([], columns)):
+        write_table(tmp_path / "t", typed)
+        pd.testing.assert_frame_equal(read_table(tmp_path / "t"), typed, check_exact=True)
+    assert rows_of(table(rows, columns))[1] == {
+        **{"case": "", "V/Vpl of the mechanism": "slow", "a": None, "b": np.inf, "n": 0},
+        "reasons": [],
+    }
 
 
 def test_the_quick_form_drops_what_lost_its_models(

@@ -220,7 +220,7 @@ def test_a_collapse_that_the_reference_does_not_share_is_counted(
     # a collapse is an answer of the best reference, no reason to take the next one
     assert list(tables["references"].set_index("case").loc[list(FAST), "label"]) == ["fine"] * 2
     rows = tables["matrix"].set_index(["group", "label"])
-    columns = ["answered", "collapsed", "falls", "stands"]
+    columns = ["answered", "collapsed", "false_alarm", "false_safe"]
     assert rows.loc[("fast", "falls"), columns].tolist() == [0, 2, 1, 0]
     assert rows.loc[("fast", "soft"), columns].tolist() == [2, 0, 0, 1]
     warned = {**models, "middle": Warned(error=0.08, level=1), "soft": Spring(stiffness=4.9e6)}

@@ -145,5 +145,5 @@ def test_answers_of_an_earlier_version_count_if_asked(
     root = stored.directory.parent
     now = assess(stored.study, root).tables["cells"]
     then = assess(stored.study, root, earlier=True).tables["cells"]
-    assert {row["outcome"] for row in now} == {"not run"}
-    assert {(row["outcome"], row["model_version"]) for row in then} == {("ok", 1)}
+    assert set(now["outcome"]) == {"not run"}
+    assert set(zip(then["outcome"], then["model_version"], strict=True)) == {("ok", 1)}

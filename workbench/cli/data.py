@@ -139,13 +139,14 @@ def measure(
     from workbench.assessment.model_form import RANGES, TABLE
     from workbench.study import assess, load_study
     from workbench.study.model_form import COLUMNS, RANGE_COLUMNS, model_form_rows, range_rows
+    from workbench.study.tables import table
 
     chosen = load_study(study).study
-    rows = list(model_form_rows(chosen, assess(chosen, Path(store), earlier=earlier)))
-    tables = {TABLE: (rows, COLUMNS), RANGES: (list(range_rows(chosen)), RANGE_COLUMNS)}
-    written = _written(tables, out)
-    text = f"{len(rows)} rows on {len({row['model'] for row in rows})} models in {written[0]}."
-    return Answer({"rows": len(rows), "files": written}, [Paragraph(text)])
+    assessed = assess(chosen, Path(store), earlier=earlier)
+    forms = table(model_form_rows(chosen, assessed), COLUMNS)
+    written = _written({TABLE: forms, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
+    text = f"{len(forms)} rows on {forms['model'].nunique()} models in {written[0]}."
+    return Answer({"rows": len(forms), "files": written}, [Paragraph(text)])
 
 
 @app.command("rules")
@@ -161,34 +162,34 @@ def rules(
     from workbench.evidence.measured import RANGES, TABLE
     from workbench.study import assess, load_study
     from workbench.study.model_form import RANGE_COLUMNS, range_rows
+    from workbench.study.tables import table
     from workbench.study.validity import VALIDITY_COLUMNS, checked, unseen_of, validity_rows
 
     chosen = load_study(study).study
     tables = assess(chosen, Path(store), earlier=earlier).tables
     unseen = unseen_of(chosen)
-    rows, checks = (list(each(chosen, tables, unseen)) for each in (validity_rows, checked))
-    ranges = list(range_rows(chosen)), RANGE_COLUMNS
-    path, _ = _written({TABLE: (rows, VALIDITY_COLUMNS), RANGES: ranges}, out)
+    rows = table(validity_rows(chosen, tables, unseen), VALIDITY_COLUMNS)
+    checks = list(checked(chosen, tables, unseen))
+    path, _ = _written({TABLE: rows, RANGES: table(range_rows(chosen), RANGE_COLUMNS)}, out)
     right, asked = (sum(row[name] for row in checks) for name in ("right", "asked"))
     text = f"{len(rows)} regions of {len(checks)} models in {path}."
     share = f" Right on {right} of {asked} answers on hold-out columns." if asked else ""
     columns = tuple(Column(title, of=title) for title in ("label", "asked", "right"))
-    table = Table.of("checks", "Hold-out columns.", columns, checks)
+    shown = Table.of("checks", "Hold-out columns.", columns, checks)
     content = {"rows": len(rows), "file": path, "checks": checks}
-    return Answer(content, [Paragraph(text + share), table])
+    return Answer(content, [Paragraph(text + share), shown])
 
 
-def _written(
-    tables: Mapping[str, tuple[Sequence[Any], Sequence[str]]], out: str | None
-) -> list[str]:
-    """Paths of tables of the catalogue, each its rows and columns, once they are written."""
+def _written(tables: Mapping[str, Any], out: str | None) -> list[str]:
+    """Paths of tables of the catalogue, once they are written."""
     from workbench.evidence import dataset
-    from workbench.study.store import csv_bytes, write_atomically
+    from workbench.study.store import write_atomically
+    from workbench.study.tables import csv_bytes
 
     written = []
-    for name, (rows, columns) in tables.items():
+    for name, table in tables.items():
         path = dataset(name).path if out is None else Path(out) / dataset(name).path.name
-        write_atomically(path, csv_bytes(rows, columns))
+        write_atomically(path, csv_bytes(table))
         written.append(str(path))
     return written
 

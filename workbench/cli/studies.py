@@ -88,9 +88,10 @@ def run(
 def _ran(summary: RunSummary, result: Assessment, again: str) -> Iterator[Block]:
     from workbench.responses import Outcome
     from workbench.study.store import NOT_RUN
+    from workbench.study.tables import rows_of
 
     yield from _answer(summary.study, result)
-    for row in result.tables["cells"]:
+    for row in rows_of(result.tables["cells"]):
         if row["outcome"] != NOT_RUN and Outcome(row["outcome"]).is_failure:
             yield Paragraph(f"{row['case']}/{row['label']}: {row['outcome']}: {row['message']}")
     counts = ", ".join(f"{n} {outcome}" for outcome, n in sorted(summary.outcomes.items()))
@@ -205,9 +206,12 @@ def validate(study: StudyName, quick: Quick = False, store: StoreRoot = "reports
 
 def gate_objects(result: Assessment) -> list[dict[str, Any]]:
     """The verdicts of the gates, as the table of verdicts has them."""
+    from workbench.study.tables import rows_of
+
+    rows = rows_of(result.tables["verdicts"])
     return [
         {**{name: row[name] for name in _SHOWN}, "counts": verdict.counts}
-        for row, verdict in zip(result.tables["verdicts"], result.verdicts, strict=True)
+        for row, verdict in zip(rows, result.verdicts, strict=True)
     ]
 
 

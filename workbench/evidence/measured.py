@@ -170,7 +170,7 @@ def _known(
     """What was measured in a region, the values of this column beside its bounds."""
     parts = {
         "errors": not isnan(row["bias"]),
-        "collapses": row["falls"] + row["stands"] > 0,
+        "collapses": row["false_alarm"] + row["false_safe"] > 0,
         "restitution": bounces,
     }
     present = (*_sides(row), *(name for name, here in parts.items() if here))

@@ -9,31 +9,17 @@ from typing import Any
 import pandas as pd
 
 from workbench.errors import Collapse, InputError, Mechanism
-from workbench.evidence.catalogue import LITERAL
 from workbench.responses import Finding, Outcome, Response
 from workbench.responses.outcome import SYNTHETIC
-from workbench.study.assess import COLLAPSE
 from workbench.study.definition import Study
-from workbench.study.store import NOT_RUN, Store
+from workbench.study.store import NOT_RUN, UNREADABLE, Store
+from workbench.study.tables import read_table, rows_of
 
 BEST = "the best reference"  # stands for the one that counts in a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
     *("references", "validation", "matrix", "cost", "budget", "ranking", "advice"),
-)
-_TEXTS = dict.fromkeys(
-    (
-        *("case", "label", "model", "outcome", "message", "key", "against"),
-        *("quantity", "metric", "note", "gate", "verdict", "rationale", "source"),
-        *("converging", "accepted", "subject", "severity", "sentence", "remedy"),
-        *("doubt", "group", "reason", "worst", "term", "region"),
-    ),
-    str,
-)
-_LISTS = dict.fromkeys(
-    ("reasons", "collapsed", "collapse_parts", "lacks", "instead"),
-    lambda text: json.loads(text) if text else None,
 )
 
 
@@ -84,21 +70,21 @@ class Stored:
     read: dict[str, Response] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
-    def rows(self) -> dict[str, list[Any]]:
-        """Rows of the tables of the assessment by name; numbers that are absent are None.
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """The tables of the assessment by name.
 
         Raises `InputError` if the study has not been run and assessed.
         """
-        found = {}
-        for name in _TABLES:
-            path = self.directory / "tables" / f"{name}.csv"
-            if not path.is_file():
-                problem = f"has no table {name} in its store"
-                raise InputError("study", self.study.name, problem, "run it first")
-            table = pd.read_csv(path, dtype=_TEXTS, converters=_LISTS, **LITERAL)
-            table = table.fillna({name: "" for name in table.columns if name in _TEXTS})
-            found[name] = table.astype(object).where(table.notna(), None).to_dict("records")
-        return found
+        try:
+            return {name: read_table(self.directory / "tables" / name) for name in _TABLES}
+        except UNREADABLE as error:
+            text = f"has no readable table in its store: {error}"
+            raise InputError("study", self.study.name, text, "run it first") from error
+
+    @cached_property
+    def rows(self) -> dict[str, list[dict[str, Any]]]:
+        """Rows of the tables; numbers that are absent are None."""
+        return {name: rows_of(table) for name, table in self.tables.items()}
 
     @cached_property
     def cells(self) -> dict[tuple[str, str], CellState]:
@@ -185,10 +171,10 @@ class Stored:
 
     def held_against(self, case: str, against: str) -> str:
         """The label that others are held against in a case; empty if no reference answered."""
-        return self._counting.get(case, "") if against == BEST else against
+        return self._governing.get(case, "") if against == BEST else against
 
     @cached_property
-    def _counting(self) -> dict[str, str]:
+    def _governing(self) -> dict[str, str]:
         """The reference that counts in each case."""
         return {row["case"]: row["label"] for row in self.rows["references"]}
 
@@ -214,5 +200,5 @@ def _collapse(row: dict[str, Any]) -> Collapse | None:
     """The collapse in a row of the table of cells."""
     if row["outcome"] != Outcome.COLLAPSE:
         return None
-    mechanism, parts, *numbers = (row[name] for name in COLLAPSE)
+    mechanism, parts, *numbers = (row[f"collapse_{name}"] for name in Collapse._fields)
     return Collapse(Mechanism(mechanism), tuple(parts), *numbers)

@@ -3,15 +3,17 @@
 The verdict of a gate counts all cases that are asked; the rule itself stands in `assessment/gates`.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from itertools import chain
+from math import nan
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 from workbench.assessment import METRICS
-from workbench.assessment.budget import COLUMNS as TERM_COLUMNS
 from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
-from workbench.errors import Collapse, InputError
+from workbench.errors import InputError
 from workbench.responses import (
     Outcome,
     Response,
@@ -35,45 +37,88 @@ from workbench.study.comparisons import (
 )
 from workbench.study.definition import Study, varied_case
 from workbench.study.manifest import as_answered
-from workbench.study.matrix import COST_COLUMNS, MATRIX_COLUMNS, cost_rows, matrix_rows, pooled
-from workbench.study.standing import STANDING_COLUMNS, doubted, outside, standing_row
-from workbench.study.store import NOT_RUN, Record, Row, Store, csv_bytes, write_atomically
+from workbench.study.matrix import (
+    BIAS_COLUMNS,
+    COST_COLUMNS,
+    MATRIX_COLUMNS,
+    bias_rows,
+    cost_rows,
+    matrix_rows,
+)
+from workbench.study.standing import REFERENCE_COLUMNS, doubted, outside, reference_row
+from workbench.study.store import NOT_RUN, Record, Store
+from workbench.study.tables import (
+    Columns,
+    Row,
+    Tables,
+    counts,
+    lists,
+    numbers,
+    table,
+    texts,
+    write_table,
+)
 from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
 from workbench.study.validity import ADVICE_COLUMNS, RANKING_COLUMNS, advice_rows, ranking_rows
 
-_CELL = ("case", "label", "model", "model_version", "outcome", "message", "wall_time")
-_COMPARISON = (
-    *("model", "against", "quantity", "metric", "value", "against_value", "error"),
-    *("uncertainty", "note", "low", "high"),
+_CELL = (
+    texts("case", "label", "model")
+    | counts("model_version")
+    | texts("outcome", "message")
+    | numbers("wall_time", "solve_time")
 )
-_BIAS = (
-    *("model", "against", "quantity", "count", "bias", "low", "high", "uncertainty"),
-    *("model_scatter", "note"),
-)
-_GATE = ("number", "gate", "model", "against", "quantity", "metric")
-_JUDGED = ("case", "value", "uncertainty", "low", "high", "collapsed", "bound")
-CASE_COLUMNS = (*_GATE, *_JUDGED, "verdict", "note", "doubt")
-VERDICT_COLUMNS = (
-    *(*_GATE, "verdict", "asked", *(verdict.value for verdict in Verdict), "collapses"),
-    *(*_JUDGED, "reasons", "rationale", "source"),
-)
-COLLAPSE = tuple(f"collapse_{name}" for name in Collapse._fields)
 # of a cell: `outside`, how many warnings place it outside the domain; `cold`, whether its times may
 # hold compilation
-_DERIVED = ("shear_utilisation", "energy_error", "outside", "cold")
-BUDGET_COLUMNS = ("case", "label", "quantity", "value", *TERM_COLUMNS)
-_FEWEST_FOR_BIAS = 3  # cases
+_DERIVED = (
+    numbers("shear_utilisation", "energy_error")
+    | counts("outside", "cold")
+    | texts("collapse_mechanism")
+    | lists("collapse_parts")
+    | numbers("collapse_displacement", "collapse_time")
+    | texts("key")
+)
+_FINDING = texts("case", "label", "model") | texts(*FINDING_COLUMNS[:-1]) | numbers("number")
+_COMPARISON = (
+    texts("model", "against", "quantity", "metric")
+    | numbers("value", "against_value", "error", "uncertainty")
+    | texts("note")
+    | numbers("low", "high")
+)
+_GATE = counts("number") | texts("gate", "model", "against", "quantity", "metric")
+_JUDGED = (
+    texts("case")
+    | numbers("value", "uncertainty", "low", "high")
+    | lists("collapsed")
+    | numbers("bound")
+)
+_GATED = _GATE | _JUDGED | texts("verdict", "note", "doubt")
+_VERDICT = (
+    _GATE
+    | texts("verdict")
+    | counts("asked", *(verdict.value for verdict in Verdict), "collapses")
+    | _JUDGED
+    | lists("reasons")
+    | texts("rationale", "source")
+)
+_BUDGET = (
+    texts("case", "label", "quantity")
+    | numbers("value")
+    | texts("term")
+    | numbers("shift", "low", "high", "least", "most")
+    | texts("reason", "source")
+    | lists("lacks")
+)
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """The rows of all `tables` by name, as stored under `directory`, and the `verdicts`.
+    """All `tables` by name, as stored under `directory`, and the `verdicts`.
 
     `responses`, what was read of the store, by keys of cells: a report need not read it again.
     """
 
     directory: Path
-    tables: Mapping[str, Sequence[Row]]
+    tables: Tables
     verdicts: tuple[GateVerdict, ...]
     responses: dict[str, Response] = field(default_factory=dict, repr=False)
 
@@ -97,75 +142,97 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
         advice = f"run it first: workbench run {study.name}"
         raise InputError("study", study.name, "has no stored cells yet", advice)
     cells = as_answered(cells, store) if earlier else cells
-    names = list(dict.fromkeys(name for case in study.cases for name in case.parameters))
-    for name in names:
-        if name in {*_CELL, *TIMES, *_COMPARISON, *SCALARS, "key"}:
+    parameters = _parameters(study)
+    for name in parameters:
+        if name in {**_CELL, **_COMPARISON, **dict.fromkeys(SCALARS), "key": ""}:
             raise InputError("case.parameters", name, "is the name of a column", "rename it")
-    rows: dict[str, list[Row]] = {"cells": [], "findings": []}
     records: dict[str, Record] = {}
-    read: dict[str, Response] = {}
-    given = []
+    responses: dict[str, Response] = {}
     by_case: dict[str, list[Cell]] = {}
     for cell in cells:
         by_case.setdefault(cell.case, []).append(cell)
-        answer = None if cell.key in read else store.answer(cell.key, cell.ingredients)
+        answer = None if cell.key in responses else store.answer(cell.key, cell.ingredients)
         if answer is not None:
-            records[cell.key], read[cell.key] = answer
+            records[cell.key], responses[cell.key] = answer
+    given = []
     for case in study.cases:
-        responses: dict[str, Response] = {}
-        of_case: list[Row] = []
-        asked = by_case.get(case.name, [])
-        for cell in asked:
-            who = {"case": cell.case, "label": cell.label, "model": cell.model.name}
-            row = {**who, "model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
-            if (response := read.get(cell.key)) is not None:
-                responses[cell.label] = response
-                row |= _numbers(response, records[cell.key])
-                rows["findings"] += [{**who, **f.as_dict()} for f in findings_of(response)]
-            of_case.append({**row, **case.parameters})
-        given.append(Answers(study, case, tuple(cell.label for cell in asked), responses))
-        rows["cells"] += [{**row, **_widths(given[-1], str(row["label"]))} for row in of_case]
-    verdicts = verdicts_of(study, given)
-    rows["references"] = [standing_row(answers) for answers in given]
-    rows["comparisons"] = [
-        row
-        for answers, standing in zip(given, rows["references"], strict=True)
-        for row in comparison_rows(answers, standing.get("label"))
-    ]
-    ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
-    rows["ladder"] = [row for row in ladders if row]
-    rows["gates"] = [{**_columns(v), **asdict(case)} for v in verdicts for case in v.cases]
-    rows["verdicts"] = [verdict_row(found) for found in verdicts]
-    rows["bias"] = list(_bias_rows(rows["comparisons"], study.reference))
-    rows["validation"] = list(validation_rows(study, given))
-    rows["matrix"] = list(matrix_rows(study, rows))
-    rows["cost"] = list(cost_rows(study, rows))
-    rows["ranking"] = list(ranking_rows(study, rows))
-    rows["advice"] = list(advice_rows(study, rows))
-    rows["budget"] = list(_budget_rows(study, cells, read))
-    columns = {
-        "cells": (
-            *(*_CELL, "solve_time", *names, *SCALARS, *map(width_of, study.quantities)),
-            *(*_DERIVED, *COLLAPSE, "key"),
+        asked = {cell.label: cell for cell in by_case.get(case.name, [])}
+        answered = {
+            label: responses[cell.key] for label, cell in asked.items() if cell.key in responses
+        }
+        given.append(Answers(study, case, tuple(asked), answered))
+    tables = {
+        "cells": table(
+            (
+                _cell_row(answers, cell, records.get(cell.key))
+                for answers in given
+                for cell in by_case.get(answers.case.name, [])
+            ),
+            {
+                **{**_CELL, **parameters, **numbers(*SCALARS, *map(width_of, study.quantities))},
+                **_DERIVED,
+            },
         ),
-        "findings": ("case", "label", "model", *FINDING_COLUMNS),
-        "comparisons": ("case", *names, *_COMPARISON),
-        "ladder": ("case", "quantity", *study.steps, *LADDER_COLUMNS),
-        "gates": CASE_COLUMNS,
-        "verdicts": VERDICT_COLUMNS,
-        "bias": _BIAS,
-        "references": STANDING_COLUMNS,
-        "validation": VALIDATION_COLUMNS,
-        "matrix": MATRIX_COLUMNS,
-        "cost": COST_COLUMNS,
-        "ranking": RANKING_COLUMNS,
-        "advice": ADVICE_COLUMNS,
-        "budget": BUDGET_COLUMNS,
+        "findings": table((row for answers in given for row in _finding_rows(answers)), _FINDING),
+        "references": table(map(reference_row, given), REFERENCE_COLUMNS),
     }
+    verdicts = verdicts_of(study, given)
+    best = tables["references"]["label"]
+    comparisons = map(comparison_rows, given, best)
+    ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
+    judged = ({**_columns(v), **asdict(case)} for v in verdicts for case in v.cases)
+    tables |= {
+        "comparisons": table(chain(*comparisons), {**texts("case"), **parameters, **_COMPARISON}),
+        "ladder": table(
+            filter(None, ladders),
+            {**texts("case", "quantity"), **numbers(*study.steps), **LADDER_COLUMNS},
+        ),
+        "gates": table(judged, _GATED),
+        "verdicts": table(map(verdict_row, verdicts), _VERDICT),
+        "validation": table(validation_rows(study, given), VALIDATION_COLUMNS),
+        "budget": table(_budget_rows(study, cells, responses), _BUDGET),
+    }
+    derived: dict[str, tuple[Callable[[Study, Tables], Iterable[Row]], Columns]] = {
+        "bias": (bias_rows, BIAS_COLUMNS),
+        "matrix": (matrix_rows, MATRIX_COLUMNS),
+        "cost": (cost_rows, COST_COLUMNS),
+        "ranking": (ranking_rows, RANKING_COLUMNS),
+        "advice": (advice_rows, ADVICE_COLUMNS),
+    }
+    for name, (rows, columns) in derived.items():
+        tables[name] = table(rows(study, tables), columns)
     store.prepare()
-    for name, table in rows.items():
-        write_atomically(store.tables / f"{name}.csv", csv_bytes(table, columns[name]))
-    return Assessment(store.directory, rows, verdicts, read)
+    for name, each in tables.items():
+        write_table(store.tables / name, each)
+    return Assessment(store.directory, tables, verdicts, responses)
+
+
+def _parameters(study: Study) -> Columns:
+    """Columns of the parameters of cases: numbers, or texts where one is none."""
+    values: dict[str, list[Any]] = {}
+    for case in study.cases:
+        for name, value in case.parameters.items():
+            values.setdefault(name, []).append(value)
+    return {
+        name: nan if all(isinstance(value, Real) for value in of) else ""
+        for name, of in values.items()
+    }
+
+
+def _cell_row(answers: Answers, cell: Cell, record: Record | None) -> Row:
+    """What the table of cells says of a cell; `record`, where it is stored."""
+    row: dict[str, Any] = {"case": cell.case, "label": cell.label, "model": cell.model.name}
+    row |= {"model_version": cell.version, "outcome": NOT_RUN, "key": cell.key}
+    if record is not None:
+        row |= _numbers(answers.responses[cell.label], record)
+    return {**row, **answers.case.parameters, **_widths(answers, cell.label)}
+
+
+def _finding_rows(answers: Answers) -> Iterator[Row]:
+    for label, response in answers.responses.items():
+        who = {"case": answers.case.name, "label": label}
+        model = answers.study.models[label].name
+        yield from ({**who, "model": model, **f.as_dict()} for f in findings_of(response))
 
 
 def _numbers(response: Response, record: Record) -> Row:
@@ -183,7 +250,7 @@ def _numbers(response: Response, record: Record) -> Row:
         row["shear_utilisation"] = float(response["shear_utilisation"].max())
     collapse = collapse_of(response)
     if collapse is not None:
-        row |= zip(COLLAPSE, collapse, strict=True)
+        row |= {f"collapse_{name}": value for name, value in collapse._asdict().items()}
     return row
 
 
@@ -197,19 +264,6 @@ def _widths(answers: Answers, label: str) -> Row:
     response = answers.ok(label)
     known = [q for q in answers.study.quantities if response is not None and q in response]
     return {width_of(q): width for q in known if (width := of_side(answers, label, q)[0])}
-
-
-def _bias_rows(comparisons: Sequence[Row], reference: str) -> Iterator[Row]:
-    """Bias and scatter of every model against the reference over the cases, per quantity."""
-    groups: dict[tuple[str, str], list[Row]] = {}
-    for row in comparisons:
-        asked = row["against"] == reference and row["metric"] == "relative_error"
-        if asked and row["value"] > 0.0 and row["against_value"] > 0.0:
-            groups.setdefault((row["model"], row["quantity"]), []).append(row)
-    for (model, quantity), rows in groups.items():
-        if len(rows) < _FEWEST_FOR_BIAS:
-            continue
-        yield {"model": model, "against": reference, "quantity": quantity, **pooled(rows)}
 
 
 def _budget_rows(

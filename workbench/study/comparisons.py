@@ -24,10 +24,12 @@ from workbench.errors import Collapse, InputError
 from workbench.responses import Outcome, Response, collapse_of, findings_of, outcome_of
 from workbench.responses import uncertainty as numerical
 from workbench.study.definition import Case, Study
-from workbench.study.store import Row
+from workbench.study.tables import Row, counts, numbers, texts
 
 LADDER_COLUMNS = (
-    *("order", "extrapolated", "uncertainty", "relative", "converging", "accepted", "note"),
+    numbers("order", "extrapolated", "uncertainty", "relative")
+    | counts("converging", "accepted")
+    | texts("note")
 )
 _OF_THE_RUN = "a number about the run itself"
 _EXACT = "no side has an estimate of its own numerical error; counted as zero"

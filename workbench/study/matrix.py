@@ -1,39 +1,76 @@
-"""The answer of a study: every model over groups of cases against the references that count.
+"""The answer of a study: every model over groups of cases against the governing references.
 
-Made of the tables of cells, comparisons and references. Groups of static cases alone, in which
-displacements are given, are judged by the quantity of their gate or the first of the study.
+Groups of static cases alone, in which displacements are given, are judged by the quantity of their
+gate or the first of the study.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from statistics import median
+
+import pandas as pd
 
 from workbench.assessment import bias_and_scatter
 from workbench.assessment.budget import PEAK, REMAINS, RESIDUAL
 from workbench.responses import Outcome
 from workbench.study.definition import Study, holds_data
-from workbench.study.store import NOT_RUN, Row
+from workbench.study.store import NOT_RUN
+from workbench.study.tables import Row, Tables, counts, numbers, texts
 from workbench.study.validation import MEASURED
 
 ALL = "all cases"
 _POOLED = ("count", "bias", "low", "high", "least", "most", "worst", "within")
-_ENDS = ("answered", "collapsed", "refused", "not_run", "failed")
+_ENDS = {
+    "answered": Outcome.OK,
+    "collapsed": Outcome.COLLAPSE,
+    "refused": Outcome.OUT_OF_DOMAIN,
+    "not_run": NOT_RUN,
+}
 # `quantity`: whose numbers the columns of the peak hold
-# `falls`: the model collapses and the reference survives, `stands`: the other way round;
-# `against`: the references that count, in words; `reference`: cases in which the label is that
+# `false_alarm`: the model collapses and the reference survives, `false_safe`: the other way round;
+# `against`: the governing references, in words; `reference`: cases in which the label is that
 # itself; `known`: largest relative uncertainty of its own peaks there; `outside`: answers outside
 # the domain of the model; `against_outside`: comparisons with a reference outside its own;
 # `synthetic`: cases whose reference is made numbers
 MATRIX_COLUMNS = (
-    *("group", "label", "quantity", "against", "asked", *_ENDS, "falls", "stands", "outside"),
-    *("reference", "known", "against_outside", "synthetic"),
-    *(f"{quantity}_{name}" for quantity in (PEAK, RESIDUAL) for name in _POOLED),
+    texts("group", "label", "quantity", "against")
+    | counts("asked", *_ENDS, "failed", "false_alarm", "false_safe", "outside", "reference")
+    | numbers("known")
+    | counts("against_outside", "synthetic", f"{PEAK}_count")
+    | numbers(*(f"{PEAK}_{name}" for name in _POOLED[1:]))
+    | counts(f"{RESIDUAL}_count")
+    | numbers(*(f"{RESIDUAL}_{name}" for name in _POOLED[1:]))
 )
-COST_COLUMNS = ("label", "against", "count", "ratio", "seconds")
+COST_COLUMNS = texts("label", "against") | counts("count") | numbers("ratio", "seconds")
+BIAS_COLUMNS = (
+    texts("model", "against", "quantity")
+    | counts("count")
+    | numbers("bias", "low", "high", "uncertainty", "model_scatter")
+    | texts("note")
+)
+_FEWEST_FOR_BIAS = 3  # cases
 
-Tables = Mapping[str, Sequence[Row]]
-Pairs = Mapping[tuple[str, str, str], Row]
+
+def governing_references(tables: Tables) -> pd.DataFrame:
+    """The governing references by case, where one answered, with its `outcome`."""
+    ends = tables["cells"][["case", "label", "outcome"]]
+    return tables["references"].merge(ends, on=["case", "label"]).set_index("case")
+
+
+def against_governing(tables: Tables) -> pd.DataFrame:
+    """Relative errors against the governing reference, by (case, model, quantity).
+
+    Column `telling`: the ratio says something. Both numbers are positive, and a residual
+    displacement is no small part of the peak.
+    """
+    found = tables["comparisons"]
+    label = found["case"].map(governing_references(tables)["label"])
+    found = found[(found["metric"] == "relative_error") & (found["against"] == label)]
+    peaks = found[found["quantity"] == PEAK].set_index(["case", "model"])["against_value"]
+    pairs = found.join(peaks.rename("peak"), on=["case", "model"])
+    remains = (pairs["quantity"] != RESIDUAL) | (pairs["against_value"] >= REMAINS * pairs["peak"])
+    positive = pairs[["value", "against_value"]].min(axis=1) > 0.0
+    return pairs.assign(telling=positive & remains).set_index(["case", "model", "quantity"])
 
 
 def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
@@ -41,10 +78,9 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
 
     Published and measured numbers have none, unless tests are the reference.
     """
-    cells = {(row["case"], row["label"]): row for row in tables["cells"]}
-    standings = standings_of(tables)
-    counting = {case: cells[case, str(row["label"])] for case, row in standings.items()}
-    pairs = against_best(tables, standings)
+    cells = tables["cells"]
+    governing = governing_references(tables)
+    pairs = against_governing(tables)
     moving = [case.name for case in study.cases if case.scenario.STATIC is False]
     static = [case.name for case in study.cases if case.scenario.STATIC]
     models = {label: study.models[label] for label in (*study.ranked, *study.models)}
@@ -52,140 +88,125 @@ def matrix_rows(study: Study, tables: Tables) -> Iterator[Row]:
     groups = dict(study.groups) or {ALL: tuple(moving or static)}
     for group, names in groups.items():
         cases = [name for name in names if name in moving]
-        quantity = PEAK if cases else _told_by(study, names, pairs)
+        quantity = PEAK if cases else _judging_quantity(study, names, pairs)
         cases = cases or [name for name in names if quantity]
-        best = Counter(str(standings[case]["label"]) for case in cases if case in standings)
-        counted = (f"{label} ({n})" for label, n in best.items())
-        against = ", ".join(counted if len(best) > 1 else best)
+        best = governing.reindex(cases).dropna(subset="label")
+        governed = Counter(best["label"])
+        named = (f"{label} ({n})" for label, n in governed.items())
+        in_words = ", ".join(named if len(governed) > 1 else governed)
+        of_group = cells[cells["case"].isin(cases)]
         for label in models:
-            asked = {case: cells[case, label] for case in cases if (case, label) in cells}
-            if not asked:
+            asked = of_group[of_group["label"] == label].set_index("case")
+            if asked.empty:
                 continue
-            own = [standings[case] for case in asked if case in standings]
+            held = best.loc[best.index.intersection(asked.index)]
             yield {
-                **{"group": group, "label": label, "quantity": quantity, "against": against},
-                **_ended(list(asked.values())),
-                **_apart(asked, counting),
-                "synthetic": sum(row["synthetic"] for row in own),
-                **_as_reference(own, label),
-                **_compared(label, list(asked), standings, pairs, quantity),
+                **{"group": group, "label": label, "quantity": quantity, "against": in_words},
+                **_ended(asked),
+                **_disagreements(asked["outcome"], best["outcome"]),
+                "synthetic": held["synthetic"].sum(),
+                **_as_reference(held[held["label"] == label]),
+                **_compared(pairs, label, asked.index, held, quantity),
             }
 
 
-def _told_by(study: Study, names: Sequence[str], pairs: Pairs) -> str:
+def _judging_quantity(study: Study, names: Sequence[str], pairs: pd.DataFrame) -> str:
     """The quantity by which static cases are judged; empty if none was compared."""
-    compared = {quantity for case, _, quantity in pairs if case in names}
+    compared = set(pairs.index[pairs.index.isin(names, level="case")].get_level_values("quantity"))
     gated = [gate.quantity for gate in study.gates if set(gate.cases or ()) == set(names)]
     return next((name for name in (*gated, *study.quantities) if name in compared), "")
 
 
-def standings_of(tables: Tables) -> dict[str, Row]:
-    """The references that count, by case, where one answered."""
-    return {row["case"]: row for row in tables["references"] if row.get("label")}
-
-
-def against_best(tables: Tables, standings: Mapping[str, Row]) -> Pairs:
-    """Comparisons with the reference that counts, by case, label and quantity."""
-    return {
-        (row["case"], row["model"], row["quantity"]): row
-        for row in tables["comparisons"]
-        if row["metric"] == "relative_error"
-        and row["case"] in standings
-        and row["against"] == standings[row["case"]]["label"]
-    }
-
-
-def _ended(cells: Sequence[Row]) -> Row:
+def _ended(cells: pd.DataFrame) -> Row:
     """How many cells were asked, and how they ended."""
-    found = Counter(row["outcome"] for row in cells)
-    outcomes = (Outcome.OK, Outcome.COLLAPSE, Outcome.OUT_OF_DOMAIN, NOT_RUN)
-    counts = [found[outcome] for outcome in outcomes]
-    outside = sum(1 for row in cells if row["outcome"] == Outcome.OK and row["outside"])
-    ends = zip(_ENDS, (*counts, len(cells) - sum(counts)), strict=True)
-    return {"asked": len(cells), **dict(ends), "outside": outside}
+    ends = {name: int((cells["outcome"] == outcome).sum()) for name, outcome in _ENDS.items()}
+    outside = ((cells["outcome"] == Outcome.OK) & (cells["outside"] > 0)).sum()
+    failed = len(cells) - sum(ends.values())
+    return {"asked": len(cells), **ends, "failed": failed, "outside": outside}
 
 
-def _apart(asked: Mapping[str, Row], best: Mapping[str, Row]) -> Row:
-    """Cases in which one side alone collapses, `asked` of the model and `best`, by case."""
-    pairs = [(row["outcome"], best[case]["outcome"]) for case, row in asked.items() if case in best]
-    ends = {"falls": (Outcome.COLLAPSE, Outcome.OK), "stands": (Outcome.OK, Outcome.COLLAPSE)}
-    return {name: pairs.count(end) for name, end in ends.items()}
+def _disagreements(model: pd.Series, reference: pd.Series) -> Row:
+    """Cases in which one side alone collapses, from the outcomes of both by case."""
+    reference = reference.reindex(model.index)
+    alarm = (model == Outcome.COLLAPSE) & (reference == Outcome.OK)
+    safe = (model == Outcome.OK) & (reference == Outcome.COLLAPSE)
+    return {"false_alarm": alarm.sum(), "false_safe": safe.sum()}
 
 
-def _as_reference(standings: Sequence[Row], label: str) -> Row:
-    own = [row.get("uncertainty") for row in standings if row["label"] == label]
-    known = [float(width) for width in own if width is not None]
-    return {
-        "reference": len(own),
-        "known": max(known) if known and len(known) == len(own) else None,
-    }
+def _as_reference(held: pd.DataFrame) -> Row:
+    """Cases that the label governs, and its largest relative uncertainty if all are known."""
+    return {"reference": len(held), "known": held["uncertainty"].max(skipna=False)}
 
 
 def _compared(
-    label: str, cases: Sequence[str], standings: Mapping[str, Row], pairs: Pairs, quantity: str
+    pairs: pd.DataFrame, label: str, cases: pd.Index, held: pd.DataFrame, quantity: str
 ) -> Row:
     """Bias of `quantity`, as a rule the peak, and of the residual displacement over a group."""
     row: dict[str, object] = {}
     for name, judged in ((PEAK, quantity), (RESIDUAL, RESIDUAL)):
-        told = (telling(pairs, case, label, judged) for case in cases)
-        found = [pair for pair in told if pair is not None]
-        if found:
-            numbers = pooled(found)
-            row |= {f"{name}_{number}": numbers[number] for number in _POOLED}
+        found = telling(pairs, label, judged)
+        found = found[found.index.isin(cases)]
+        if len(found):
+            pooling = pooled(found)
+            row |= {f"{name}_{number}": pooling[number] for number in _POOLED}
         if name == PEAK:
-            row["against_outside"] = sum(not standings[pair["case"]]["inside"] for pair in found)
+            row["against_outside"] = (held["inside"].reindex(found.index) == 0).sum()
     return row
 
 
-def telling(pairs: Pairs, case: str, label: str, quantity: str) -> Row | None:
-    """The comparison of a case, None where its ratio says nothing or there is none."""
-    pair, peak = (pairs.get((case, label, name)) for name in (quantity, PEAK))
-    if quantity not in (PEAK, RESIDUAL):
-        peak = pair
-    if pair is None or peak is None or min(pair["value"], pair["against_value"]) <= 0.0:
-        return None
-    return pair if pair["against_value"] >= REMAINS * peak["against_value"] else None
+def telling(pairs: pd.DataFrame, label: str, quantity: str) -> pd.DataFrame:
+    """Comparisons of a label and quantity by case, where their ratio says something."""
+    index = pairs.index
+    chosen = (index.get_level_values("model") == label) & pairs["telling"]
+    chosen &= index.get_level_values("quantity") == quantity
+    of_label: pd.DataFrame = pairs[chosen]
+    return of_label.droplevel(["model", "quantity"])
 
 
-def pooled(rows: Sequence[Row]) -> dict[str, object]:
+def pooled(pairs: pd.DataFrame) -> dict[str, object]:
     """Bias and scatter over compared cases; of a single case its error with its uncertainty.
 
     The interval holds what the cases scatter and the mean `uncertainty` of their comparisons.
     Two cases tell no scatter. `least` and `most` are the ends of the ratios, `worst` is the error
     of largest magnitude, `within` the largest with its uncertainty (None: unknown in a case).
     """
-    found = bias_and_scatter([row["value"] for row in rows], [row["against_value"] for row in rows])
-    errors = [row["value"] / row["against_value"] - 1.0 for row in rows]
-    both = [(abs(e), row["uncertainty"]) for e, row in zip(errors, rows, strict=True)]
-    known = [
-        row["uncertainty"] * (row["against_value"] / row["value"])
-        for row in rows
-        if row["uncertainty"] is not None
-    ]
+    found = bias_and_scatter(pairs["value"], pairs["against_value"])
+    errors, widths = pairs["value"] / pairs["against_value"] - 1.0, pairs["uncertainty"]
     # numerical errors have one sign over the cases: they shift the bias, they do not scatter
-    common = sum(known) / len(known) if known else 0.0
-    note = ""
-    if len(known) < len(rows):
-        unknown = f"{len(rows) - len(known)} of {len(rows)} cases"
-        note = f"numerical uncertainty unknown in {unknown}"
-    low, high = (None, None) if len(rows) == 2 else (found.low, found.high)
-    if len(rows) == 1 and known:
+    known = (widths * pairs["against_value"] / pairs["value"]).dropna()
+    common = float(known.mean()) if len(known) else 0.0
+    unknown = len(pairs) - len(known)
+    low, high = (None, None) if len(pairs) == 2 else (found.low, found.high)
+    if len(pairs) == 1 and len(known):
         low = high = found.bias
     return {
         **asdict(found),
         "low": None if low is None else low * (1.0 - common),
         "high": None if high is None else high * (1.0 + common),
-        "uncertainty": common if known else None,
-        "least": min(errors) + 1.0,
-        "most": max(errors) + 1.0,
-        "worst": max(errors, key=abs),
-        "within": None if len(known) < len(rows) else max(error + width for error, width in both),
-        "note": note,
+        "uncertainty": common if len(known) else None,
+        "least": errors.min() + 1.0,
+        "most": errors.max() + 1.0,
+        "worst": errors.iloc[int(errors.abs().argmax())],
+        "within": None if unknown else (errors.abs() + widths).max(),
+        "note": f"numerical uncertainty unknown in {unknown} of {len(pairs)} cases"
+        if unknown
+        else "",
     }
 
 
+def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
+    """Bias and scatter of every model against the reference over the cases, per quantity."""
+    found = tables["comparisons"]
+    found = found[(found["against"] == study.reference) & (found["metric"] == "relative_error")]
+    found = found[(found["value"] > 0.0) & (found["against_value"] > 0.0)]
+    for (model, quantity), pairs in found.groupby(["model", "quantity"], sort=False):
+        if len(pairs) >= _FEWEST_FOR_BIAS:
+            row = {"model": model, "against": study.reference, "quantity": quantity}
+            yield {**row, **pooled(pairs)}
+
+
 def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
-    """Median time of every label over that of the reference that counts in most cases.
+    """Median time of every label over that of the reference that governs most cases.
 
     Solving alone where both sides know that, else the whole answer; a time that may hold
     compilation does not count. Tests have no cost: where they are the reference, the slowest model
@@ -193,37 +214,28 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """
     moving = {case.name for case in study.cases if case.scenario.STATIC is False}
     moving = moving or {case.name for case in study.cases if case.scenario.STATIC}
-    standings = standings_of(tables)
-    best = Counter(row["label"] for case, row in standings.items() if case in moving)
-    timed = {
-        (row["case"], row["label"]): row
-        for row in tables["cells"]
-        if row["outcome"] == Outcome.OK and not row["cold"]
-    }
-    computed = {label for label, model in study.models.items() if not holds_data(model)}
-    whole: dict[str, list[float]] = {}
-    for (_, label), row in timed.items():
-        whole.setdefault(label, []).append(float(row["wall_time"]))
-    slowest = max(computed, key=lambda label: median(whole.get(label, [0.0])), default="")
-    counted = [label for label, _ in best.most_common() if label in computed]
-    for base in (counted or [slowest])[:1]:
-        for label, model in study.models.items():
-            pairs = [(timed.get((case, label)), timed.get((case, base))) for case in sorted(moving)]
-            ratios = [_ratio(own, other) for own, other in pairs if own and other]
-            if ratios and not holds_data(model):
-                row = {"label": label, "against": base, "count": len(ratios)}
-                own = [timed[case, label] for case in moving if (case, label) in timed]
-                seconds = median(float(r.get("solve_time") or r["wall_time"]) for r in own)
-                yield {**row, "ratio": median(ratios), "seconds": seconds}
+    computed = [label for label, model in study.models.items() if not holds_data(model)]
+    cells = tables["cells"]
+    timed = cells[(cells["outcome"] == Outcome.OK) & (cells["cold"] == 0)]
+    whole, solving = (
+        timed.pivot_table(name, "case", "label").reindex(columns=computed)
+        for name in ("wall_time", "solve_time")
+    )
+    slowest = whole.median().fillna(0.0).nlargest(1).index
+    solving = solving.where(solving > 0.0)
+    best = governing_references(tables)["label"]
+    governed = Counter(best[best.index.isin(moving)]).most_common()
+    for base in [label for label, _ in governed if label in computed][:1] or slowest:
+        whole, solving = (times[times.index.isin(moving)] for times in (whole, solving))
+        ratios = solving.div(solving[base], axis=0).fillna(whole.div(whole[base], axis=0))
+        seconds = solving.fillna(whole).median()
+        for label in computed:
+            if count := ratios[label].count():
+                row = {"label": label, "against": base, "count": count}
+                yield {**row, "ratio": ratios[label].median(), "seconds": seconds[label]}
 
 
 def _shown(study: Study, label: str) -> bool:
     """Whether a label has a row: a model has, and tests that are the reference."""
     model = study.models[label]
     return not holds_data(model) or (model.name == MEASURED and label in study.ranked)
-
-
-def _ratio(own: Row, other: Row) -> float:
-    both = own.get("solve_time") and other.get("solve_time")
-    name = "solve_time" if both else "wall_time"
-    return float(own[name]) / float(other[name])

@@ -8,12 +8,13 @@ with few columns. A region ends at its lightest striker: where strikers weigh no
 hit at once, peaks hang on the rule for that mass, and columns drawn afterwards lay far outside.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 from itertools import pairwise
-from math import floor, inf, log10
+from math import floor, inf, log10, nan
 
 import numpy as np
+import pandas as pd
 
 from workbench.arrays import Array
 from workbench.assessment.budget import PEAK, RESIDUAL
@@ -22,8 +23,9 @@ from workbench.errors import InputError
 from workbench.evidence.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
 from workbench.study.assess import Assessment
 from workbench.study.definition import Study
-from workbench.study.matrix import against_best, standings_of, telling
-from workbench.study.store import Row, Store
+from workbench.study.matrix import against_governing, governing_references, telling
+from workbench.study.store import NOT_RUN, Store
+from workbench.study.tables import Row, counts, numbers, texts
 from workbench.study.validity import hits_of
 
 _MILD = 5.0
@@ -33,11 +35,16 @@ _DIGITS = 3  # to which the sampled ranges are rounded, outwards
 _FROM_ZERO = ("axial_over_squash", "axial_over_euler", "restraint_over_axial")
 _NEAR_ZERO = 0.01  # of the largest value: those descriptors count as sampled from zero on
 COLUMNS = (
-    *("model", "model_version", "options", "quantity", "region"),
-    *(f"{name}_{end}" for name in BOUNDS for end in ("low", "high")),
-    *("held_out", *TREND, "outside", "references", "study", "commits"),
+    texts("model")
+    | counts("model_version")
+    | texts("options", "quantity", "region")
+    | numbers(*(f"{name}_{end}" for name in BOUNDS for end in ("low", "high")))
+    | counts("held_out")
+    | {name: 0 if name == "count" else nan for name in TREND}
+    | counts("outside")
+    | texts("references", "study", "commits")
 )
-RANGE_COLUMNS = ("descriptor", "low", "high")
+RANGE_COLUMNS = texts("descriptor") | numbers("low", "high")
 
 
 def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
@@ -46,39 +53,39 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
     A reference is held against better ones only. Wide regions stand in for narrow ones with too
     few columns. Raises `InputError` if the study has no compared impact on a column.
     """
-    told = {name: descriptors(hit) for name, hit in hits_of(study).items()}
-    standings = standings_of(found.tables)
-    pairs = against_best(found.tables, standings)
-    if not pairs or not told:
+    hits = pd.DataFrame({name: descriptors(hit) for name, hit in hits_of(study).items()}).T
+    governing = governing_references(found.tables)
+    pairs = against_governing(found.tables)
+    if pairs.empty or hits.empty:
         text = "has no impact on a column that is answered and compared"
         raise InputError("study", study.name, text, "run it first")
-    store = Store(found.directory)
-    answered = (store.record(row["key"]) for row in found.tables["cells"] if "message" in row)
+    store, cells = Store(found.directory), found.tables["cells"]
+    answered = map(store.record, cells.loc[cells["outcome"] != NOT_RUN, "key"])
     commits = sorted({record["provenance"].get("commit", "unknown") for record in answered})
-    versions = {row["label"]: row["model_version"] for row in found.tables["cells"]}
+    versions = dict(zip(cells["label"], cells["model_version"], strict=True))
     for label, model in study.models.items():
         better = study.ranked[: study.ranked.index(label)] if label in study.ranked else None
         head = {"model": model.name, "model_version": versions[label], "options": variant_of(model)}
         for quantity in (PEAK, RESIDUAL):
-            compared = {
-                case: pair
-                for case in told
-                if (pair := telling(pairs, case, label, quantity)) is not None
-                and (better is None or standings[case]["label"] in better)
-            }
-            for region in _filled(told, compared):
-                inside = [case for case in compared if _holds(region, told[case])]
-                ratios = [compared[c]["value"] / compared[c]["against_value"] for c in inside]
-                against = [str(standings[case]["label"]) for case in inside]
-                counts = {name: against.count(name) for name in study.ranked if name in against}
+            compared = telling(pairs, label, quantity)
+            compared = compared[compared.index.isin(hits.index)]
+            if better is not None:
+                compared = compared[compared["against"].isin(better)]
+            drawn = hits.loc[compared.index]
+            for region in _filled(drawn):
+                inside = _holds(region, drawn)
+                of_region, demand = compared[inside], drawn.loc[inside, DEMAND].to_numpy()
+                ratios = np.log((of_region["value"] / of_region["against_value"]).to_numpy())
+                held = of_region["against"].value_counts()
+                counted = {name: held[name] for name in study.ranked if name in held}
                 yield {
                     **head,
                     "quantity": quantity,
                     **region,
-                    f"{STRIKER}_low": _down(min(told[case][STRIKER] for case in inside)),
-                    **_numbers(np.array([told[c][DEMAND] for c in inside]), np.log(ratios)),
-                    "outside": sum(not standings[case]["inside"] for case in inside),
-                    "references": ", ".join(f"{name} ({n})" for name, n in counts.items()),
+                    f"{STRIKER}_low": _down(drawn.loc[inside, STRIKER].min()),
+                    **_numbers(demand, ratios),
+                    "outside": (governing["inside"].loc[of_region.index] == 0).sum(),
+                    "references": ", ".join(f"{name} ({n})" for name, n in counted.items()),
                     "study": study.name,
                     "commits": " ".join(commits),
                 }
@@ -86,20 +93,19 @@ def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
 
 def range_rows(study: Study) -> Iterator[Row]:
     """What the columns of a study span in each descriptor, rounded outwards."""
-    sampled = list(map(descriptors, hits_of(study).values()))
-    for name in sampled[0]:
-        values = [own[name] for own in sampled]
-        low, high = _down(min(values)), -_down(-max(values)) + 0.0
+    sampled = pd.DataFrame(map(descriptors, hits_of(study).values()))
+    for name, values in sampled.items():
+        low, high = _down(values.min()), -_down(-values.max()) + 0.0
         if name in _FROM_ZERO and low < _NEAR_ZERO * high:
             low = 0.0
         yield {"descriptor": name, "low": low, "high": high}
 
 
-def _filled(told: Mapping[str, dict[str, float]], compared: Mapping[str, Row]) -> Iterator[Row]:
-    """The regions with enough columns, the one that counts first."""
+def _filled(drawn: pd.DataFrame) -> Iterator[Row]:
+    """The regions with enough of the columns, the one that counts first."""
 
     def enough(region: Row) -> bool:
-        return sum(_holds(region, told[case]) for case in compared) >= FEWEST
+        return int(_holds(region, drawn).sum()) >= FEWEST
 
     mild = _region("hits that hardly yield", (0.0, inf), (0.0, _MILD))
     narrow = {edges: _sheared(*edges) for edges in pairwise(_EDGES)}
@@ -121,8 +127,12 @@ def _region(
     return {"region": name, **ends}
 
 
-def _holds(region: Row, own: dict[str, float]) -> bool:
-    return all(region[f"{k}_low"] <= own[k] < region[f"{k}_high"] for k in BOUNDS)
+def _holds(region: Row, drawn: pd.DataFrame) -> pd.Series:
+    """Which of the columns, by their descriptors, lie in a region."""
+    inside = pd.Series(True, index=drawn.index)
+    for name in BOUNDS:
+        inside &= (region[f"{name}_low"] <= drawn[name]) & (drawn[name] < region[f"{name}_high"])
+    return inside
 
 
 def _numbers(demand: Array, ratios: Array) -> Row:

@@ -9,9 +9,14 @@ from workbench.assessment.gates import CaseVerdict, Gate, Verdict, judge
 from workbench.errors import InputError
 from workbench.responses import Finding, Response, findings_of, is_synthetic
 from workbench.study.comparisons import Answers, compare, of_side
-from workbench.study.store import Row
+from workbench.study.tables import Row, counts, numbers, texts
 
-STANDING_COLUMNS = ("case", "label", "inside", "synthetic", "uncertainty", "reason")
+REFERENCE_COLUMNS = (
+    texts("case", "label")
+    | counts("inside", "synthetic")
+    | numbers("uncertainty")
+    | texts("reason")
+)
 FORM = "synthetic, shows the form only,"
 BOTH = "within the bound, but both sides are outside their domain,"
 
@@ -50,7 +55,7 @@ def standing_of(answers: Answers) -> Standing | None:
     return best_outside
 
 
-def standing_row(answers: Answers) -> Row:
+def reference_row(answers: Answers) -> Row:
     """The row of a case in the table of references, with the relative uncertainty of the peak."""
     row: dict[str, object] = {"case": answers.case.name}
     found = standing_of(answers)

@@ -14,14 +14,13 @@ import json
 import os
 import struct
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from scipy.io import netcdf_file, netcdf_variable
 
@@ -53,7 +52,6 @@ UNREADABLE = (
 _CODED = {"_FillValue", "missing_value", "scale_factor", "add_offset", "dtype", "coordinates"}
 
 Record = dict[str, Any]
-Row = Mapping[str, Any]
 Ingredients = Mapping[str, Any]  # everything that an answer depends on
 
 
@@ -148,17 +146,6 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "item"):
         return value.item()  # a NumPy scalar, as sweeps often carry
     raise TypeError(f"{type(value).__name__} cannot be stored as JSON")
-
-
-def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
-    """Rows as CSV with a header; None is an empty field, floats keep all digits, lists are JSON."""
-
-    def field(value: Any) -> Any:
-        plain = not isinstance(value, (bool, list, tuple))
-        return value if plain else json.dumps(value, ensure_ascii=False)
-
-    table = pd.DataFrame(rows, columns=list(columns), dtype=object).map(field)
-    return table.to_csv(index=False, lineterminator="\n").encode()
 
 
 def to_netcdf_bytes(response: Response) -> bytes:

@@ -16,12 +16,16 @@ from workbench.errors import InputError, SolverError
 from workbench.responses import is_synthetic
 from workbench.study.comparisons import Answers, compare
 from workbench.study.definition import Study, holds_data
-from workbench.study.store import Row
+from workbench.study.tables import Row, counts, numbers, texts
 
 VALIDATION_COLUMNS = (
-    *("model", "against", "quantity", "tests", "campaigns", "bias", "low", "high", "scatter"),
-    *("measurement", "least", "worst", "covered", "counted", "coverage_low", "coverage_high"),
-    "synthetic",
+    texts("model", "against", "quantity")
+    | counts("tests", "campaigns")
+    | numbers("bias", "low", "high", "scatter", "measurement", "least")
+    | texts("worst")
+    | counts("covered", "counted")
+    | numbers("coverage_low", "coverage_high")
+    | counts("synthetic")
 )
 CONFIDENCE = 0.95
 _TWO_SIDED = 1.96  # standard deviations in a half-width that holds 95 %

@@ -1,6 +1,6 @@
 """Rules of validity and rankings from a stored study of drawn columns.
 
-Every answer is judged by its peak against the reference that counts: its relative error, infinite
+Every answer is judged by the error of its peak against the governing reference: relative, infinite
 where one side alone collapses, zero where both do. A small tree per model finds the regions in
 which it errs; pairs of answers on the same column say which of two models errs less.
 """
@@ -10,6 +10,7 @@ from math import inf
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.stats import binomtest
 
 from workbench.arrays import Array, Indices
@@ -20,50 +21,61 @@ from workbench.evidence.measured import BEYOND
 from workbench.responses import Outcome
 from workbench.scenarios import ColumnImpact
 from workbench.study.definition import Study
-from workbench.study.matrix import Tables, against_best, standings_of
-from workbench.study.store import Row
+from workbench.study.matrix import against_governing, governing_references
+from workbench.study.tables import Row, Tables, counts, numbers, texts
 
 DEPTH, FEWEST = 4, 12  # of the tree of a model, and columns of a region
 ADVISED_DEPTH, ADVISED_FEWEST = 2, 20  # of the tree that says which model to take
 LARGE_GROUP = 20  # columns from which models of a group are ranked by counts
 _MIDDLE = (5.0, 95.0)  # percentiles of the errors that are told
+_COUNTED = counts("low", "high", "false_alarm", "false_safe")
 VALIDITY_COLUMNS = (
-    *("model", "model_version", "options"),
-    *(f"{name}_{end}" for name in FEATURES for end in ("low", "high")),
-    *("count", "low", "high", "falls", "stands", "bias", "least", "most"),
-    *("better", "better_count", "better_off", "study"),
+    texts("model")
+    | counts("model_version")
+    | texts("options")
+    | numbers(*(f"{name}_{end}" for name in FEATURES for end in ("low", "high")))
+    | counts("count")
+    | _COUNTED
+    | numbers("bias", "least", "most")
+    | texts("better", "study")
 )
 RANKING_COLUMNS = (
-    *("group", "label", "asked", "judged", "within", "low", "high", "falls", "stands", "refused"),
-    *("median", "least", "most", "against", "pairs", "wins", "chance"),
+    texts("group", "label")
+    | counts("asked", "judged", "within")
+    | _COUNTED
+    | counts("refused")
+    | numbers("median", "least", "most")
+    | texts("against")
+    | counts("pairs", "wins")
+    | numbers("chance")
 )
 ADVICE_COLUMNS = (
-    *("region", "label", "count", "within", "low", "high", "falls", "stands"),
-    *("median", "least", "most", "asked", "right"),
+    texts("region", "label")
+    | counts("count", "within")
+    | _COUNTED
+    | numbers("median", "least", "most")
+    | counts("asked", "right")
 )
-Errors = Mapping[str, Mapping[str, float]]
 
 
-def errors_of(study: Study, tables: Tables) -> dict[str, dict[str, float]]:
-    """Errors of the peak by label and case, of reduced models."""
-    standings = standings_of(tables)
-    pairs = against_best(tables, standings)
-    outcomes = {(row["case"], row["label"]): row["outcome"] for row in tables["cells"]}
-    found: dict[str, dict[str, float]] = {}
-    for (case, label), outcome in outcomes.items():
-        standing = standings.get(case)
-        if standing is None or not standing["inside"] or label in study.ranked:
-            continue
-        ends = (outcome, outcomes[case, standing["label"]])
-        fallen = tuple(end == Outcome.COLLAPSE for end in ends)
-        pair = pairs.get((case, label, PEAK))
-        if any(fallen):
-            error = 0.0 if all(fallen) else inf if fallen[0] else -inf
-            if all(fallen) or ends[1 if fallen[0] else 0] == Outcome.OK:
-                found.setdefault(label, {})[case] = error
-        elif pair is not None and pair["against_value"] > 0.0:
-            found.setdefault(label, {})[case] = pair["value"] / pair["against_value"] - 1.0
-    return found
+def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
+    """Errors of the peak by case and label, of reduced models; NaN where nothing is judged."""
+    governing = governing_references(tables)
+    governing = governing[governing["inside"] == 1]
+    pairs = against_governing(tables).reset_index()
+    pairs = pairs[(pairs["quantity"] == PEAK) & (pairs["against_value"] > 0.0)]
+    pairs = pairs.assign(ratio=pairs["value"] / pairs["against_value"])
+    ratios = pairs.pivot_table("ratio", "case", "model")
+    outcomes = tables["cells"].pivot_table("outcome", "case", "label", aggfunc="first")
+    labels = [label for label in study.models if label in outcomes and label not in study.ranked]
+    own, reference = outcomes.reindex(index=governing.index)[labels], governing["outcome"]
+    errors = ratios.reindex(index=own.index, columns=labels) - 1.0
+    for label in labels:
+        falls, stands = own[label] == Outcome.COLLAPSE, own[label] == Outcome.OK
+        errors.loc[falls & (reference == Outcome.COLLAPSE), label] = 0.0
+        errors.loc[falls & (reference == Outcome.OK), label] = inf
+        errors.loc[stands & (reference == Outcome.COLLAPSE), label] = -inf
+    return errors.dropna(axis="columns", how="all")
 
 
 def classes_of(errors: Array) -> Indices:
@@ -73,31 +85,38 @@ def classes_of(errors: Array) -> Indices:
 
 def validity_rows(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:
     """A row for every region of every model, from all columns but the `unseen` ones."""
-    errors = errors_of(study, tables)
-    points = points_of(study)
-    versions = {row["label"]: row["model_version"] for row in tables["cells"]}
-    for label, found in errors.items():
-        model, cases = study.models[label], [case for case in found if case not in unseen]
-        for leaf in leaves_of(found, points, cases):
-            inside = [cases[i] for i in leaf.members]
+    errors, points = errors_of(study, tables), points_of(study)
+    versions = dict(zip(tables["cells"]["label"], tables["cells"]["model_version"], strict=True))
+    within = errors.abs() <= BEYOND
+    for label in map(str, errors):
+        model, judged = study.models[label], errors[label].dropna()
+        judged = judged[~judged.index.isin(unseen)]
+        for leaf in leaves_of(judged, points):
+            inside = judged.iloc[leaf.members]
+            hits = within.loc[inside.index].sum()
+            best = hits.index[hits == hits.max()]
+            better = "" if label in best else _words(study, best[0])
             ends = dict.fromkeys(FEATURES, (-inf, inf)) | _named(leaf)
             yield {
                 "model": model.name,
                 "model_version": versions[label],
                 "options": variant_of(model),
-                **{
-                    f"{n}_{e}": v
-                    for n, b in ends.items()
-                    for e, v in zip(("low", "high"), b, strict=True)
-                },
-                **_counted(np.array([found[case] for case in inside])),
-                **_better(study, errors, label, inside),
+                **{f"{name}_low": low for name, (low, _) in ends.items()},
+                **{f"{name}_high": high for name, (_, high) in ends.items()},
+                **_counted(inside),
+                "better": better,
                 "study": study.name,
             }
 
 
+def _words(study: Study, label: str) -> str:
+    """A model by its name and options."""
+    model = study.models[label]
+    return f"{model.name} {variant_of(model)}".rstrip()
+
+
 def unseen_of(study: Study) -> set[str]:
-    """Cases that a study leaves out of its rules: parameter `part` is ``unseen``."""
+    """Hold-out columns, which a study leaves out of its rules: parameter `part` is ``unseen``."""
     return {case.name for case in study.cases if case.parameters.get("part") == "unseen"}
 
 
@@ -113,13 +132,10 @@ def hits_of(study: Study) -> dict[str, ColumnImpact]:
     return {name: each for name, each in cases if isinstance(each, ColumnImpact)}
 
 
-def leaves_of(
-    found: Mapping[str, float], points: Mapping[str, Array], cases: list[str]
-) -> list[Leaf]:
-    """The tree of a model over some cases."""
-    classes = classes_of(np.array([found[case] for case in cases]))
-    own = np.array([points[case] for case in cases])
-    return list(grow(own, impurity(classes), DEPTH, FEWEST))
+def leaves_of(errors: pd.Series, points: Mapping[str, Array]) -> list[Leaf]:
+    """The tree of a model from its errors by case."""
+    given = np.array([points[case] for case in errors.index])
+    return list(grow(given, impurity(classes_of(errors.to_numpy())), DEPTH, FEWEST))
 
 
 def _named(leaf: Leaf) -> dict[str, tuple[float, float]]:
@@ -128,107 +144,98 @@ def _named(leaf: Leaf) -> dict[str, tuple[float, float]]:
 
 
 def advice_rows(study: Study, tables: Tables) -> Iterator[Row]:
-    """The tree that says which model to take: a row for every region, and how it did unseen.
+    """The tree that says which model to take: a row for every region, and its hold-out columns.
 
     In a region the model that is within the bound most often is taken, the cheapest of equals.
-    Nothing where a study leaves no columns unseen.
+    Nothing where a study has no hold-out columns.
     """
-    unseen, errors, points = unseen_of(study), errors_of(study, tables), points_of(study)
-    costs = {row["label"]: row["ratio"] for row in tables.get("cost", ())}
-    labels = sorted(errors, key=lambda label: costs.get(label, inf))
-    judged = [case for case in points if any(case in errors[label] for label in labels)]
-    cases = [case for case in judged if case not in unseen]
-    left = [case for case in judged if case in unseen]
-    if not left or len(cases) < LARGE_GROUP:
+    errors, points = errors_of(study, tables), points_of(study)
+    errors = errors[errors.index.isin(points)].dropna(how="all")
+    costs = tables["cost"].set_index("label")["ratio"].reindex(errors.columns)
+    errors = errors[costs.sort_values(kind="stable").index]
+    held_out = errors.index.isin(unseen_of(study))
+    seen, left = errors[~held_out], errors[held_out]
+    if left.empty or len(seen) < LARGE_GROUP:
         return
-    hits = np.array([[_within(errors[label], case) for label in labels] for case in cases])
+    within, within_left = (each.abs() <= BEYOND for each in (seen, left))
 
     def missed(members: Indices) -> float:
-        return float(len(members) - hits[members].sum(axis=0).max())
+        return float(len(members) - within.iloc[members].sum().max())
 
-    own = np.array([points[case] for case in cases])
-    for leaf in grow(own, missed, ADVISED_DEPTH, ADVISED_FEWEST):
-        within = hits[leaf.members].sum(axis=0)
-        label = labels[int(within.argmax())]
-        held = [case for case in left if leaf.holds(points[case])]
-        taken = [cases[i] for i in leaf.members if cases[i] in errors[label]]
-        counted = _counted(np.array([errors[label][case] for case in taken]))
+    given = np.array([points[case] for case in seen.index])
+    for leaf in grow(given, missed, ADVISED_DEPTH, ADVISED_FEWEST):
+        hits = within.iloc[leaf.members].sum()
+        label = str(hits.idxmax())
+        held = [case for case in left.index if leaf.holds(points[case])]
+        counted = _counted(seen[label].iloc[leaf.members].dropna())
         yield {
             "region": region_of(_named(leaf)),
             "label": label,
-            "within": int(within.max()),
-            "median": counted.pop("bias"),
+            "within": hits.max(),
+            "median": counted.pop("bias", None),
             **counted,
             "count": len(leaf.members),
             "asked": len(held),
-            "right": sum(_within(errors[label], case) for case in held),
+            "right": within_left.loc[held, label].sum(),
         }
-
-
-def _within(found: Mapping[str, float], case: str) -> bool:
-    """Whether a model answers a case within the bound; not if it gives no answer."""
-    return abs(found.get(case, inf)) <= BEYOND
 
 
 def checked(study: Study, tables: Tables, unseen: set[str]) -> Iterator[Row]:
-    """How often the tree of each model is right on columns that it has not seen."""
+    """How often the tree of each model is right on its hold-out columns, the `unseen` ones."""
     points = points_of(study)
-    for label, found in errors_of(study, tables).items():
-        cases = [case for case in found if case not in unseen]
-        leaves, asked = leaves_of(found, points, cases), [case for case in found if case in unseen]
-        classes = classes_of(np.array([found[case] for case in cases]))
+    for label, errors in errors_of(study, tables).items():
+        judged = errors.dropna()
+        held_out = judged.index.isin(unseen)
+        seen, left = judged[~held_out], judged[held_out]
+        leaves, classes = leaves_of(seen, points), classes_of(seen.to_numpy())
         right = 0
-        for case in asked:
-            leaf = next(leaf for leaf in leaves if leaf.holds(points[case]))
+        for case, error in left.items():
+            leaf = next(leaf for leaf in leaves if leaf.holds(points[str(case)]))
             usual = np.bincount(classes[leaf.members]).argmax()
-            right += int(usual == classes_of(np.array([found[case]]))[0])
-        yield {"label": label, "asked": len(asked), "right": right}
+            right += int(usual == classes_of(np.array([error]))[0])
+        yield {"label": label, "asked": len(left), "right": right}
 
 
 def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
-    """A row for every large group and model, the best first, with its pairs against that one."""
+    """A row for every large group and model, the best first, with its pairs against that one.
+
+    Ranked by columns not within the bound, then by the median size of the error.
+    """
     errors = errors_of(study, tables)
-    cells = {(row["case"], row["label"]): row["outcome"] for row in tables["cells"]}
+    cells = tables["cells"]
     for group, names in study.groups.items():
         if len(names) < LARGE_GROUP:
             continue
-        own = {
-            label: {case: found[case] for case in names if case in found}
-            for label, found in errors.items()
-        }
-        missed = {label: _missed(by_case, names) for label, by_case in own.items() if by_case}
-        order = sorted(missed, key=missed.__getitem__)
+        own = errors[errors.index.isin(names)].dropna(axis="columns", how="all")
+        ranks = pd.DataFrame({"hits": -(own.abs() <= BEYOND).sum(), "size": own.abs().median()})
+        order = ranks.sort_values(["hits", "size"], kind="stable").index
+        of_group = cells[cells["case"].isin(names)]
         for label in order:
-            ended = [cells.get((case, label)) for case in names]
-            counted = _counted(np.array(list(own[label].values())))
+            ends = of_group.loc[of_group["label"] == label, "outcome"]
+            judged = own[label].dropna()
+            counted = _counted(judged)
             yield {
                 "group": group,
                 "label": label,
-                "asked": sum(end is not None for end in ended),
+                "asked": len(ends),
                 "judged": counted.pop("count"),
-                "within": sum(abs(error) <= BEYOND for error in own[label].values()),
-                "median": counted.pop("bias"),
+                "within": (judged.abs() <= BEYOND).sum(),
+                "median": counted.pop("bias", None),
                 **counted,
-                "refused": ended.count(Outcome.OUT_OF_DOMAIN),
-                **_paired(own[order[0]], own[label], order[0]),
+                "refused": (ends == Outcome.OUT_OF_DOMAIN).sum(),
+                **_paired(own[order[0]].abs(), own[label].abs(), order[0]),
             }
 
 
-def _missed(found: Mapping[str, float], names: tuple[str, ...]) -> tuple[float, float]:
-    """By what models are ranked: columns not within the bound, then their median error."""
-    sizes = np.abs(list(found.values()))
-    return len(names) - float(np.sum(sizes <= BEYOND)), float(np.median(sizes))
-
-
-def _counted(errors: Array) -> dict[str, Any]:
+def _counted(errors: pd.Series) -> dict[str, Any]:
     """How errors are spread; `bias` is the ratio of the median column that both sides survive."""
     finite = errors[np.isfinite(errors)]
     row: dict[str, Any] = {
         "count": len(errors),
-        "low": int(np.sum(errors < -BEYOND)),
-        "high": int(np.sum(errors > BEYOND)),
-        "falls": int(np.sum(errors == inf)),
-        "stands": int(np.sum(errors == -inf)),
+        "low": (errors < -BEYOND).sum(),
+        "high": (errors > BEYOND).sum(),
+        "false_alarm": (errors == inf).sum(),
+        "false_safe": (errors == -inf).sum(),
     }
     if len(finite):
         least, most = np.percentile(finite, _MIDDLE)
@@ -237,29 +244,14 @@ def _counted(errors: Array) -> dict[str, Any]:
     return row
 
 
-def _better(study: Study, errors: Errors, label: str, cases: list[str]) -> Row:
-    """The model that is off in the fewest of some columns, none if that is the model itself."""
-
-    def off(name: str) -> int:
-        return sum(not _within(errors[name], case) for case in cases)
-
-    best = min(errors, key=lambda name: (off(name), name != label))
-    if best == label:
-        return {"better": ""}
-    model = study.models[best]
-    words = f"{model.name} {variant_of(model)}".rstrip()
-    return {"better": words, "better_count": len(cases), "better_off": off(best)}
-
-
-def _paired(best: Mapping[str, float], other: Mapping[str, float], name: str) -> Row:
+def _paired(best: pd.Series, other: pd.Series, name: str) -> Row:
     """In how many of the columns that both answered the best one errs less, and by what chance.
 
     The sign test: `chance` of as many if both were equal. Ties count for neither.
     """
-    both = [(abs(best[case]), abs(other[case])) for case in best if case in other]
-    apart = [(a, b) for a, b in both if a != b]
-    wins = sum(a < b for a, b in apart)
-    row: dict[str, Any] = {"against": name, "pairs": len(apart), "wins": wins}
-    if apart:
-        row["chance"] = float(f"{binomtest(wins, len(apart), alternative='greater').pvalue:.2g}")
+    apart = best.notna() & other.notna() & (best != other)
+    pairs, wins = int(apart.sum()), int((best < other)[apart].sum())
+    row: dict[str, Any] = {"against": name, "pairs": pairs, "wins": wins}
+    if pairs:
+        row["chance"] = float(f"{binomtest(wins, pairs, alternative='greater').pvalue:.2g}")
     return row

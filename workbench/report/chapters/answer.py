@@ -24,7 +24,10 @@ _REASONS = 4  # why models are outside their domain, the most frequent
 _JUDGED = (PEAK, RESIDUAL, "time_of_peak")
 _OTHERS = 6  # quantities besides those of the matrix whose errors stand on the page
 _ENDS = {"collapsed": "collapsed", "refused": "refused", "failed": "failed", "not_run": "not run"}
-_DISAGREE = {"falls": "false alarm", "stands": "false safe"}  # on whether the structure survives
+_DISAGREE = {
+    "false_alarm": "false alarm",
+    "false_safe": "false safe",
+}  # on whether the structure survives
 
 
 def answer(
@@ -161,7 +164,7 @@ def _cell(group: str, item: tuple[str, dict[str, Row]]) -> Cell:
     else:
         silent = "not compared" if row["answered"] else "no answer"
         lines.append("collapses" if row["collapsed"] else silent)
-        tone = "bad" if row["failed"] or row["falls"] or row["stands"] else "muted"
+        tone = "bad" if row["failed"] or row["false_alarm"] or row["false_safe"] else "muted"
     lines.append(PAGE.words("counts", row=row, ends=ends(row)))
     return Cell("\n".join(lines), row[f"{PEAK}_bias"], tone, hatched=bool(row["outside"]))
 
@@ -186,9 +189,9 @@ def _tone(row: Row) -> str:
     far = max(known, default=abs(row[f"{PEAK}_worst"]))
     sure = row[f"{PEAK}_within"] is not None and not row["against_outside"]
     judged = row["against_outside"] < row[f"{PEAK}_count"]
-    if far <= GOOD and sure and not row["falls"] and not row["stands"]:
+    if far <= GOOD and sure and not row["false_alarm"] and not row["false_safe"]:
         return "good"
-    return "bad" if (far > FAIR and judged) or row["falls"] or row["stands"] else "doubt"
+    return "bad" if (far > FAIR and judged) or row["false_alarm"] or row["false_safe"] else "doubt"
 
 
 def ends(row: Row) -> list[str]:

@@ -37,7 +37,7 @@ def _trusted(study: Study, stored: Stored, group: str) -> str:
         return PAGE.words("synthetic")
     if not compared:
         collapses = any(row["collapsed"] for row in rows if row["label"] in study.ranked)
-        false_safe = [row["label"] for row in rows if row["stands"]]
+        false_safe = [row["label"] for row in rows if row["false_safe"]]
         return PAGE.words("not_compared", collapses=collapses, false_safe=false_safe)
     ranked = list(_ranked(study, stored, group).values())
     nearest = ranked[0] if ranked else None
@@ -79,7 +79,7 @@ def _ranked(study: Study, stored: Stored, group: str) -> dict[str, Row]:
         and row["label"] not in study.ranked
         and row[f"{PEAK}_count"]
         and row[f"{PEAK}_count"] + row["collapsed"] == row["asked"]
-        and not any(row[name] for name in ("falls", "stands", "synthetic"))
+        and not any(row[name] for name in ("false_alarm", "false_safe", "synthetic"))
     }
 
     def place(pair: tuple[str, Row]) -> tuple[float, ...]:

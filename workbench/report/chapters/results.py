@@ -164,7 +164,7 @@ def _ladder_columns(study: Study) -> Iterator[Column]:
     yield Column("extrapolated", True, 1.1, value("extrapolated"))
     yield Column(
         *("numerical uncertainty", True, 1.05),
-        lambda row: share(row["relative"], "" if row["accepted"] == "true" else "doubt"),
+        lambda row: share(row["relative"], "" if row["accepted"] else "doubt"),
     )
     yield Column("note", width=2.4, of=lambda row: Cell(row["note"], tone="muted"))
 

@@ -32,7 +32,8 @@ from workbench.report.figures.energy import PARTS
 from workbench.report.stored import CellState, Stored
 from workbench.scenarios import FrameImpact
 from workbench.study.definition import Case, Study
-from workbench.study.matrix import ALL, against_best
+from workbench.study.matrix import ALL, against_governing
+from workbench.study.tables import rows_of
 
 FILE = "explorer.html"
 LARGEST = 5_000_000  # bytes of a page
@@ -108,8 +109,8 @@ class _CaseOfPage(NamedTuple):
 def _cases(study: Study, stored: Stored) -> Iterator[_CaseOfPage]:
     governing = {row["case"]: row for row in stored.rows["references"] if row.get("label")}
     errors: dict[tuple[str, str], dict[str, Any]] = {}
-    for (name, label, quantity), row in against_best(stored.rows, governing).items():
-        errors.setdefault((name, label), {})[quantity] = row
+    for row in rows_of(against_governing(stored.tables).reset_index()):
+        errors.setdefault((row["case"], row["model"]), {})[row["quantity"]] = row
     for case in study.cases:
         if case.scenario.STATIC is not False:
             continue

@@ -1,0 +1,99 @@
+"""Tables of an assessment: typed columns, as netCDF for programs and as CSV for people."""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from workbench.study.store import read_netcdf, to_netcdf_bytes, write_atomically
+
+Row = Mapping[str, Any]
+Columns = dict[str, Any]  # by name, what stands where a row has none: its type is the column's
+Tables = Mapping[str, pd.DataFrame]
+
+_TYPES = {str: "str", float: "float64", int: "int64", list: "object"}
+
+
+def texts(*names: str) -> Columns:
+    """Columns of texts, empty where there is none."""
+    return dict.fromkeys(names, "")
+
+
+def numbers(*names: str) -> Columns:
+    """Columns of numbers, NaN where not known."""
+    return dict.fromkeys(names, np.nan)
+
+
+def counts(*names: str) -> Columns:
+    """Columns of whole numbers and of flags (0 or 1), 0 where there is none."""
+    return dict.fromkeys(names, 0)
+
+
+def lists(*names: str) -> Columns:
+    """Columns of lists of texts."""
+    return {name: [] for name in names}
+
+
+def table(rows: Iterable[Row], columns: Mapping[str, Any]) -> pd.DataFrame:
+    """Rows as a typed table with these columns; None and what a row lacks are its default."""
+    listed = list(rows)
+    series = {}
+    for name, default in columns.items():
+        values = [default if (value := row.get(name)) is None else value for row in listed]
+        series[name] = pd.Series(values, dtype=_TYPES[type(default)])
+    return pd.DataFrame(series)
+
+
+def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Rows of a table as plain values; numbers that are not known are None."""
+    plain = table.astype(object)
+    known = plain.where(plain.notna(), None)
+    return [dict(zip(map(str, table), row, strict=True)) for row in known.to_numpy().tolist()]
+
+
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """A table as CSV: numbers keep all digits, unknown ones are empty, lists are JSON."""
+    shown = table.assign(**{name: _json(table[name]) for name in _lists_in(table)})
+    return shown.to_csv(index=False, lineterminator="\n").encode()
+
+
+def _lists_in(table: pd.DataFrame) -> list[str]:
+    """Names of the columns of lists."""
+    return [str(name) for name, column in table.items() if str(column.dtype) == "object"]
+
+
+def _json(column: pd.Series) -> list[str]:
+    return [json.dumps(value, ensure_ascii=False) for value in column]
+
+
+def write_table(path: Path, table: pd.DataFrame) -> None:
+    """Write ``path.nc`` and ``path.csv``. Raises `InputError` if they cannot be written."""
+    variables = {}
+    for number, (name, column) in enumerate(table.items()):
+        values, attributes = column.to_numpy(), {"long_name": str(name)}
+        if name in _lists_in(table):
+            values, attributes["format"] = np.array(_json(column), dtype=str), "json"
+        elif column.dtype.kind not in "fi":
+            values = values.astype(str)
+        variables[f"column_{number}"] = ("row", values, attributes)
+    write_atomically(path.with_suffix(".nc"), to_netcdf_bytes(xr.Dataset(variables)))
+    write_atomically(path.with_suffix(".csv"), csv_bytes(table))
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """The table in ``path.nc``. Raises what reading a file of any content may."""
+    series = {}
+    stored = read_netcdf(path.with_suffix(".nc")).variables
+    for number in range(len(stored)):
+        variable = stored[f"column_{number}"]
+        values, kind = variable.to_numpy(), variable.dtype.kind
+        if variable.attrs.get("format") == "json":
+            column = pd.Series([json.loads(text) for text in values], dtype="object")
+        else:
+            column = pd.Series(values, dtype={"f": "float64", "i": "int64"}.get(kind, "str"))
+        series[variable.attrs["long_name"]] = column
+    return pd.DataFrame(series)
