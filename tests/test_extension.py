@@ -117,7 +117,7 @@ def swap(path: Path, old: str, new: str) -> None:
 
 
 def add_metric(root: Path) -> None:
-    append(root / "workbench/assessment/scalars.py", METRIC)
+    append(root / "workbench/assessment/metric.py", METRIC)
 
 
 def add_figure(root: Path) -> None:

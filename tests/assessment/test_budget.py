@@ -15,16 +15,19 @@ from workbench.assessment.budget import (
     MODEL_FORM,
     NUMERICAL,
     PEAK,
+    RANGES,
     RATE,
     REFERENCE,
     RESIDUAL,
+    TABLE,
     TOTAL,
     Term,
+    Trend,
+    model_form,
     numerical_term,
     together,
     varied_term,
 )
-from workbench.assessment.model_form import RANGES, TABLE, Trend, model_form
 from workbench.assessment.variations import (
     MILD_STEEL,
     SPREADS,

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from workbench.assessment.tree import grow, impurity, rounded
+from workbench.assessment.bias import grow, impurity, rounded
 
 
 def drawn(count: int = 400) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from workbench.errors import InputError
-from workbench.intake.units import factor
+from workbench.intake.conversion import factor
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from workbench.models.practice.charts import (
 )
 from workbench.scenarios import Column, MemberPulse, Pulse, to_toml
 from workbench.sections import find
-from workbench.study.pressure_impulse import pressure_impulse_curve
+from workbench.study.limit import pressure_impulse_curve
 
 SHAPES = ("rectangular", "triangular", "exponential", "friedlander")
 

@@ -19,7 +19,7 @@ from workbench.responses import Finding
 from workbench.scenarios import ColumnPushover, FrameStatic, Load, Scenario, regular_frame
 from workbench.sections import square
 from workbench.study import Assessment, Case, Study, assess, cells_of, run_study
-from workbench.study.work import perform, task_of
+from workbench.study.cells import perform, task_of
 
 
 @dataclass(frozen=True)

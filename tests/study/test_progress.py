@@ -7,7 +7,7 @@ import pytest
 
 from workbench.responses import Outcome
 from workbench.study import Study, cells_of
-from workbench.study.progress import Bar, Progress, progress_for
+from workbench.study.runner import Bar, Progress, progress_for
 
 
 def test_the_estimate_weighs_labels_by_their_own_cost() -> None:

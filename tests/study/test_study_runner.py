@@ -13,8 +13,8 @@ from workbench.errors import InputError
 from workbench.responses import Outcome, outcome_of
 from workbench.scenarios import ColumnImpact
 from workbench.study import Case, State, Store, Study, cells_of, gather, run_study, survey
+from workbench.study.cells import task_of
 from workbench.study.executors import Workers
-from workbench.study.work import task_of
 
 
 def with_models(study: Study, **models: object) -> Study:
@@ -183,7 +183,7 @@ def test_bad_arguments(toy_study: Study, tmp_path: Path, bad: dict[str, float]) 
 def test_a_corrupt_cell_is_answered_again_and_said_so(
     toy_study: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from workbench.study.progress import Progress
+    from workbench.study.runner import Progress
 
     run_study(toy_study, tmp_path, jobs=0)
     before = digests(tmp_path / "toy")

@@ -1,7 +1,6 @@
 """Comparing responses: metrics and their uncertainty, bias and scatter, acceptance gates."""
 
 from workbench.assessment import curves as curves
-from workbench.assessment import scalars as scalars
 from workbench.assessment.bias import bias_and_scatter as bias_and_scatter
 from workbench.assessment.gates import Gate as Gate
 from workbench.assessment.gates import Verdict as Verdict

@@ -20,11 +20,11 @@ from workbench.assessment.budget import (
     RESIDUAL,
     TOTAL,
     Term,
+    model_form,
     numerical_term,
     together,
     varied_term,
 )
-from workbench.assessment.model_form import model_form
 from workbench.errors import InputError
 from workbench.fields import Number, check_keys
 from workbench.models.base import Model

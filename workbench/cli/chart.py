@@ -123,7 +123,7 @@ def pressure_impulse(
     from workbench.report.drawing.charts import Line
     from workbench.scenarios import FramePulse, MemberPulse, load_scenario
     from workbench.scenarios.pulse import UNIFORM
-    from workbench.study.pressure_impulse import pressure_impulse_curve
+    from workbench.study.limit import pressure_impulse_curve
 
     target = _target(figure, scenario)
     given = load_scenario(scenario, settings or [])

@@ -136,7 +136,7 @@ def measure(
 
     Writes the tables from which `workbench simulate --budget` knows the model form.
     """
-    from workbench.assessment.model_form import RANGES, TABLE
+    from workbench.assessment.budget import RANGES, TABLE
     from workbench.study import assess, load_study
     from workbench.study.model_form import COLUMNS, RANGE_COLUMNS, model_form_rows, range_rows
     from workbench.study.tables import table

@@ -48,7 +48,7 @@ def run(
     """
     from workbench.report.figures import check_kind
     from workbench.study import State, assess, load_study, run_study
-    from workbench.study.progress import Progress, progress_for
+    from workbench.study.runner import Progress, progress_for
 
     loaded = load_study(study)
     for figure in loaded.study.figures:  # before the work, not after it

@@ -1,4 +1,8 @@
-"""The impact tests of the data catalogue, each with its scenario and what was measured."""
+"""Impact tests: the schema, one row per test in SI, and the tests of the data catalogue.
+
+``columns.csv`` beside this file declares the columns. A beam is a column without axial load. An
+empty cell means that the quantity was not reported.
+"""
 
 import hashlib
 from collections.abc import Iterator
@@ -6,16 +10,121 @@ from dataclasses import dataclass
 from functools import lru_cache
 from math import nan
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from workbench.errors import Collapse, InputError, Mechanism
 from workbench.evidence import Dataset, dataset, datasets
 from workbench.evidence.catalogue import IMPACT_TESTS, SYNTHETIC
-from workbench.impact_tests.schema import IMPACTS, MEASURED, STANDS, scenario_of
-from workbench.scenarios import ColumnImpact, scenario_hash
+from workbench.scenarios import ColumnImpact, scenario_from, scenario_hash
 from workbench.studs.reading import examine
-from workbench.studs.schema import Row, known
+from workbench.studs.schema import Row, RowFinding, Table, declared, known
+from workbench.studs.schema import templates_in
+
+# measured quantities: response variable, column, and column of its half-width
+MEASURED = {
+    "peak_displacement": ("peak_m", "peak_uncertainty_m"),
+    "residual_displacement": ("residual_m", "residual_uncertainty_m"),
+}
+STANDS = "none"  # in the column collapse: the member survived
+LARGEST_SHARE = 0.5  # of the span that a peak may reach: beyond, a unit is meant otherwise
+_DIMENSIONS = ("height", "width", "web", "flange", "fillet", "side", "wall", "diameter")
+_COLUMN = {
+    "base": "base",
+    "head": "head",
+    "axial_load": "axial_load_N",
+    "restraint_stiffness": "restraint_N_per_m",
+    "head_mass": "head_mass_kg",
+}
+_OTHER = {
+    "steel": {
+        "elastic_modulus": "elastic_modulus_Pa",
+        "yield_stress": "yield_stress_Pa",
+        "density": "density_kg_per_m3",
+    },
+    "striker": {"mass": "mass_kg", "velocity": "velocity_m_per_s", "restitution": "restitution"},
+    "time": {"duration": "duration_s"},
+}
+# columns of the table by the keys of scenarios that messages name
+_NAMED = {
+    "column.section": "section",
+    "column.length_below": "hit_at_m",
+    **{f"column.{key}": column for key, column in _COLUMN.items()},
+    **{f"{part}.{key}": name for part, of in _OTHER.items() for key, name in of.items()},
+}
+
+
+def scenario_of(row: Row) -> ColumnImpact:
+    """The scenario of a row of the schema. Raises `InputError` by the keys of scenarios."""
+    row = {**{column.name: column.blank for column in IMPACTS.columns}, **row}
+    span, hit = float(row["span_m"]), float(row["hit_at_m"])  # type: ignore[arg-type]
+    sizes = {name: known(row, f"{name}_m") for name in _DIMENSIONS}
+    given = {name: size for name, size in sizes.items() if size is not None}
+    column: dict[str, Any] = {key: row[name] for key, name in _COLUMN.items()}
+    column |= {"section": row["section"] or given, "fillets": row["fillets"] != 0.0}
+    column |= {"length_below": hit, "length_above": round(span - hit, 9)}
+    others = {part: {key: row[name] for key, name in of.items()} for part, of in _OTHER.items()}
+    name = f"{row['campaign']} {row['specimen']}"
+    found = scenario_from({"kind": ColumnImpact.KIND, "name": name, "column": column, **others})
+    assert isinstance(found, ColumnImpact)
+    return found
+
+
+def _contradictions(row: Row) -> Iterator[RowFinding]:
+    """What cannot be within a row whose cells are possible one by one."""
+    span, hit = known(row, "span_m") or 0.0, known(row, "hit_at_m") or 0.0
+    if hit >= span:
+        yield "hit_at_m", hit, f"must be less than the span, {span:g} m", "are columns swapped?"
+        return
+    sizes = [f"{name}_m" for name in _DIMENSIONS if known(row, f"{name}_m") is not None]
+    if row.get("section") and sizes:
+        yield "section", row["section"], f"is given, and {', '.join(sizes)} too", "give one of both"
+    elif not row.get("section") and not sizes:
+        yield "section", "", "must name a profile", "or give its dimensions: side_m, height_m, ..."
+    else:
+        try:
+            scenario_of(row)
+        except InputError as error:
+            field = next((k for k in _NAMED if error.field.startswith(k)), "")
+            yield _NAMED.get(field, ""), error.value, error.allowed, error.advice
+    yield from _measured(row, span)
+
+
+def _measured(row: Row, span: float) -> Iterator[RowFinding]:
+    values = {name: known(row, column) for name, (column, _) in MEASURED.items()}
+    if row.get("collapse", STANDS) != STANDS:
+        if values["residual_displacement"] is not None:
+            yield "residual_m", values["residual_displacement"], "is no result of a collapse", ""
+        if values["peak_displacement"] is None:
+            yield "peak_m", "", "must be given: the displacement reached in the collapse", ""
+        return
+    if not any(value is not None for value in values.values()):
+        yield "peak_m", "", "must be given, or residual_m: a test without a result is none", ""
+    for name, (column, width) in MEASURED.items():
+        value, half = values[name], known(row, width)
+        if value is None:
+            continue
+        if half is None:
+            reason = f"must be given with {column}"
+            yield width, "", reason, "it is the half-width of the 95 % interval"
+        elif half >= value:
+            yield width, half, f"is no less than {column}, {value:g} m", "are columns swapped?"
+        if value > LARGEST_SHARE * span:
+            reason = f"is {value / span:.2g} times the span"
+            yield column, value, reason, "is it in mm or cm? lengths are in m"
+    peak, residual = values.values()
+    if peak is not None and residual is not None and residual > peak:
+        yield "residual_m", residual, f"exceeds peak_m, {peak:g} m", "are columns swapped?"
+
+
+IMPACTS = Table(
+    "impacts",
+    declared("impacts", Path(__file__).with_name("columns.csv")),
+    ("campaign", "specimen"),
+    _contradictions,
+)
+(TEMPLATE,) = templates_in(Path(__file__).with_name("templates.toml"), IMPACTS).values()
 
 
 @dataclass(frozen=True)

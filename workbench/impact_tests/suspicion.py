@@ -10,8 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from workbench.impact_tests.rows import records
-from workbench.impact_tests.schema import STANDS, scenario_of
+from workbench.impact_tests.rows import STANDS, records, scenario_of
 from workbench.models.domain import LEAST_LOAD
 from workbench.models.energy_estimate import EnergyEstimate
 from workbench.responses import Finding, Outcome, outcome_of

@@ -1,19 +1,33 @@
-"""Cells of a study: one scenario answered by one model, and the key that identifies the answer."""
+"""Cells of a study: one scenario answered by one model, and the key that identifies the answer.
+
+A worker answers a cell: it never fails, and hands back bytes and a record.
+"""
 
 import fnmatch
 import hashlib
 import json
 import pickle
+import time
+import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from statistics import median
 from typing import Any
 
-from workbench.errors import InputError
-from workbench.models.base import Model, on_one_mesh, options_of
-from workbench.responses import provenance
-from workbench.responses.variables import TABLE_DIGEST
+from threadpoolctl import threadpool_limits
+
+from workbench.errors import InputError, message_of
+from workbench.evidence.advice import advised
+from workbench.models.base import Model, on_one_mesh, options_of, signature
+from workbench.responses import Outcome, Response, failed_response, outcome_of, provenance
+from workbench.responses.uncertainty import check_stored
+from workbench.responses.variables import TABLE_DIGEST, TIMES, VOLATILE
 from workbench.scenarios import Scenario, scenario_hash
 from workbench.study.definition import Study
-from workbench.study.store import Ingredients
+from workbench.study.store import Ingredients, to_netcdf_bytes
 
 STORE_FORMAT = 3
 
@@ -122,3 +136,164 @@ def select(cells: list[Cell], pattern: str | None) -> list[Cell]:
         shown = ", ".join(dict.fromkeys([c.case for c in cells] + [c.label for c in cells]))
         raise InputError("--only", pattern, f"matches no cell; cases and labels are {shown}")
     return chosen
+
+
+# A first call may compile kernels; cells that end sooner than this are timed by a second call.
+TIMED_AGAIN_BELOW = 180.0  # s
+# A single call of a few milliseconds measures cold caches: quick cells give a median of calls.
+TIMED_OFTEN_BELOW, FURTHER_CALLS = 0.1, 4  # s
+
+
+@dataclass(frozen=True)
+class Task:
+    """A cell on its way to a worker: `payload` is its pickled model and scenario.
+
+    `limit` is the wall time allowed in s, or None; `file` the study file that defines models.
+    """
+
+    key: str
+    payload: bytes
+    limit: float | None = None
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A cell answered: netCDF bytes and the record of how they came about."""
+
+    key: str
+    content: bytes
+    record: dict[str, Any]
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the cell ended."""
+        return Outcome(self.record["outcome"])
+
+
+def task_of(cell: Cell, limit: float | None = None, file: Path | None = None) -> Task:
+    """The task that answers a cell."""
+    payload = pickle.dumps((cell.model, cell.scenario))
+    return Task(cell.key, payload, limit, "" if file is None else str(file))
+
+
+def perform(task: Task, warm: set[str]) -> Result:
+    """Answer a task in this process, with one numerical thread. It never fails.
+
+    Arguments: `warm` collects the kinds of cell that this process has answered before. The time
+    limit is judged here for executors that cannot stop a cell.
+    """
+    begin = time.perf_counter()
+    with threadpool_limits(1):
+        result = _performed(task, warm)
+    seconds = time.perf_counter() - begin
+    return timed_out(task, seconds) if is_late(task, seconds) else result
+
+
+def _performed(task: Task, warm: set[str]) -> Result:
+    """The first of a kind may compile kernels: if it was short, a second call gives its time."""
+    model, scenario = _unpacked(task)
+    started = datetime.now(UTC)
+    begin = time.perf_counter()
+    response, trace = _answer(model, scenario)
+    first = time.perf_counter() - begin
+    timed = response
+    kind = f"{type(model).__module__}.{type(model).__qualname__}/{scenario.KIND}"
+    if kind not in warm and first < min(TIMED_AGAIN_BELOW, (task.limit or 1e9) / 3.0):
+        timed, _ = _answer(model, scenario)
+    cold = kind not in warm and timed is response
+    warm.add(kind)
+    runs = [timed]
+    allowed = min(TIMED_OFTEN_BELOW, (task.limit or 1e9) / (3.0 + FURTHER_CALLS))
+    if timed.attrs.get("wall_time", first) < allowed:
+        runs += [_answer(model, scenario)[0] for _ in range(FURTHER_CALLS)]
+    if not trace:
+        response, trace = _guarded(model, scenario, partial(advised, model, scenario, response))
+    record: dict[str, Any] = {"wall_time": first, "first_call": first}
+    for name in TIMES:
+        measured = [run.attrs[name] for run in runs if name in run.attrs]
+        if measured:
+            record[name] = median(measured)
+    if cold:
+        record["cold"] = True  # its times may hold compilation
+    if trace:
+        record["trace"] = trace
+    return _result(task, response, record, started)
+
+
+def unanswered(task: Task, outcome: Outcome, message: str, seconds: float) -> Result:
+    """The result of a task whose worker was stopped or died after so many `seconds`."""
+    model, scenario = pickle.loads(task.payload)
+    response = _signed(failed_response(outcome, message), model, scenario)
+    record = {"wall_time": seconds, "first_call": seconds}
+    return _result(task, response, record, datetime.now(UTC))
+
+
+def is_late(task: Task, seconds: float) -> bool:
+    """Whether a task has taken longer than it may."""
+    return task.limit is not None and seconds > task.limit
+
+
+def timed_out(task: Task, seconds: float) -> Result:
+    """The result of a task that took longer than it may."""
+    message = f"stopped after the {task.limit:g} s that a cell may take"
+    return unanswered(task, Outcome.TIMED_OUT, message, seconds)
+
+
+def _result(task: Task, response: Response, record: dict[str, Any], started: datetime) -> Result:
+    """Bytes and record of a response: what repeats in the bytes, what does not in the record."""
+    record |= {
+        "outcome": outcome_of(response).value,
+        "limit": task.limit,
+        "provenance": provenance(),
+        "started": started.isoformat(timespec="milliseconds"),
+        "finished": datetime.now(UTC).isoformat(timespec="milliseconds"),
+    }
+    lasting = {name: value for name, value in response.attrs.items() if name not in VOLATILE}
+    content = to_netcdf_bytes(response.drop_attrs(deep=False).assign_attrs(lasting))
+    return Result(task.key, content, record)
+
+
+def _unpacked(task: Task) -> tuple[Model, Scenario]:
+    """Model and scenario of a task; the study file is loaded only if they need it."""
+    try:
+        pair: tuple[Model, Scenario] = pickle.loads(task.payload)
+    except (ImportError, AttributeError):
+        if not task.file:
+            raise
+        from workbench.study.loading import study_in
+
+        study_in(Path(task.file))
+        pair = pickle.loads(task.payload)
+    return pair
+
+
+def _answer(model: Model, scenario: Scenario) -> tuple[Response, list[str]]:
+    return _guarded(model, scenario, partial(model.simulate, scenario))
+
+
+def _guarded(
+    model: Model, scenario: Scenario, make: Callable[[], Response]
+) -> tuple[Response, list[str]]:
+    """The response that `make` gives, or that it failed, with the trace of a crash."""
+    trace: list[str] = []
+    try:
+        response = make()
+        check_stored(_signed(response, model, scenario))
+    except InputError as error:
+        response = failed_response(Outcome.INVALID_INPUT, str(error))
+    except Exception as error:
+        response = failed_response(Outcome.CRASHED, f"{model.name} raised {message_of(error)}")
+        # file names without directories: records are compared between machines
+        trace = [
+            f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
+            for frame in traceback.extract_tb(error.__traceback__)
+        ]
+    return _signed(response, model, scenario), trace
+
+
+def _signed(response: Response, model: Model, scenario: Scenario) -> Response:
+    """Name model and scenario in a response that did not come through `respond`."""
+    for name, value in signature(model, scenario).items():
+        response.attrs.setdefault(name, value)
+    return response

@@ -17,7 +17,7 @@ from typing import Any
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Outcome
-from workbench.study.work import Result, Task, is_late, perform, timed_out, unanswered
+from workbench.study.cells import Result, Task, is_late, perform, timed_out, unanswered
 
 THREAD_VARIABLES = (
     "OMP_NUM_THREADS",

@@ -1,12 +1,15 @@
-"""The critical value of a scenario: where the answer of a model turns from survival to collapse.
+"""The critical value of a scenario, and the pulses that reach a displacement.
+
+A limit is where the answer of a model turns from survival to collapse.
 
 Values are tried in equal parts from one end of a range, up to the first collapse; the bracket is
 then bisected. What lies behind the first collapse is not looked at. A value without an answer is
 taken for neither: the bracket closes on it from both sides.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from math import sqrt
 from typing import Any
 
 from workbench.evidence.advice import advise
@@ -152,3 +155,79 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
         getattr(scenario, "duration", None),
         tuple(f.as_dict() for f in advise(model, scenario, response) if not f.refusal),
     )
+
+
+_GROWTH = 4.0  # of the peak, until it is between two values
+_MOST = 16  # such steps
+_TOLERANCE = 0.003  # of the peak
+
+
+@dataclass(frozen=True)
+class Point:
+    """A pulse that takes the structure to the displacement.
+
+    Its `length` in s, `peak` in N or N/m and `impulse` in N s or N s/m; None, with the `reason`, if
+    there is none.
+    """
+
+    length: float
+    peak: float | None
+    impulse: float | None
+    reason: str = ""
+
+
+def pressure_impulse_curve(
+    model: Model, scenario: Any, displacement: float, lengths: Sequence[float]
+) -> list[Point]:
+    """Pulses of these lengths (s) and the shape of the scenario that reach a displacement (m).
+
+    Peaks are bracketed to 0.3 %, a reference on one mesh. A collapse has gone further. Records last
+    that of the scenario beyond the pulse.
+    """
+    alone = on_one_mesh(model)
+    points = []
+    for length in lengths:
+        pulse = replace(scenario.pulse, length=length)
+        duration = min(DURATION.high, pulse.end + scenario.duration)
+        asked = replace(scenario, pulse=pulse, duration=duration)
+        found = _peak(alone, asked, displacement)
+        if isinstance(found, str):
+            points.append(Point(length, None, None, found))
+        else:
+            reached = replace(pulse, peak=found)
+            points.append(Point(length, found, reached.whole))
+    return points
+
+
+def _peak(model: Model, scenario: Any, displacement: float) -> float | str:
+    """Peak of the pulse that reaches the displacement, or why there is none."""
+
+    def reaches(peak: float) -> bool | str:
+        response = model.simulate(replace(scenario, pulse=replace(scenario.pulse, peak=peak)))
+        outcome = outcome_of(response)
+        if not outcome.is_answer:
+            return str(response.attrs["message"])
+        if outcome is Outcome.COLLAPSE:
+            return True
+        return float(response["displacement"].max()) >= displacement
+
+    low = high = scenario.pulse.peak
+    first = found = reaches(high)
+    for _ in range(_MOST):
+        if isinstance(found, str):
+            return found
+        if found != first:
+            break
+        low, high = (low, high * _GROWTH) if not first else (low / _GROWTH, high)
+        found = reaches(high if not first else low)
+    else:
+        return "no peak between the largest and the least that were tried reaches it"
+    low = high / _GROWTH if not first else low
+    high = high if not first else low * _GROWTH
+    while high > low * (1.0 + _TOLERANCE):
+        middle = sqrt(low * high)
+        found = reaches(middle)
+        if isinstance(found, str):
+            return found
+        low, high = (low, middle) if found else (middle, high)
+    return sqrt(low * high)

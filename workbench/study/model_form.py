@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 
 from workbench.arrays import Array
-from workbench.assessment.budget import PEAK, RESIDUAL
-from workbench.assessment.model_form import BOUNDS, FEWEST, TREND, Trend
+from workbench.assessment.budget import BOUNDS, FEWEST, PEAK, RESIDUAL, TREND, Trend
 from workbench.errors import InputError
 from workbench.evidence.descriptors import DEMAND, STRIKER, YIELDING, descriptors, variant_of
 from workbench.study.assess import Assessment

@@ -26,7 +26,7 @@ from scipy.io import netcdf_file, netcdf_variable
 
 from workbench.errors import InputError, WorkbenchError
 from workbench.responses import Response, outcome_of, response_of
-from workbench.responses.soundness import check_stored
+from workbench.responses.uncertainty import check_stored
 
 TEMPORARY = ".partial"
 NOT_RUN = "not run"  # stands for the outcome of a cell that is not stored

@@ -14,8 +14,8 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from workbench.arrays import Array, Indices
+from workbench.assessment.bias import Leaf, grow, impurity
 from workbench.assessment.budget import PEAK
-from workbench.assessment.tree import Leaf, grow, impurity
 from workbench.evidence.descriptors import FEATURES, features, region_of, variant_of
 from workbench.evidence.measured import BEYOND
 from workbench.responses import Outcome
