@@ -120,11 +120,14 @@ def test_the_model_form_of_a_known_bias_is_found(
         }
         for case, own in zip(cases, demand, strict=True)
     ]
-    tables = {
-        "comparisons": pairs,
-        "references": [{"case": case.name, "label": "fine", "inside": 1} for case in cases],
-        "cells": [{"label": label, "model_version": 1} for label in study.models],
-    }
+    references = [{"case": case.name, "label": "fine", "inside": 1} for case in cases]
+    cells = [
+        {"case": case.name, "label": label, "model_version": 1, "outcome": "not run"}
+        for case in cases
+        for label in study.models
+    ]
+    rows = {"comparisons": pairs, "references": references, "cells": cells}
+    tables = {name: pd.DataFrame(of) for name, of in rows.items()}
     (row,) = model_form_rows(study, Assessment(tmp_path, tables, ()))
     assert row["region"] == "V/Vpl above 1"
     assert row["count"] == sum(own >= 1.0 for own in demand)
@@ -135,7 +138,12 @@ def test_the_model_form_of_a_known_bias_is_found(
     assert ranges[DEMAND]["low"] <= min(demand) < max(demand) <= ranges[DEMAND]["high"]
     assert ranges[YIELDING]["low"] > 5.0
     with pytest.raises(InputError, match="no impact on a column"):
-        list(model_form_rows(study, Assessment(tmp_path, {**tables, "comparisons": []}, ())))
+        list(
+            model_form_rows(
+                study,
+                Assessment(tmp_path, {**tables, "comparisons": tables["comparisons"][:0]}, ()),
+            )
+        )
 
 
 def test_answers_of_an_earlier_version_count_if_asked(

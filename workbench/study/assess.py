@@ -24,7 +24,6 @@ from workbench.responses import (
     scalars_of,
     survives,
 )
-from workbench.responses.outcome import COLUMNS as FINDING_COLUMNS
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import (
@@ -77,7 +76,11 @@ _DERIVED = (
     | numbers("collapse_displacement", "collapse_time")
     | texts("key")
 )
-_FINDING = texts("case", "label", "model") | texts(*FINDING_COLUMNS[:-1]) | numbers("number")
+_FINDING = (
+    texts("case", "label", "model", "subject", "severity", "sentence", "remedy")
+    | numbers("number")
+    | lists("instead")
+)
 _COMPARISON = (
     texts("model", "against", "quantity", "metric")
     | numbers("value", "against_value", "error", "uncertainty")

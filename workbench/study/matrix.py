@@ -222,7 +222,7 @@ def cost_rows(study: Study, tables: Tables) -> Iterator[Row]:
         for name in ("wall_time", "solve_time")
     )
     slowest = whole.median().fillna(0.0).nlargest(1).index
-    solving = solving.where(solving > 0.0)
+    solving = solving.where(solving > 0.0).reindex_like(whole)
     best = governing_references(tables)["label"]
     governed = Counter(best[best.index.isin(moving)]).most_common()
     for base in [label for label, _ in governed if label in computed][:1] or slowest:

@@ -2,7 +2,9 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ Row = Mapping[str, Any]
 Columns = dict[str, Any]  # by name, what stands where a row has none: its type is the column's
 Tables = Mapping[str, pd.DataFrame]
 
-_TYPES = {str: "str", float: "float64", int: "int64", list: "object"}
+_TYPES = {str: "str", float: "float64", int: "int64", NoneType: "object"}
 
 
 def texts(*names: str) -> Columns:
@@ -34,8 +36,8 @@ def counts(*names: str) -> Columns:
 
 
 def lists(*names: str) -> Columns:
-    """Columns of lists of texts."""
-    return {name: [] for name in names}
+    """Columns of lists of texts, None where there is none."""
+    return dict.fromkeys(names)
 
 
 def table(rows: Iterable[Row], columns: Mapping[str, Any]) -> pd.DataFrame:
@@ -56,8 +58,9 @@ def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """A table as CSV: numbers keep all digits, unknown ones are empty, lists are JSON."""
-    shown = table.assign(**{name: _json(table[name]) for name in _lists_in(table)})
+    """A table as CSV: numbers keep all digits, unknown ones are empty, lists JSON."""
+    lists = {name: _json(table[name].dropna()) for name in _lists_in(table)}
+    shown = table.assign(**lists)
     return shown.to_csv(index=False, lineterminator="\n").encode()
 
 
@@ -66,8 +69,8 @@ def _lists_in(table: pd.DataFrame) -> list[str]:
     return [str(name) for name, column in table.items() if str(column.dtype) == "object"]
 
 
-def _json(column: pd.Series) -> list[str]:
-    return [json.dumps(value, ensure_ascii=False) for value in column]
+def _json(column: pd.Series) -> pd.Series:
+    return column.map(partial(json.dumps, ensure_ascii=False)).astype("str")
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:
@@ -76,7 +79,7 @@ def write_table(path: Path, table: pd.DataFrame) -> None:
     for number, (name, column) in enumerate(table.items()):
         values, attributes = column.to_numpy(), {"long_name": str(name)}
         if name in _lists_in(table):
-            values, attributes["format"] = np.array(_json(column), dtype=str), "json"
+            values, attributes["format"] = _json(column).to_numpy().astype(str), "json"
         elif column.dtype.kind not in "fi":
             values = values.astype(str)
         variables[f"column_{number}"] = ("row", values, attributes)
