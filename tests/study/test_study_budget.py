@@ -122,7 +122,7 @@ def test_the_model_form_of_a_known_bias_is_found(
     ]
     references = [{"case": case.name, "label": "fine", "inside": 1} for case in cases]
     cells = [
-        {"case": case.name, "label": label, "model_version": 1, "outcome": "not run"}
+        {"case": case.name, "label": label, "model_version": 1, "outcome": "not run", "key": ""}
         for case in cases
         for label in study.models
     ]
