@@ -1,6 +1,6 @@
 """The rule of a gate's verdict: `judge` in one case, `GateVerdict` over all.
 
-`study/assess` applies it to stored answers, and says there which cases have none to judge.
+`study/verdicts` applies it to stored answers, and says there which cases have none to judge.
 """
 
 from collections.abc import Sequence

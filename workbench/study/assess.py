@@ -1,35 +1,27 @@
-"""Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates.
-
-The verdict of a gate counts all cases that are asked; the rule itself stands in `assessment/gates`.
-"""
+"""Assessing a stored study: tables of cells, comparisons, ladders and verdicts. Never simulates."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import chain
 from math import nan
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from workbench.assessment import METRICS
-from workbench.assessment.gates import CaseVerdict, Gate, GateVerdict, Verdict, judge
+from workbench.assessment.gates import GateVerdict, Verdict
 from workbench.errors import InputError
 from workbench.responses import (
-    Outcome,
     Response,
     collapse_of,
     energy_error,
     findings_of,
-    outcome_of,
     scalars_of,
-    survives,
 )
 from workbench.responses.variables import SCALARS, TIMES
 from workbench.study.cells import Cell, cells_of
 from workbench.study.comparisons import (
     LADDER_COLUMNS,
     Answers,
-    compare,
     comparison_rows,
     ladder_row,
     of_side,
@@ -44,7 +36,6 @@ from workbench.study.matrix import (
     cost_rows,
     matrix_rows,
 )
-from workbench.study.standing import REFERENCE_COLUMNS, doubted, outside, reference_row
 from workbench.study.store import NOT_RUN, Record, Store
 from workbench.study.tables import (
     Columns,
@@ -59,6 +50,16 @@ from workbench.study.tables import (
 )
 from workbench.study.validation import VALIDATION_COLUMNS, validation_rows
 from workbench.study.validity import ADVICE_COLUMNS, RANKING_COLUMNS, advice_rows, ranking_rows
+from workbench.study.verdicts import (
+    GATE_COLUMNS,
+    REFERENCE_COLUMNS,
+    VERDICT_COLUMNS,
+    gate_rows,
+    outside,
+    reference_row,
+    verdict_row,
+    verdicts_of,
+)
 
 _CELL = (
     texts("case", "label", "model")
@@ -86,22 +87,6 @@ _COMPARISON = (
     | numbers("value", "against_value", "error", "uncertainty")
     | texts("note")
     | numbers("low", "high")
-)
-_GATE = counts("number") | texts("gate", "model", "against", "quantity", "metric")
-_JUDGED = (
-    texts("case")
-    | numbers("value", "uncertainty", "low", "high")
-    | lists("collapsed")
-    | numbers("bound")
-)
-_GATED = _GATE | _JUDGED | texts("verdict", "note", "doubt")
-_VERDICT = (
-    _GATE
-    | texts("verdict")
-    | counts("asked", *(verdict.value for verdict in Verdict), "collapses")
-    | _JUDGED
-    | lists("reasons")
-    | texts("rationale", "source")
 )
 _BUDGET = (
     texts("case", "label", "quantity")
@@ -183,15 +168,14 @@ def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:
     best = tables["references"]["label"]
     comparisons = map(comparison_rows, given, best)
     ladders = (ladder_row(answers, q) for answers in given for q in study.quantities)
-    judged = ({**_columns(v), **asdict(case)} for v in verdicts for case in v.cases)
     tables |= {
         "comparisons": table(chain(*comparisons), {**texts("case"), **parameters, **_COMPARISON}),
         "ladder": table(
             filter(None, ladders),
             {**texts("case", "quantity"), **numbers(*study.steps), **LADDER_COLUMNS},
         ),
-        "gates": table(judged, _GATED),
-        "verdicts": table(map(verdict_row, verdicts), _VERDICT),
+        "gates": table(gate_rows(verdicts), GATE_COLUMNS),
+        "verdicts": table(map(verdict_row, verdicts), VERDICT_COLUMNS),
         "validation": table(validation_rows(study, given), VALIDATION_COLUMNS),
         "budget": table(_budget_rows(study, cells, responses), _BUDGET),
     }
@@ -287,67 +271,3 @@ def _budget_rows(
                 who = {"case": budget.case, "label": label, "quantity": quantity}
                 value = float(response[quantity])
                 yield from ({**who, "value": value, **term.as_dict(value)} for term in terms)
-
-
-def verdicts_of(study: Study, answers: Sequence[Answers]) -> tuple[GateVerdict, ...]:
-    """The verdict of every gate, from the answers of all cases of the study."""
-    verdicts = []
-    for number, gate in enumerate(study.gates, 1):
-        both = {gate.model, gate.against}
-        named = {*gate.cases} or {each.case.name for each in answers if both <= {*each.asked}}
-        judged = (_judged(gate, each) for each in answers if each.case.name in named)
-        verdicts.append(GateVerdict(number, gate, tuple(judged)))
-    return tuple(verdicts)
-
-
-def _judged(gate: Gate, answers: Answers) -> CaseVerdict:
-    name = answers.case.name
-    collapses = {label: answers.collapse(label) for label in (gate.model, gate.against)}
-    for label, collapse in collapses.items():
-        if answers.ok(label) is None and collapse is None:
-            response = answers.responses.get(label)
-            refused = response is not None and outcome_of(response) is Outcome.OUT_OF_DOMAIN
-            verdict = Verdict.REFUSED if refused else Verdict.UNANSWERED
-            return CaseVerdict(name, verdict, None, None, answers.why_not(label))
-    fallen = tuple(label for label, collapse in collapses.items() if collapse is not None)
-    if fallen:
-        return doubted(gate, answers, _fallen(gate, answers, fallen))
-    try:
-        found = compare(answers, gate.model, gate.against, gate.quantity, METRICS[gate.metric])
-    except InputError as error:
-        return CaseVerdict(name, Verdict.INCONCLUSIVE, None, None, str(error))
-    verdict = judge(found.error, found.uncertainty, gate.bound, found.low, found.high)
-    judged = CaseVerdict(name, verdict, found.error, found.uncertainty, found.note)
-    return doubted(gate, answers, replace(judged, low=found.low, high=found.high))
-
-
-def _fallen(gate: Gate, answers: Answers, fallen: tuple[str, ...]) -> CaseVerdict:
-    """A case in which the structure of the labels `fallen` collapses."""
-    note = "; ".join(answers.why_not(label) for label in fallen)
-    verdict = Verdict.PASS
-    if gate.model == gate.against:
-        verdict, note = Verdict.INCONCLUSIVE, f"{note}: no number of the run"
-    elif len(fallen) == 1:
-        (other,) = {gate.model, gate.against} - {*fallen}
-        stands = survives(answers.responses[other])
-        verdict = Verdict.FAIL if stands else Verdict.INCONCLUSIVE
-        ending = "survives" if stands else "ends before its peak and may still collapse"
-        note += f"; {other} {ending}"
-    return CaseVerdict(answers.case.name, verdict, None, None, note, fallen)
-
-
-def verdict_row(found: GateVerdict) -> Row:
-    """The row of a gate in the table of verdicts."""
-    top = {} if found.critical is None else asdict(found.critical)
-    return {
-        **_columns(found),
-        "verdict": found.verdict.value,
-        **found.counts,
-        **{name: top.get(name) for name in ("case", "value", "uncertainty", "low", "high")},
-        "collapsed": list(top.get("collapsed", ())),
-        "reasons": list(found.reasons),
-    }
-
-
-def _columns(found: GateVerdict) -> dict[str, object]:
-    return {"number": found.number, "gate": found.gate.name, **asdict(found.gate)}
