@@ -52,14 +52,14 @@ def bias_and_scatter(model: ArrayLike, data: ArrayLike) -> Bias:
 
 
 def _log_ratio(model: ArrayLike, data: ArrayLike) -> Array:
-    own, held_against = np.atleast_1d(model).astype(float), np.atleast_1d(data).astype(float)
-    if own.shape != held_against.shape or own.ndim != 1 or len(own) == 0:
-        shapes = own.shape, held_against.shape
+    values, references = np.atleast_1d(model).astype(float), np.atleast_1d(data).astype(float)
+    if values.shape != references.shape or values.ndim != 1 or len(values) == 0:
+        shapes = values.shape, references.shape
         raise InputError("model, data", shapes, "must be pairs, one or more")
-    both = np.concatenate([own, held_against])
+    both = np.concatenate([values, references])
     if not (np.all(np.isfinite(both)) and np.all(both > 0.0)):
         raise InputError("model, data", both.min(), "must be positive")
-    ratio: Array = np.log(own / held_against)
+    ratio: Array = np.log(values / references)
     return ratio
 
 
@@ -91,14 +91,14 @@ def grow(
     leaf = leaf or Leaf({}, np.arange(len(features)))
     best, place = loss(leaf.members) * (1.0 - 1e-9), (-1, 0.0)
     for i in range(features.shape[1]) if depth > 0 else ():
-        own = features[leaf.members, i]
-        for bound in dict.fromkeys(rounded(float(x)) for x in np.quantile(own, _QUANTILES)):
-            below = own < bound
+        values = features[leaf.members, i]
+        for bound in dict.fromkeys(rounded(float(x)) for x in np.quantile(values, _QUANTILES)):
+            below = values < bound
             if min(np.sum(below), np.sum(~below)) < fewest:
                 continue
-            found = sum(loss(leaf.members[part]) for part in (below, ~below))
-            if found < best:
-                best, place = found, (i, bound)
+            lost = sum(loss(leaf.members[part]) for part in (below, ~below))
+            if lost < best:
+                best, place = lost, (i, bound)
     i, bound = place
     if i < 0:
         yield leaf

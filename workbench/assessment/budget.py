@@ -166,17 +166,17 @@ def model_form(model: Model, scenario: ColumnImpact, quantity: str) -> Term:
     The reference is expected where the measured trend puts it.
     """
     title = dataset(TABLE).title
-    own = descriptors(scenario)
-    outside = beyond(own, RANGES)
+    given = descriptors(scenario)
+    outside = beyond(given, RANGES)
     if outside:
         text = f"not measured here: {', '.join(outside)} outside the columns of the study"
         return Term(MODEL_FORM, text, title, 0.0, None, None)
     variant = variant_of(model)
     for row in _rows():
         same = (row["model"], row["options"], row["quantity"]) == (model.name, variant, quantity)
-        if same and all(row[f"{name}_low"] <= own[name] < row[f"{name}_high"] for name in BOUNDS):
+        if same and all(row[f"{name}_low"] <= given[name] < row[f"{name}_high"] for name in BOUNDS):
             trend = Trend(**{name: row[name] for name in TREND})
-            off, width = trend.expected(own[DEMAND]), trend.half_width(own[DEMAND])
+            off, width = trend.expected(given[DEMAND]), trend.half_width(given[DEMAND])
             source = f"study {row['study']}"
             return Term(MODEL_FORM, _said(row, off, model), source, -off, width, width)
     text = f"not measured here: the study has no {model.name} {variant}".rstrip()

@@ -102,7 +102,7 @@ class CaseVerdict:
     high: float | None = None
 
     @property
-    def told(self) -> str:
+    def remark(self) -> str:
         """What there is to say of the case besides a number within or beyond the bound."""
         if self.doubt:
             return self.doubt
@@ -127,10 +127,10 @@ class GateVerdict:
     @property
     def counts(self) -> dict[str, int]:
         """Cases asked, how many of them ended in each verdict, and in how many a side collapses."""
-        found = [case.verdict for case in self.cases]
+        ends = [case.verdict for case in self.cases]
         collapses = sum(bool(case.collapsed) for case in self.cases)
-        verdicts = {each.value: found.count(each) for each in Verdict}
-        return {"asked": len(found), **verdicts, "collapses": collapses}
+        verdicts = {each.value: ends.count(each) for each in Verdict}
+        return {"asked": len(ends), **verdicts, "collapses": collapses}
 
     @property
     def verdict(self) -> Verdict:
@@ -138,10 +138,10 @@ class GateVerdict:
 
         A case without an answer may be the one that matters: nothing passes without it.
         """
-        found = {case.verdict for case in self.cases}
-        if Verdict.FAIL in found:
+        ends = {case.verdict for case in self.cases}
+        if Verdict.FAIL in ends:
             return Verdict.FAIL
-        return Verdict.PASS if found == {Verdict.PASS} else Verdict.INCONCLUSIVE
+        return Verdict.PASS if ends == {Verdict.PASS} else Verdict.INCONCLUSIVE
 
     @property
     def critical(self) -> CaseVerdict | None:
@@ -168,8 +168,8 @@ class GateVerdict:
             return ("the study asks no case of both sides",)
         kinds: dict[str, list[CaseVerdict]] = {what: [] for what in (*_OPEN, _DIFFERENT, _ALIKE)}
         for case in self.cases:
-            if case.told:
-                kinds.setdefault(case.told, []).append(case)
+            if case.remark:
+                kinds.setdefault(case.remark, []).append(case)
         return tuple(
             f"{what} in {len(cases)} of {len(self.cases)} asked cases: {_listed(cases)}"
             for what, cases in kinds.items()

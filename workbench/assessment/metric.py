@@ -112,18 +112,18 @@ class Metric:
         return self.compute(sides(self.scope, response, reference, quantity))
 
     def half_width(
-        self, value: float, reference: float, own: float | None, other: float | None
+        self, value: float, reference: float, width: float | None, reference_width: float | None
     ) -> float | None:
         """Half-width of a metric of scalars from those of both sides (None: unknown).
 
         Half-widths of the same coverage combine by the root of their squares (ASME V&V 20; a grid
         convergence index stands for about 95 %). Raises `InputError` for negative ones.
         """
-        if any(width is not None and not width >= 0.0 for width in (own, other)):
-            raise InputError("uncertainty", (own, other), "must not be negative")
-        if self.spread is None or own is None or other is None:
+        if any(each is not None and not each >= 0.0 for each in (width, reference_width)):
+            raise InputError("uncertainty", (width, reference_width), "must not be negative")
+        if self.spread is None or width is None or reference_width is None:
             return None
-        return self.spread(value, reference, own, other)
+        return self.spread(value, reference, width, reference_width)
 
 
 METRICS: dict[str, Metric] = {}
@@ -291,6 +291,6 @@ def relative_uncertainty(run: Run) -> float:
         raise InputError(f"response.{quantity}", None, "the response does not know this quantity")
     width, value = uncertainty_of(response, quantity), abs(float(response[quantity]))
     if width is None or value == 0.0:
-        said = "has no numerical uncertainty" if width is None else "is zero"
-        raise InputError(f"response.{quantity}", value, said, "see its attribute refinement")
+        text = "has no numerical uncertainty" if width is None else "is zero"
+        raise InputError(f"response.{quantity}", value, text, "see its attribute refinement")
     return width / value

@@ -62,12 +62,12 @@ class Budget:
         """The varied scenarios by name. Raises `InputError` for what is no impact on a column."""
         if not isinstance(scenario, ColumnImpact):
             raise InputError("budget", scenario.KIND, f"is for {ColumnImpact.KIND} alone")
-        found = {}
+        varied = {}
         for name, share in self.shares(scenario).items():
             for sign in (-1.0, 1.0):
                 factor = 1.0 + sign * share
-                found[_key(name, sign * share)] = _VARY[name](scenario, factor)
-        return {**found, _RATE_KEY: stronger(scenario, rate_factor(strain_rate(scenario)))}
+                varied[_key(name, sign * share)] = _VARY[name](scenario, factor)
+        return {**varied, _RATE_KEY: stronger(scenario, rate_factor(strain_rate(scenario)))}
 
     def shares(self, scenario: ColumnImpact) -> dict[str, float]:
         """Half-widths of the inputs that count in a scenario."""
@@ -89,14 +89,14 @@ class Budget:
         `variations` (absent: no answer).
         """
         peak = _value(answer, PEAK)
-        found = {}
+        by_quantity = {}
         for quantity in (PEAK, RESIDUAL):
             value = _value(answer, quantity)
             if value is None or peak is None or value < REMAINS * peak or value <= 0.0:
                 continue
             at = partial(_varied_value, varied_answers, quantity)
             width = uncertainty_of(answer, quantity) if WIDTHS in answer.attrs else 0.0
-            own = [
+            of_model = [
                 numerical_term(value, width),
                 model_form(model, scenario, quantity),
             ]
@@ -105,10 +105,10 @@ class Budget:
                 for name, share in self.shares(scenario).items()
                 for ends in [[at(_key(name, -share)), at(_key(name, share))]]
             ]
-            terms = [*own, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
-            sums = [together(REFERENCE, own), together(TOTAL, terms)]
-            found[quantity] = [*terms, *(sums if own[1].known else ())]
-        return found
+            terms = [*of_model, *inputs, _rate_term(scenario, value, at(_RATE_KEY))]
+            sums = [together(REFERENCE, of_model), together(TOTAL, terms)]
+            by_quantity[quantity] = [*terms, *(sums if of_model[1].known else ())]
+        return by_quantity
 
 
 def strain_rate(scenario: ColumnImpact) -> float:
@@ -133,8 +133,8 @@ def rate_factor(rate: float) -> float:
 def stronger(scenario: ColumnImpact, factor: float) -> ColumnImpact:
     """The scenario with another yield stress, and the strengths given for the section alike."""
     column = scenario.column
-    own = {name: getattr(column, name) for name in _STRENGTHS}
-    given = {name: factor * value for name, value in own.items() if value is not None}
+    strengths = {name: getattr(column, name) for name in _STRENGTHS}
+    given = {name: factor * value for name, value in strengths.items() if value is not None}
     steel = replace(column.steel, yield_stress=factor * column.steel.yield_stress)
     return replace(scenario, column=replace(column, steel=steel, **given))
 
@@ -163,9 +163,9 @@ def _key(name: str, share: float) -> str:
 
 def _rate_term(scenario: ColumnImpact, value: float, stronger_value: float | None) -> Term:
     rate = strain_rate(scenario)
-    found = varied_term(RATE, value, [stronger_value], "[@cowper-symonds1957]")
+    term = varied_term(RATE, value, [stronger_value], "[@cowper-symonds1957]")
     text = f"estimate: {rate_factor(rate):.2f} times the yield stress at {rate:.2g} 1/s, one-sided"
-    return replace(found, reason=text if found.known else found.reason, pulls=True)
+    return replace(term, reason=text if term.known else term.reason, pulls=True)
 
 
 def _value(answer: Response | None, quantity: str) -> float | None:

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
@@ -89,15 +90,16 @@ def respond(model: Model, scenario: Any, solve: Callable[[Any], Response]) -> Re
     return _signed(response, model, scenario, started)
 
 
-class Answering(Declared, table="option"):
+class Answering(Declared, ABC, table="option"):
     """A model whose fields are its options, and which solves a scenario by itself with `_solve`."""
 
     def simulate(self, scenario: Scenario) -> Response:
         """Answer a scenario of a kind that it answers; a failure is a response with its outcome."""
         return respond(self, scenario, self._solve)  # type: ignore[arg-type]
 
+    @abstractmethod
     def _solve(self, scenario: Any) -> Response:
-        raise NotImplementedError
+        """The response to a scenario inside the domain."""
 
 
 def _signed(response: Response, model: Model, scenario: Scenario, started: float) -> Response:

@@ -245,7 +245,7 @@ class _Refinement:
 
 def _drifts(known: Estimate) -> bool:
     """Whether the meshes do not converge, by more than what is small anyway."""
-    ladder = known.found
+    ladder = known.ladder
     if ladder is None or ladder.converging:
         return False
     return ladder.relative is None or ladder.relative > WELL_KNOWN
@@ -268,7 +268,7 @@ def _drift_text(quantities: Sequence[str], response: Response) -> str:
 def _table(known: Estimate, values: Mapping[str, float]) -> dict[str, Any]:
     """An estimate and its values, as the attributes of a response hold them."""
     table: dict[str, Any] = {"values": values, "parts": dict(known.parts), "note": known.note}
-    if known.found is not None:
+    if known.ladder is not None:
         for name in ("order", "extrapolated", "converging", "accepted"):
-            table[name] = getattr(known.found, name)
+            table[name] = getattr(known.ladder, name)
     return table

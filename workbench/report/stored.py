@@ -15,7 +15,7 @@ from workbench.study.definition import Study
 from workbench.study.store import NOT_RUN, UNREADABLE, Store
 from workbench.study.tables import read_table, rows_of
 
-BEST = "the best reference"  # stands for the one that counts in a case
+BEST = "the best reference"  # stands for the governing one of a case
 _UNKNOWN = {"outcome": NOT_RUN, "message": "", "key": ""}  # a cell that the tables do not have
 _TABLES = (
     *("cells", "findings", "comparisons", "ladder", "gates", "verdicts", "bias"),
@@ -160,7 +160,7 @@ class Stored:
     def errors(self, quantity: str, metric: str, against: str) -> dict[tuple[str, str], Any]:
         """Comparisons of one quantity by one metric, by (case, label).
 
-        `against`: one label, or `BEST`: in each case the reference that counts.
+        `against`: one label, or `BEST`: the governing reference of each case.
         """
         return {
             (row["case"], row["model"]): row
@@ -175,7 +175,7 @@ class Stored:
 
     @cached_property
     def _governing(self) -> dict[str, str]:
-        """The reference that counts in each case."""
+        """The governing reference of each case."""
         return {row["case"]: row["label"] for row in self.rows["references"]}
 
     def ladder(self, case: str, quantity: str) -> dict[str, Any] | None:

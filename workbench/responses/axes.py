@@ -37,8 +37,8 @@ def axis_of(
         known = pd.Index(values, name=name)
         index = PandasIndex(known, name, getattr(values, "dtype", None))
     held = PandasIndexingAdapter(known, index.coord_dtype)
-    own = _ATTRIBUTES[name] if attributes is None else dict(attributes)
-    return index, variable_of(xr.IndexVariable, (name,), held, own)
+    shown = _ATTRIBUTES[name] if attributes is None else dict(attributes)
+    return index, variable_of(xr.IndexVariable, (name,), held, shown)
 
 
 def shared_axis(name: str, parts: tuple[str, ...] | int) -> tuple[PandasIndex, xr.Variable]:

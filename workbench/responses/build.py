@@ -30,10 +30,10 @@ _TEXTS = ("hinge", "segment", "member", "upright", "run")  # coordinates that ar
 _RULES: dict[Any, Any] = {  # by variable: what it may stand over, its unit, the kinds of its type
     name: (
         [_KNOWN[of][name][0] for of in _KNOWN],
-        told["units"],
+        attributes["units"],
         _NAMES if name in _TEXTS else _NUMBERS,
     )
-    for name, (_, told) in _KNOWN["time"].items()
+    for name, (_, attributes) in _KNOWN["time"].items()
 }
 _LARGE = 1000  # numbers of an array that is looked at by itself
 _LARGEST = 1e60  # in any unit: what is beyond is as good as infinite, its square still a number
@@ -115,13 +115,13 @@ def response_of(
     variables: dict[Any, xr.Variable] = {}
     sizes: dict[Any, int] = {}
     indexes: dict[Any, Any] = {}
-    for name, (dims, values, told) in arrays.items():
+    for name, (dims, values, attributes) in arrays.items():
         sizes.update(zip(dims, values.shape, strict=True))
         if dims == (name,):
             words = values.astype(str) if values.dtype == object else values
-            indexes[name], variables[name] = axis_of(name, words, told)
+            indexes[name], variables[name] = axis_of(name, words, attributes)
         else:
-            variables[name] = variable_of(xr.Variable, dims, values, dict(told))
+            variables[name] = variable_of(xr.Variable, dims, values, dict(attributes))
     return xr.Dataset._construct_direct(variables, set(indexes), sizes, dict(attributes), indexes)
 
 
@@ -166,10 +166,9 @@ def collapse_of(response: Response) -> Collapse | None:
     """How the structure collapsed; None if it did not."""
     if outcome_of(response) is not Outcome.COLLAPSE:
         return None
-    told = json.loads(response.attrs["collapse"])
-    return Collapse(
-        Mechanism(told["mechanism"]), tuple(told["parts"]), told["displacement"], told["time"]
-    )
+    collapse = json.loads(response.attrs["collapse"])
+    mechanism, parts = Mechanism(collapse["mechanism"]), tuple(collapse["parts"])
+    return Collapse(mechanism, parts, collapse["displacement"], collapse["time"])
 
 
 def survives(response: Response) -> bool | None:
@@ -190,9 +189,9 @@ def findings_of(response: Response) -> list[Finding]:
 
 
 @lru_cache(maxsize=1024)
-def _findings(told: str) -> tuple[Finding, ...]:
+def _findings(stored: str) -> tuple[Finding, ...]:
     """Those in JSON: many responses carry the same ones."""
-    return tuple(map(Finding.from_dict, json.loads(told)))
+    return tuple(map(Finding.from_dict, json.loads(stored)))
 
 
 def is_synthetic(response: Response) -> bool:

@@ -64,7 +64,7 @@ def best_law(
         for weight in weights
         for exponents in given
     ]
-    return min(fits, key=lambda found: found.deviation), order
+    return min(fits, key=lambda fit: fit.deviation), order
 
 
 def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
@@ -78,8 +78,8 @@ def _power_law(phi: Array, sizes: Array, weights: Array) -> Fit | None:
     if best in (0, POINTS - 1):
         return None
     bounds, fine = (tried[best - 1], tried[best + 1]), {"xatol": 1e-10}
-    found = minimize_scalar(deviation, bounds=bounds, method="bounded", options=fine)
-    return _fitted(phi, sizes, weights, np.array([float(found.x)]), free=True)
+    best_fit = minimize_scalar(deviation, bounds=bounds, method="bounded", options=fine)
+    return _fitted(phi, sizes, weights, np.array([float(best_fit.x)]), free=True)
 
 
 def _fitted(phi: Array, sizes: Array, weights: Array, exponents: Array, free: bool = False) -> Fit:
@@ -190,18 +190,18 @@ def _of_law(levels: list[float], ratio: float, expected_order: float) -> Ladder:
     error, rest = abs(fit.finest - fit.limit), fit.deviation + abs(levels[-1] - fit.finest)
     width = factor * error + rest if scatter < 1.0 else CAUTIOUS * scatter * (error + rest)
     if order is None:
-        said = "they follow no power law, safety factor 3"
+        law = "they follow no power law, safety factor 3"
     elif reliable:
-        said = f"order {order:.2f}, expected {expected_order:g}"
+        law = f"order {order:.2f}, expected {expected_order:g}"
     elif scatter < 1.0:
-        said = (
+        law = (
             f"order {order:.2f} is outside {RELIABLE[0]:g} to {RELIABLE[1]:g} of "
             f"the expected {expected_order:g}, safety factor 3"
         )
     else:
-        said = "they scatter more than they differ, safety factor 3 and more"
+        law = "they scatter more than they differ, safety factor 3 and more"
     return Ladder(
-        *(levels[-1], fit.limit, width, f"fit to {len(levels)} levels: {said}", order, factor),
+        *(levels[-1], fit.limit, width, f"fit to {len(levels)} levels: {law}", order, factor),
         converging=order is not None and scatter < 1.0,
         accepted=reliable,
     )

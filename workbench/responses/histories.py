@@ -46,32 +46,32 @@ def implied(
             given[name] = array
     blow = "percussion" in given
     hit = blow or "load" in given
-    found: dict[str, Any] = {}
+    derived: dict[str, Any] = {}
     findings = []
     if time is not None and "displacement" in given:
         displacement = given["displacement"]
         peak = peak_of(time, displacement)
-        found |= peak
+        derived |= peak
         if hit and peak and "residual_displacement" not in values:
-            found["residual_displacement"] = residual_of(time, displacement)
+            derived["residual_displacement"] = residual_of(time, displacement)
         elif hit and not peak:
             findings.append(finding("still-growing", time=time[-1]))
     if time is not None and blow:
-        found["impulse"] = given["percussion"].sum()
+        derived["impulse"] = given["percussion"].sum()
         if "peak_force" not in values:
-            found["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
+            derived["peak_force"] = peak_contact_force(time[1:], given["percussion"][1:])
     balance = balance_error(given, static=time is None)
-    return {**found, **extremes(given), "balance_error": balance}, findings
+    return {**derived, **extremes(given), "balance_error": balance}, findings
 
 
 def extremes(values: Mapping[str, Array]) -> dict[str, float]:
     """Largest drift, plastic rotation (rad), sliding (m), compression, tension (N) of all parts."""
-    found = {}
+    largest = {}
     for name, (of, signs) in EXTREMES.items():
         if of in values:
             ends = {1: values[of].max(initial=0.0), -1: -values[of].min(initial=0.0)}
-            found[name] = max(0.0, *(float(ends[sign]) for sign in signs))
-    return found
+            largest[name] = max(0.0, *(float(ends[sign]) for sign in signs))
+    return largest
 
 
 def balance_error(values: Mapping[str, Array], *, static: bool) -> Array | None:

@@ -58,34 +58,34 @@ class Estimate:
     """What the runs say about one number of the answer.
 
     `width`, the half-width (None: unknown) in the unit of the number; `parts`, that of each
-    direction; `found`, the ladder of the meshes (None: a value is missing); `note`, one sentence.
+    direction; `ladder`, that of the meshes (None: a value is missing); `note`, one sentence.
     """
 
     width: float | None
     parts: Mapping[str, float | None]
-    found: Ladder | None
+    ladder: Ladder | None
     note: str
 
 
 def estimate(directions: Sequence[Direction], values: Mapping[str, float]) -> Estimate:
     """Half-width of a number from its `values` by run; a run without a value leaves it unknown."""
     parts: dict[str, float | None] = {}
-    found, missing = None, []
+    levels, missing = None, []
     for direction in directions:
         known = [values[run] for run in direction.runs if run in values]
         if len(known) < len(direction.runs):
             missing += [run for run in direction.runs if run not in values]
             parts[direction.name] = None
         elif direction.factor is None:
-            found = ladder(known)
-            parts[direction.name] = found.uncertainty
+            levels = ladder(known)
+            parts[direction.name] = levels.uncertainty
         else:
             parts[direction.name] = direction.factor * abs(known[1] - known[0])
     if missing:
         note = f"no value of {', '.join(dict.fromkeys(missing))}: unknown"
     else:
-        note = found.note if found is not None else "one mesh only: unknown"
-    return Estimate(combined(parts), parts, found, note)
+        note = levels.note if levels is not None else "one mesh only: unknown"
+    return Estimate(combined(parts), parts, levels, note)
 
 
 def combined(parts: Mapping[str, float | None]) -> float | None:
@@ -148,8 +148,8 @@ def variants(response: Response) -> Iterator[tuple[str, Response]]:
         curves = {}
         for variable, kept in CURVES.items():
             if kept in response:
-                own = response[variable]
-                curves[variable] = (own.dims, response[kept].sel(run=name).values, own.attrs)
+                curve = response[variable]
+                curves[variable] = (curve.dims, response[kept].sel(run=name).values, curve.attrs)
         yield str(name), response.assign(curves)
     yield FINEST, response
 

@@ -113,7 +113,7 @@ class Assessment:
     @property
     def failed(self) -> bool:
         """Whether a gate failed."""
-        return any(found.verdict is Verdict.FAIL for found in self.verdicts)
+        return any(judged.verdict is Verdict.FAIL for judged in self.verdicts)
 
 
 def assess(study: Study, root: Path, *, earlier: bool = False) -> Assessment:

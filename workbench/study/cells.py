@@ -69,8 +69,8 @@ def ingredients_of(scenario: Scenario, model: Model) -> dict[str, Any]:
     try:
         options = json.loads(json.dumps(options, sort_keys=True, allow_nan=False))
     except (TypeError, ValueError) as error:
-        said = f"of {model.name} cannot be stored: {error}"
-        raise InputError("model options", options, said) from error
+        text = f"of {model.name} cannot be stored: {error}"
+        raise InputError("model options", options, text) from error
     reading = getattr(scenario, "READING", 0)
     return {
         **({"reading": reading} if reading else {}),

@@ -69,8 +69,8 @@ class Answers:
         if collapse is not None:
             return f"{label}: {collapse} ({collapse.mechanism}, {', '.join(collapse.parts)})"
         refusals = [finding.text for finding in findings_of(response) if finding.refusal]
-        said = refusals[0] if refusals else response.attrs["message"]
-        return f"{label}: {outcome_of(response)}, {said}"
+        reason = refusals[0] if refusals else response.attrs["message"]
+        return f"{label}: {outcome_of(response)}, {reason}"
 
     def levels(self) -> list[str]:
         """Labels of the ladder that answered, coarse to fine, without a gap up to the finest."""
@@ -100,9 +100,9 @@ def of_side(answers: Answers, label: str, quantity: str) -> Known:
         note = f"{label}: {own_note(response, quantity)}"
         return numerical.uncertainty_of(response, quantity), note
     if label == answers.study.reference:
-        found = quantity_ladder(answers, quantity)
-        if found is not None:
-            return found.uncertainty, f"ladder of {label}: {found.note}"
+        levels = quantity_ladder(answers, quantity)
+        if levels is not None:
+            return levels.uncertainty, f"ladder of {label}: {levels.note}"
         if "data_uncertainty" not in response.attrs:
             return None, _no_ladder(label)
     if "sampling_uncertainty" in response.attrs:
@@ -174,8 +174,9 @@ def _refined(response: Response) -> bool:
 
 def _said(basis: Mapping[str, Any]) -> str:
     """The statements of a refinement in one line, without those that another one repeats."""
-    said = list(dict.fromkeys(basis["statements"]))
-    return "; ".join(text for text in said if not any(text != o and text in o for o in said))
+    statements = list(dict.fromkeys(basis["statements"]))
+    repeated = {a for a in statements for b in statements if a != b and a in b}
+    return "; ".join(text for text in statements if text not in repeated)
 
 
 def _no_ladder(label: str) -> str:
@@ -248,16 +249,15 @@ def judged(given: Compared, metric: Metric) -> Comparison:
             width, note = _spread(answers, label, quantity, values)
             widths.append(width)
             notes.append(note)
-        own, other = widths
-        width = None if own is None or other is None else hypot(own, other)
-        return Comparison(value, width, joined(*notes))
-    own, note = of_side(answers, model, quantity)
-    other, other_note = of_side(answers, against, quantity)
+        known = [width for width in widths if width is not None]
+        return Comparison(value, hypot(*known) if len(known) == 2 else None, joined(*notes))
+    own_width, note = of_side(answers, model, quantity)
+    other_width, other_note = of_side(answers, against, quantity)
     sampled = numerical.sampled_interval(answers.responses[model], quantity)
     ends: list[float] = []
-    if sampled is not None and other == 0.0:
+    if sampled is not None and other_width == 0.0:
         ends = sorted(metric.compute(both._replace(value=end)) for end in sampled)
-    width = metric.half_width(both.value, both.reference, own, other)
+    width = metric.half_width(both.value, both.reference, own_width, other_width)
     return Comparison(value, width, joined(note, other_note), both.value, both.reference, *ends)
 
 
@@ -317,13 +317,13 @@ def ladder_row(answers: Answers, quantity: str) -> Row | None:
         response = answers.ok(label)
         if response is not None and quantity in response:
             row[label] = float(response[quantity])
-    found = quantity_ladder(answers, quantity)
-    if found is None:
+    levels = quantity_ladder(answers, quantity)
+    if levels is None:
         failed = [answers.why_not(label) for label in present if answers.ok(label) is None]
         missing = [label for label in present if label not in row]
         row["note"] = "; ".join(failed) or f"{quantity} is absent in {', '.join(missing)}"
         return row
-    return {**row, **{name: getattr(found, name) for name in LADDER_COLUMNS}}
+    return {**row, **{name: getattr(levels, name) for name in LADDER_COLUMNS}}
 
 
 def _own_ladder(case: Case, response: Response, quantity: str) -> Row | None:

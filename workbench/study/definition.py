@@ -191,8 +191,8 @@ class Study:
 
         The meshes that stand behind each answer of the reference, else the labels of the ladder.
         """
-        own = int(getattr(self.models[self.reference], "levels", 1))
-        return level_names(own) if own > 1 else self.ladder
+        levels = int(getattr(self.models[self.reference], "levels", 1))
+        return level_names(levels) if levels > 1 else self.ladder
 
     def cells(self) -> Iterator[tuple[Case, str]]:
         """Every case with every label that is to answer it, in a fixed order."""
@@ -244,8 +244,8 @@ class Study:
 
         def shown(parts: Iterable[T]) -> tuple[T, ...]:
             """Parts with the labels that are kept; those that lose all of theirs go."""
-            found = ((part, kept(part.models)) for part in parts)
-            return tuple(replace(p, models=own) for p, own in found if own or not p.models)
+            pairs = ((part, kept(part.models)) for part in parts)
+            return tuple(replace(p, models=labels) for p, labels in pairs if labels or not p.models)
 
         cases = shown(case for case in self.cases if case.quick)
         names = {case.name for case in cases}
@@ -265,9 +265,9 @@ class Study:
         }
         if len(left_out["cases"]) > _NAMED:
             left_out["cases"] = [f"({len(left_out['cases'])} of {len(self.cases)})"]
-        told = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out.items() if which)
+        parts = "; ".join(f"{what} {', '.join(which)}" for what, which in left_out.items() if which)
         count = f"{len(gates)} of {len(self.gates)} gates"
-        note = f"Quick form, {count}. Left out: {told or 'nothing'}."
+        note = f"Quick form, {count}. Left out: {parts or 'nothing'}."
         return replace(
             self,
             name=f"{self.name}-quick",

@@ -238,8 +238,8 @@ class DaskCluster:
         try:
             client = distributed.Client(self.address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError) as error:
-            said, advice = f"does not answer: {error}", "start it, or leave it out"
-            raise InputError("--scheduler", self.address, said, advice) from error
+            text, advice = f"does not answer: {error}", "start it, or leave it out"
+            raise InputError("--scheduler", self.address, text, advice) from error
         with client, client.as_current():
             by_key = {task.key: task for task in tasks}
             futures = [
@@ -269,7 +269,7 @@ def _library() -> Any:
     try:
         import distributed
     except ImportError as error:
-        said = "needs the library distributed, which is not installed"
+        text = "needs the library distributed, which is not installed"
         advice = 'pip install "workbench[scale]"'
-        raise InputError("--scheduler", "dask", said, advice) from error
+        raise InputError("--scheduler", "dask", text, advice) from error
     return distributed

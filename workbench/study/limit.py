@@ -100,36 +100,39 @@ def find_limit(
         return trials[value].survives
 
     first, last = ends
-    stands = falls = None
+    survived_at = collapsed_at = None
     for part in range(PARTS + 1):
         value = last if part == PARTS else first + (last - first) * part / PARTS
-        found = tried(value)
-        if found:
-            stands = value
-        elif found is False:
-            falls = value
+        survived = tried(value)
+        if survived:
+            survived_at = value
+        elif survived is False:
+            collapsed_at = value
             break
-    settled = falls == first or (falls is None and all(t.survives for t in trials.values()))
+    all_survive = all(trial.survives for trial in trials.values())
+    settled = collapsed_at == first or (collapsed_at is None and all_survive)
     least = tolerance * SMALL * abs(last - first)
-    while stands is not None and falls is not None:
+    while survived_at is not None and collapsed_at is not None:
         silent = [t.value for t in trials.values() if t.survives is None]
-        inside, start, end = _gap(stands, falls, silent)
-        if abs(end - start) <= max(least, tolerance * max(abs(stands), abs(falls))):
+        inside, start, end = _gap(survived_at, collapsed_at, silent)
+        if abs(end - start) <= max(least, tolerance * max(abs(survived_at), abs(collapsed_at))):
             settled = not inside
             break
         middle = 0.5 * (start + end)
-        found = tried(middle)
-        stands, falls = (middle if found else stands), (middle if found is False else falls)
-    return Limit(model.name, stands, falls, settled, tuple(trials.values()))
+        survived = tried(middle)
+        survived_at = middle if survived else survived_at
+        collapsed_at = middle if survived is False else collapsed_at
+    return Limit(model.name, survived_at, collapsed_at, settled, tuple(trials.values()))
 
 
-def _gap(stands: float, falls: float, silent: list[float]) -> tuple[bool, float, float]:
+def _gap(survived_at: float, collapsed_at: float, silent: list[float]) -> tuple[bool, float, float]:
     """Whether values without an answer lie in the bracket, and what to halve next.
 
     That is the bracket, or the wider gap between an end of it and the nearest such value.
     """
-    inside = sorted((v for v in silent if (v - stands) * (v - falls) < 0.0), reverse=falls < stands)
-    ends = [stands, *inside, falls]
+    low, high = sorted((survived_at, collapsed_at))
+    inside = sorted((v for v in silent if low < v < high), reverse=collapsed_at < survived_at)
+    ends = [survived_at, *inside, collapsed_at]
     start, end = max((ends[:2], ends[-2:]), key=lambda gap: abs(gap[1] - gap[0]))
     return bool(inside), start, end
 
@@ -145,7 +148,7 @@ def ask(model: Model, value: float, scenario: Any) -> Trial:
         scenario = replace(scenario, duration=longer)
         response = model.simulate(scenario)
     collapse = collapse_of(response)
-    open_end = [str(found) for found in warnings_of(response) if found.subject == NO_PEAK]
+    open_end = [str(finding) for finding in warnings_of(response) if finding.subject == NO_PEAK]
     return Trial(
         value,
         survives(response),
@@ -189,13 +192,13 @@ def pressure_impulse_curve(
     for length in lengths:
         pulse = replace(scenario.pulse, length=length)
         duration = min(DURATION.high, pulse.end + scenario.duration)
-        asked = replace(scenario, pulse=pulse, duration=duration)
-        found = _peak(alone, asked, displacement)
-        if isinstance(found, str):
-            points.append(Point(length, None, None, found))
+        lengthened = replace(scenario, pulse=pulse, duration=duration)
+        peak = _peak(alone, lengthened, displacement)
+        if isinstance(peak, str):
+            points.append(Point(length, None, None, peak))
         else:
-            reached = replace(pulse, peak=found)
-            points.append(Point(length, found, reached.whole))
+            reached = replace(pulse, peak=peak)
+            points.append(Point(length, peak, reached.whole))
     return points
 
 
@@ -212,22 +215,22 @@ def _peak(model: Model, scenario: Any, displacement: float) -> float | str:
         return float(response["displacement"].max()) >= displacement
 
     low = high = scenario.pulse.peak
-    first = found = reaches(high)
+    first = reached = reaches(high)
     for _ in range(_MOST):
-        if isinstance(found, str):
-            return found
-        if found != first:
+        if isinstance(reached, str):
+            return reached
+        if reached != first:
             break
         low, high = (low, high * _GROWTH) if not first else (low / _GROWTH, high)
-        found = reaches(high if not first else low)
+        reached = reaches(high if not first else low)
     else:
         return "no peak between the largest and the least that were tried reaches it"
     low = high / _GROWTH if not first else low
     high = high if not first else low * _GROWTH
     while high > low * (1.0 + _TOLERANCE):
         middle = sqrt(low * high)
-        found = reaches(middle)
-        if isinstance(found, str):
-            return found
-        low, high = (low, middle) if found else (middle, high)
+        reached = reaches(middle)
+        if isinstance(reached, str):
+            return reached
+        low, high = (low, middle) if reached else (middle, high)
     return sqrt(low * high)

@@ -22,13 +22,13 @@ class LoadedStudy:
 
 def study_files() -> dict[str, Path]:
     """Study files by name: those in ``studies/`` here, then those of the source tree."""
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     source_tree = Path(__file__).resolve().parents[2]
     for directory in (Path("studies"), source_tree / "studies"):
         for path in sorted(directory.glob("*.py")):
             if not path.stem.startswith("_"):
-                found.setdefault(path.stem, path)
-    return found
+                files.setdefault(path.stem, path)
+    return files
 
 
 def load_study(name: str | Path) -> LoadedStudy:
@@ -76,8 +76,8 @@ def study_in(path: Path) -> Study:
             trace = extract_tb(error.__traceback__)
             lines = [frame.lineno for frame in trace if frame.filename == str(path)]
             where = f"line {lines[-1]}: " if lines else ""
-            said = f"cannot be loaded: {where}{message_of(error)}"
-            raise InputError("study", path.name, said) from error
+            text = f"cannot be loaded: {where}{message_of(error)}"
+            raise InputError("study", path.name, text) from error
     study = getattr(sys.modules[name], "study", None)
     if not isinstance(study, Study):
         raise InputError("study", path.name, "must define study = Study(...)")

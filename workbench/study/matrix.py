@@ -63,11 +63,11 @@ def against_governing(tables: Tables) -> pd.DataFrame:
     Column `telling`: the ratio says something. Both numbers are positive, and a residual
     displacement is no small part of the peak.
     """
-    found = tables["comparisons"]
-    label = found["case"].map(governing_references(tables)["label"])
-    found = found[(found["metric"] == "relative_error") & (found["against"] == label)]
-    peaks = found[found["quantity"] == PEAK].set_index(["case", "model"])["against_value"]
-    pairs = found.join(peaks.rename("peak"), on=["case", "model"])
+    compared = tables["comparisons"]
+    label = compared["case"].map(governing_references(tables)["label"])
+    compared = compared[(compared["metric"] == "relative_error") & (compared["against"] == label)]
+    peaks = compared[compared["quantity"] == PEAK].set_index(["case", "model"])["against_value"]
+    pairs = compared.join(peaks.rename("peak"), on=["case", "model"])
     remains = (pairs["quantity"] != RESIDUAL) | (pairs["against_value"] >= REMAINS * pairs["peak"])
     positive = pairs[["value", "against_value"]].min(axis=1) > 0.0
     return pairs.assign(telling=positive & remains).set_index(["case", "model", "quantity"])
@@ -144,13 +144,13 @@ def _compared(
     """Bias of `quantity`, as a rule the peak, and of the residual displacement over a group."""
     row: dict[str, object] = {}
     for name, judged in ((PEAK, quantity), (RESIDUAL, RESIDUAL)):
-        found = telling(pairs, label, judged)
-        found = found[found.index.isin(cases)]
-        if len(found):
-            pooling = pooled(found)
+        compared = telling(pairs, label, judged)
+        compared = compared[compared.index.isin(cases)]
+        if len(compared):
+            pooling = pooled(compared)
             row |= {f"{name}_{number}": pooling[number] for number in _POOLED}
         if name == PEAK:
-            row["against_outside"] = (held["inside"].reindex(found.index) == 0).sum()
+            row["against_outside"] = (held["inside"].reindex(compared.index) == 0).sum()
     return row
 
 
@@ -170,17 +170,17 @@ def pooled(pairs: pd.DataFrame) -> dict[str, object]:
     Two cases tell no scatter. `least` and `most` are the ends of the ratios, `worst` is the error
     of largest magnitude, `within` the largest with its uncertainty (None: unknown in a case).
     """
-    found = bias_and_scatter(pairs["value"], pairs["against_value"])
+    bias = bias_and_scatter(pairs["value"], pairs["against_value"])
     errors, widths = pairs["value"] / pairs["against_value"] - 1.0, pairs["uncertainty"]
     # numerical errors have one sign over the cases: they shift the bias, they do not scatter
     known = (widths * pairs["against_value"] / pairs["value"]).dropna()
     common = float(known.mean()) if len(known) else 0.0
     unknown = len(pairs) - len(known)
-    low, high = (None, None) if len(pairs) == 2 else (found.low, found.high)
+    low, high = (None, None) if len(pairs) == 2 else (bias.low, bias.high)
     if len(pairs) == 1 and len(known):
-        low = high = found.bias
+        low = high = bias.bias
     return {
-        **asdict(found),
+        **asdict(bias),
         "low": None if low is None else low * (1.0 - common),
         "high": None if high is None else high * (1.0 + common),
         "uncertainty": common if len(known) else None,
@@ -196,10 +196,13 @@ def pooled(pairs: pd.DataFrame) -> dict[str, object]:
 
 def bias_rows(study: Study, tables: Tables) -> Iterator[Row]:
     """Bias and scatter of every model against the reference over the cases, per quantity."""
-    found = tables["comparisons"]
-    found = found[(found["against"] == study.reference) & (found["metric"] == "relative_error")]
-    found = found[(found["value"] > 0.0) & (found["against_value"] > 0.0)]
-    for (model, quantity), pairs in found.groupby(["model", "quantity"], sort=False):
+    compared = tables["comparisons"]
+    of_reference = (compared["against"] == study.reference) & (
+        compared["metric"] == "relative_error"
+    )
+    positive = (compared["value"] > 0.0) & (compared["against_value"] > 0.0)
+    compared = compared[of_reference & positive]
+    for (model, quantity), pairs in compared.groupby(["model", "quantity"], sort=False):
         if len(pairs) >= _FEWEST_FOR_BIAS:
             row = {"model": model, "against": study.reference, "quantity": quantity}
             yield {**row, **pooled(pairs)}

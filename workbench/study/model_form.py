@@ -46,19 +46,19 @@ COLUMNS = (
 RANGE_COLUMNS = texts("descriptor") | numbers("low", "high")
 
 
-def model_form_rows(study: Study, found: Assessment) -> Iterator[Row]:
+def model_form_rows(study: Study, assessed: Assessment) -> Iterator[Row]:
     """A row for every model, quantity and region with enough compared columns.
 
     A reference is held against better ones only. Wide regions stand in for narrow ones with too
     few columns. Raises `InputError` if the study has no compared impact on a column.
     """
     hits = pd.DataFrame({name: descriptors(hit) for name, hit in hits_of(study).items()}).T
-    governing = governing_references(found.tables)
-    pairs = against_governing(found.tables)
+    governing = governing_references(assessed.tables)
+    pairs = against_governing(assessed.tables)
     if pairs.empty or hits.empty:
         text = "has no impact on a column that is answered and compared"
         raise InputError("study", study.name, text, "run it first")
-    store, cells = Store(found.directory), found.tables["cells"]
+    store, cells = Store(assessed.directory), assessed.tables["cells"]
     answered = map(store.record, cells.loc[cells["outcome"] != NOT_RUN, "key"])
     commits = sorted({record["provenance"].get("commit", "unknown") for record in answered})
     versions = dict(zip(cells["label"], cells["model_version"], strict=True))
@@ -137,11 +137,11 @@ def _holds(region: Row, drawn: pd.DataFrame) -> pd.Series:
 def _numbers(demand: Array, ratios: Array) -> Row:
     """The trend of log ratios, and how many of them the interval of the others holds."""
     held = 0
-    for i, own in enumerate(ratios):
+    for i, ratio in enumerate(ratios):
         others = trend_of(np.delete(demand, i), np.delete(ratios, i))
-        held += bool(abs(own - others.expected(demand[i])) <= others.half_width(demand[i]))
-    found = asdict(trend_of(demand, ratios))
-    rounded = {name: float(f"{found[name]:.4g}") for name in TREND if name != "count"}
+        held += bool(abs(ratio - others.expected(demand[i])) <= others.half_width(demand[i]))
+    trend = asdict(trend_of(demand, ratios))
+    rounded = {name: float(f"{trend[name]:.4g}") for name in TREND if name != "count"}
     return {"count": len(ratios), "held_out": held, **rounded}
 
 

@@ -293,7 +293,7 @@ class Store:
 
 def _answers(response: Response, asked: Ingredients, outcome: str) -> bool:
     """Whether a response says that it answers what is asked, and ended as its record says."""
-    told = response.attrs
-    same = all(told[mine] == asked[name] for name, mine in _SIGNED.items())
-    options = json.loads(told["options"])
+    attributes = response.attrs
+    same = all(attributes[mine] == asked[name] for name, mine in _SIGNED.items())
+    options = json.loads(attributes["options"])
     return same and options == asked["options"] and outcome_of(response) == outcome

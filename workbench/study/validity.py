@@ -68,13 +68,13 @@ def errors_of(study: Study, tables: Tables) -> pd.DataFrame:
     ratios = pairs.pivot_table("ratio", "case", "model")
     outcomes = tables["cells"].pivot_table("outcome", "case", "label", aggfunc="first")
     labels = [label for label in study.models if label in outcomes and label not in study.ranked]
-    own, reference = outcomes.reindex(index=governing.index)[labels], governing["outcome"]
-    errors = ratios.reindex(index=own.index, columns=labels) - 1.0
+    ends, reference = outcomes.reindex(index=governing.index)[labels], governing["outcome"]
+    errors = ratios.reindex(index=ends.index, columns=labels) - 1.0
     for label in labels:
-        falls, stands = own[label] == Outcome.COLLAPSE, own[label] == Outcome.OK
-        errors.loc[falls & (reference == Outcome.COLLAPSE), label] = 0.0
-        errors.loc[falls & (reference == Outcome.OK), label] = inf
-        errors.loc[stands & (reference == Outcome.COLLAPSE), label] = -inf
+        collapsed, survived = ends[label] == Outcome.COLLAPSE, ends[label] == Outcome.OK
+        errors.loc[collapsed & (reference == Outcome.COLLAPSE), label] = 0.0
+        errors.loc[collapsed & (reference == Outcome.OK), label] = inf
+        errors.loc[survived & (reference == Outcome.COLLAPSE), label] = -inf
     return errors.dropna(axis="columns", how="all")
 
 
@@ -206,13 +206,14 @@ def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
     for group, names in study.groups.items():
         if len(names) < LARGE_GROUP:
             continue
-        own = errors[errors.index.isin(names)].dropna(axis="columns", how="all")
-        ranks = pd.DataFrame({"hits": -(own.abs() <= BEYOND).sum(), "size": own.abs().median()})
-        order = ranks.sort_values(["hits", "size"], kind="stable").index
+        of_models = errors[errors.index.isin(names)].dropna(axis="columns", how="all")
+        sizes = of_models.abs()
+        ranks = pd.DataFrame({"missed": -(sizes <= BEYOND).sum(), "size": sizes.median()})
+        order = ranks.sort_values(["missed", "size"], kind="stable").index
         of_group = cells[cells["case"].isin(names)]
         for label in order:
             ends = of_group.loc[of_group["label"] == label, "outcome"]
-            judged = own[label].dropna()
+            judged = of_models[label].dropna()
             counted = _counted(judged)
             yield {
                 "group": group,
@@ -223,7 +224,7 @@ def ranking_rows(study: Study, tables: Tables) -> Iterator[Row]:
                 "median": counted.pop("bias", None),
                 **counted,
                 "refused": (ends == Outcome.OUT_OF_DOMAIN).sum(),
-                **_paired(own[order[0]].abs(), own[label].abs(), order[0]),
+                **_paired(sizes[order[0]], sizes[label], order[0]),
             }
 
 

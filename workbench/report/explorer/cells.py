@@ -162,7 +162,7 @@ def numbers_of(
 ) -> dict[str, Any]:
     """Return the facts of a cell: outcome, numbers and their `errors` by quantity.
 
-    `best`, the reference that counts (None: none may judge, as it is made of no tests); `sure`,
+    `best`, the governing reference (None: none may judge, as it is made of no tests); `sure`,
     whether it is inside its domain.
     """
     content: dict[str, Any] = {

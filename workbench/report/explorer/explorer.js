@@ -83,13 +83,13 @@ const drawHistory = () => {
     const places = band.t.map((time) => 1e3 * time);
     const middle = band.t.map((time) => d[nearest(t, time)]);
     between(plot, places, middle.map((v, i) => 1e3 * Math.max(v - band.w[i], range[0] / 1e3)), middle.map((v, i) => 1e3 * Math.min(v + band.w[i], range[1] / 1e3)), data.colors.band, 0.35);
-    told.push(`Band: numerical uncertainty of ${here.reference}, the reference that counts here.`);
+    told.push(`Band: numerical uncertainty of ${here.reference}, the governing reference.`);
   });
   known.forEach(({ one, t }) => {
     if (t || !one.width || one.model !== here.reference) return;
     const [least, most] = [one.peak - one.width, one.peak + one.width].map((v) => Math.min(1e3 * v, range[1]));
     between(plot, [0, 1e3 * end()], [least, least], [most, most], data.colors.band, 0.35);
-    told.push(`Band: uncertainty of the peak of ${one.model}, the reference that counts here.`);
+    told.push(`Band: uncertainty of the peak of ${one.model}, the governing reference.`);
   });
   known.forEach(({ one, model, t, d }) => {
     if (t) {
